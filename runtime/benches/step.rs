@@ -1,0 +1,108 @@
+//! Time of one controller step: `cargo bench -p runtime`.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use runtime::attitude::{AttitudeMeasurement, Quaternion};
+use runtime::membership::{ConstantGain, Membership, RigidBodyBox};
+use runtime::nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
+use runtime::trigger::{Adaptation, ThresholdUpdate};
+use runtime::{wu2018, xu2020};
+
+const STEPS: usize = 2_000_000;
+const REPEATS: usize = 5;
+
+fn main() {
+    for (name, threshold) in [("every sample sent", 0.0), ("rarely sent", 0.9)] {
+        let plane = RigidBodyBox::new([0.1; 3], 0.75).expect("a box");
+        report(
+            &format!("xu2020, 16 gains, {name}"),
+            fuzzy(plane, [gain(); 16], threshold),
+        );
+        report(
+            &format!("xu2020, 1 gain, {name}"),
+            fuzzy(ConstantGain, [gain()], threshold),
+        );
+    }
+    report(
+        "wu2018, every sample sent",
+        wu(wu2018::TriggerRule::EverySample),
+    );
+    report(
+        "wu2018, relative trigger",
+        wu(wu2018::TriggerRule::Relative {
+            relative: 0.5,
+            absolute_rad_s: 1e-6,
+        }),
+    );
+}
+
+fn report(name: &str, mut step: impl FnMut(usize)) {
+    let best = (0..REPEATS)
+        .map(|repeat| {
+            let start = Instant::now();
+            for index in 1..=STEPS {
+                step(repeat * STEPS + index);
+            }
+            start.elapsed().as_secs_f64() / STEPS as f64
+        })
+        .fold(f64::INFINITY, f64::min);
+    println!("{name:<40} {:>8.1} ns per step", 1e9 * best);
+}
+
+fn gain() -> Matrix3x6<f64> {
+    Matrix3x6::from_fn(|row, column| if column % 3 == row { -100.0 } else { 1.0 })
+}
+
+fn phase(index: usize) -> f64 {
+    (index % 1024) as f64 / 1024.0
+}
+
+fn fuzzy<S: Membership<6, R>, const R: usize>(
+    membership: S,
+    gains: [Matrix3x6<f64>; R],
+    threshold: f64,
+) -> impl FnMut(usize) {
+    let adaptation = Adaptation {
+        amplitude: 10.0,
+        slope: 1.0,
+        dead_band: 0.02,
+    };
+    let mut controller = xu2020::Controller::new(xu2020::Parameters {
+        gains,
+        membership,
+        trigger_weight: Matrix6::identity(),
+        threshold_update: ThresholdUpdate::Clamped {
+            adaptation,
+            minimum: threshold,
+            maximum: threshold,
+        },
+        torque_limit: Vector3::repeat(2.0),
+        longest_interval_s: Some(0.1),
+    })
+    .expect("valid parameters");
+    move |index| {
+        let state = Vector6::repeat(0.03 + 0.01 * phase(index));
+        black_box(controller.step(0.01 * index as f64, black_box(&state)));
+    }
+}
+
+fn wu(trigger: wu2018::TriggerRule) -> impl FnMut(usize) {
+    let mut controller = wu2018::Controller::new(wu2018::Parameters {
+        gains: wu2018::Gains {
+            error_gain: 26.0,
+            attitude_weight: 0.08,
+        },
+        trigger,
+        torque_limit: Vector3::repeat(0.2),
+        unwinding: wu2018::Unwinding::AsPublished,
+    })
+    .expect("valid parameters");
+    move |index| {
+        let measurement = AttitudeMeasurement {
+            error: Quaternion::new(0.999, Vector3::new(0.04 * phase(index), 0.01, -0.02)),
+            rate_rad_s: Vector3::new(1e-3, -1e-3, 2e-3),
+        };
+        black_box(controller.step(0.01 * index as f64, black_box(&measurement)));
+    }
+}

@@ -1,0 +1,35 @@
+//! Links only if no panic can be reached from the controllers: the panic handler calls a function
+//! that does not exist, and the linker finds out unless the optimiser has removed every call of it.
+#![no_std]
+#![no_main]
+
+use core::panic::PanicInfo;
+
+// Program start and memcpy; a program without std is linked without them.
+#[link(name = "c")]
+unsafe extern "C" {}
+
+unsafe extern "C" {
+    safe fn panic_code_is_linked() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    panic_code_is_linked()
+}
+
+/// Exit status 0 when the controllers command some torque within their limits.
+///
+/// With the feature `control-panic` one assertion is in, and the link must fail: the check can fail.
+#[no_mangle]
+pub extern "C" fn main() -> i32 {
+    #[cfg(feature = "control-panic")]
+    assert!(core::hint::black_box(true));
+    let torque = no_std_check::exercise_controllers();
+    let number = no_std_check::exercise_algebra();
+    match (torque, number) {
+        (Ok(torque), Ok(number)) if torque > 0.0 && torque <= 2.0 && number.is_finite() => 0,
+        (Ok(_), Ok(_)) => 1,
+        _ => 2,
+    }
+}

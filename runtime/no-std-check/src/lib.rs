@@ -1,0 +1,124 @@
+//! Every controller of the runtime crate, used as flight software would use it.
+//!
+//! `black_box` hides each value and each choice of a variant from the optimiser, so that no branch
+//! is removed because of the numbers given here.
+#![no_std]
+#![forbid(unsafe_code)]
+
+use core::hint::black_box;
+
+use runtime::attitude::{skew, AttitudeMeasurement, Quaternion};
+use runtime::command::Command;
+use runtime::error::ParameterError;
+use runtime::membership::{
+    ConstantGain, GaussianRules, Membership, RigidBodyBox, RIGID_BODY_VERTICES,
+};
+use runtime::nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
+use runtime::saturation::Saturation;
+use runtime::trigger::{Adaptation, ThresholdUpdate};
+use runtime::{wu2018, xu2020};
+
+/// Largest torque, N m, that any controller commands over a few samples.
+pub fn exercise_controllers() -> Result<f64, ParameterError> {
+    let plane = RigidBodyBox::new(black_box([0.1; 3]), black_box(0.75))?;
+    let local = GaussianRules::new(
+        black_box([Vector6::zeros(), Vector6::repeat(0.5)]),
+        black_box(Vector6::repeat(0.3)),
+    )?;
+    let torques = [
+        fuzzy::<_, 1>(ConstantGain)?,
+        fuzzy::<_, 1>(plane)?,
+        fuzzy::<_, RIGID_BODY_VERTICES>(plane)?,
+        fuzzy::<_, 2>(local)?,
+        wu(wu2018::Unwinding::AsPublished)?,
+        wu(wu2018::Unwinding::ShortestRotation {
+            hysteresis: black_box(0.1),
+        })?,
+    ];
+    Ok(torques.into_iter().fold(0.0, f64::max))
+}
+
+/// A number that depends on every function of the attitude algebra and of the saturation.
+pub fn exercise_algebra() -> Result<f64, ParameterError> {
+    let axis = black_box(Vector3::new(1.0, 2.0, -2.0));
+    let turn = Quaternion::from_axis_angle(&axis, black_box(0.4)).unwrap_or(Quaternion::identity());
+    let euler = Quaternion::from_euler_321(black_box(0.1), black_box(0.2), black_box(-0.3));
+    let error = (turn * euler).conjugate().shortest();
+    let [q0, ..] = error.to_scalar_first();
+    let [.., last] = (-error).to_scalar_last();
+    let matrix = error.direction_cosine_matrix() + skew(&axis);
+    let saturation = Saturation::new(black_box(Vector3::repeat(0.5)))?;
+    let torque = saturation.saturate(&(matrix * axis)) + saturation.dead_zone(&axis);
+    Ok(q0 + last + torque.dot(saturation.limit()) + error.rotation_angle_rad())
+}
+
+fn fuzzy<S, const R: usize>(membership: S) -> Result<f64, ParameterError>
+where
+    S: Membership<6, R>,
+{
+    let adaptation = black_box(Adaptation {
+        amplitude: 10.0,
+        slope: 1.0,
+        dead_band: 0.02,
+    });
+    let threshold_update = ThresholdUpdate::Clamped {
+        adaptation,
+        minimum: 0.1,
+        maximum: 0.2,
+    };
+    let mut controller = xu2020::Controller::new(xu2020::Parameters {
+        gains: black_box([Matrix3x6::repeat(-1.0); R]),
+        membership,
+        trigger_weight: black_box(Matrix6::identity()),
+        threshold_update: black_box(threshold_update),
+        torque_limit: black_box(Vector3::repeat(2.0)),
+        longest_interval_s: black_box(Some(0.1)),
+    })?;
+    Ok(largest_torque(|time_s, measurement| {
+        let command = controller.step(time_s, &measurement.rigid_body_state());
+        if command.torque.norm() > 1e3 {
+            controller.reset();
+        }
+        command
+    }))
+}
+
+fn wu(unwinding: wu2018::Unwinding) -> Result<f64, ParameterError> {
+    let mut controller = wu2018::Controller::new(wu2018::Parameters {
+        gains: wu2018::Gains::from_settling_time(black_box(160.0), 1.0, 100.0)?,
+        trigger: black_box(wu2018::TriggerRule::Relative {
+            relative: 0.5,
+            absolute_rad_s: 1e-6,
+        }),
+        torque_limit: black_box(Vector3::repeat(0.2)),
+        unwinding,
+    })?;
+    Ok(largest_torque(|time_s, measurement| {
+        let command = controller.step(time_s, measurement);
+        if command.torque.norm() > 1e3 {
+            controller.reset();
+        }
+        command
+    }))
+}
+
+fn largest_torque(mut step: impl FnMut(f64, &AttitudeMeasurement) -> Command<3>) -> f64 {
+    let desired = black_box(Quaternion::from_scalar_last([0.0, 0.0, 0.0, 1.0]));
+    let mut attitude = black_box(Quaternion::from_scalar_first([0.9, 0.1, -0.3, 0.2]));
+    let rate_rad_s = black_box(Vector3::new(0.01, -0.02, 0.03));
+    let mut largest = 0.0_f64;
+    for index in 0..10_i32 {
+        attitude = attitude.normalised().unwrap_or(Quaternion::identity());
+        let error = attitude.error_from(&desired);
+        let measurement = AttitudeMeasurement {
+            error,
+            rate_rad_s: error.rate_error(&rate_rad_s, &Vector3::zeros()),
+        };
+        let command = step(0.05 * f64::from(index), &black_box(measurement));
+        largest = largest.max(command.torque.amax());
+        let change = attitude.derivative(&rate_rad_s);
+        attitude.scalar += change.scalar * 0.05;
+        attitude.vector += change.vector * 0.05;
+    }
+    largest
+}

@@ -1,0 +1,241 @@
+//! Errors of controller parameters: which field, which value, which range is allowed.
+
+use core::fmt;
+
+/// Where in a parameter the offending number is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// The parameter is a single number.
+    Scalar,
+    /// Component of a vector, counted from zero.
+    Component(usize),
+    /// Entry of a matrix, counted from zero.
+    Entry {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+    },
+    /// Entry of one matrix or vector of a list with one item per fuzzy rule, counted from zero.
+    RuleEntry {
+        /// Fuzzy rule.
+        rule: usize,
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+    },
+}
+
+/// A parameter's name and the element of it that is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Name of the parameter, as in the parameter structure.
+    pub name: &'static str,
+    /// Element of that parameter.
+    pub element: Element,
+}
+
+impl Field {
+    /// A parameter that is a single number.
+    pub const fn scalar(name: &'static str) -> Self {
+        Self {
+            name,
+            element: Element::Scalar,
+        }
+    }
+
+    /// A component of a vector parameter.
+    pub const fn component(name: &'static str, index: usize) -> Self {
+        Self {
+            name,
+            element: Element::Component(index),
+        }
+    }
+
+    /// An entry of a matrix parameter.
+    pub const fn entry(name: &'static str, row: usize, column: usize) -> Self {
+        Self {
+            name,
+            element: Element::Entry { row, column },
+        }
+    }
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.element {
+            Element::Scalar => write!(f, "{}", self.name),
+            Element::Component(index) => write!(f, "{}[{index}]", self.name),
+            Element::Entry { row, column } => write!(f, "{}[{row}][{column}]", self.name),
+            Element::RuleEntry { rule, row, column } => {
+                write!(f, "{}[{rule}][{row}][{column}]", self.name)
+            }
+        }
+    }
+}
+
+/// An interval of allowed values, each end open or closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AllowedRange {
+    /// Lower end.
+    pub lower: f64,
+    /// True when the lower end itself is not allowed.
+    pub lower_open: bool,
+    /// Upper end; infinite when there is none.
+    pub upper: f64,
+    /// True when the upper end itself is not allowed.
+    pub upper_open: bool,
+}
+
+impl AllowedRange {
+    /// Strictly positive finite numbers.
+    pub const POSITIVE: Self = Self::open(0.0, f64::INFINITY);
+    /// Zero and the positive finite numbers.
+    pub const NON_NEGATIVE: Self = Self::half_open(0.0, f64::INFINITY);
+
+    /// The open interval `(lower, upper)`.
+    pub const fn open(lower: f64, upper: f64) -> Self {
+        Self {
+            lower,
+            lower_open: true,
+            upper,
+            upper_open: true,
+        }
+    }
+
+    /// The half-open interval `[lower, upper)`.
+    pub const fn half_open(lower: f64, upper: f64) -> Self {
+        Self {
+            lower,
+            lower_open: false,
+            upper,
+            upper_open: true,
+        }
+    }
+
+    /// True when `value` lies in the range; false for a value that is not a number.
+    pub fn contains(&self, value: f64) -> bool {
+        let above = value > self.lower || (!self.lower_open && value == self.lower);
+        let below = value < self.upper || (!self.upper_open && value == self.upper);
+        above && below
+    }
+}
+
+impl fmt::Display for AllowedRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let left = if self.lower_open { '(' } else { '[' };
+        let right = if self.upper_open { ')' } else { ']' };
+        write!(f, "{left}{}, {}{right}", self.lower, self.upper)
+    }
+}
+
+/// Why a controller refused its parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterError {
+    /// The value is infinite or not a number.
+    NotFinite {
+        /// Offending parameter.
+        field: Field,
+        /// Its value.
+        value: f64,
+    },
+    /// The value is outside of the range the control law allows.
+    OutOfRange {
+        /// Offending parameter.
+        field: Field,
+        /// Its value.
+        value: f64,
+        /// Values that are allowed.
+        allowed: AllowedRange,
+    },
+    /// A lower bound is not below its upper bound (or, where equality is allowed, is above it).
+    EmptyInterval {
+        /// Offending parameter: the one that holds the lower bound.
+        field: Field,
+        /// The lower bound.
+        lower: f64,
+        /// The upper bound.
+        upper: f64,
+    },
+    /// A matrix that must be symmetric is not.
+    NotSymmetric {
+        /// Offending entry (above the diagonal).
+        field: Field,
+        /// Its value.
+        value: f64,
+        /// The value of the mirrored entry.
+        mirrored: f64,
+    },
+    /// A matrix that must be positive definite is not: elimination met a pivot that is not positive.
+    NotPositiveDefinite {
+        /// The diagonal entry at which elimination stopped.
+        field: Field,
+        /// The pivot found there.
+        pivot: f64,
+    },
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite { field, value } => {
+                write!(f, "{field} is {value}, not a finite number")
+            }
+            Self::OutOfRange {
+                field,
+                value,
+                allowed,
+            } => write!(f, "{field} is {value}, allowed is {allowed}"),
+            Self::EmptyInterval {
+                field,
+                lower,
+                upper,
+            } => write!(
+                f,
+                "{field}: the interval from {lower} to {upper} contains nothing"
+            ),
+            Self::NotSymmetric {
+                field,
+                value,
+                mirrored,
+            } => write!(
+                f,
+                "{field} is {value} and its mirror image {mirrored}: the matrix is not symmetric"
+            ),
+            Self::NotPositiveDefinite { field, pivot } => write!(
+                f,
+                "{field}: the matrix is not positive definite, pivot {pivot}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+/// Checks that `value` is finite and in `allowed`.
+pub(crate) fn require(
+    field: Field,
+    value: f64,
+    allowed: AllowedRange,
+) -> Result<(), ParameterError> {
+    require_finite(field, value)?;
+    if allowed.contains(value) {
+        Ok(())
+    } else {
+        Err(ParameterError::OutOfRange {
+            field,
+            value,
+            allowed,
+        })
+    }
+}
+
+/// Checks that `value` is finite.
+pub(crate) fn require_finite(field: Field, value: f64) -> Result<(), ParameterError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(ParameterError::NotFinite { field, value })
+    }
+}

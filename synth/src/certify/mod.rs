@@ -1,0 +1,117 @@
+//! The check: is the closed loop of a design file proved to do what the file says?
+//!
+//! Nothing but the numbers of the file is used. Each condition of Theorem 1 is assembled in interval
+//! arithmetic and its positive definiteness proved in floating point; no solver takes part.
+
+pub mod definite;
+pub mod interval;
+pub mod matrix;
+pub mod plant;
+pub mod rounding;
+pub mod scalar;
+pub mod theorem1;
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::{Model, Plant};
+use definite::{prove_positive_definite, IntervalMatrix};
+use interval::Interval;
+use theorem1::{for_each_condition, Certificate, Statement};
+
+/// The answer of the check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Every condition is proved.
+    Proved,
+    /// Some condition is not.
+    NotProved,
+}
+
+/// One condition of the check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConditionMargin {
+    /// Name of the condition.
+    pub name: String,
+    /// Smallest eigenvalue after scaling the diagonal to about 1: a proved lower bound when
+    /// positive, an estimate otherwise.
+    pub margin: f64,
+}
+
+/// The outcome of the check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The answer.
+    pub verdict: Verdict,
+    /// Every condition.
+    pub conditions: Vec<ConditionMargin>,
+    /// What the proof does not cover.
+    pub not_covered: Vec<String>,
+}
+
+impl Report {
+    /// The condition with the smallest margin.
+    pub fn worst(&self) -> Option<&ConditionMargin> {
+        self.conditions.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))
+    }
+}
+
+/// Checks every condition of Theorem 1 for the given numbers.
+pub fn check(model: &Model, certificate: &Certificate) -> Report {
+    let mut conditions = Vec::new();
+    let mut verdict = Verdict::Proved;
+    for_each_condition::<Interval>(model, certificate, |statement| {
+        let (proved, margin) = judge(&statement);
+        if !proved {
+            verdict = Verdict::NotProved;
+        }
+        conditions.push(ConditionMargin {
+            name: statement.name,
+            margin,
+        });
+    });
+    Report {
+        verdict,
+        conditions,
+        not_covered: not_covered(model),
+    }
+}
+
+fn judge(statement: &Statement<Interval>) -> (bool, f64) {
+    let matrix = &statement.matrix;
+    let symmetric = IntervalMatrix::from_upper(matrix.nrows(), |r, c| *matrix.at(r, c));
+    match prove_positive_definite(&symmetric) {
+        Ok(margin) => (true, margin.proved),
+        // "Not proved" must never look positive.
+        Err(reason) => (false, reason.estimate.min(0.0).max(f64::MIN)),
+    }
+}
+
+fn not_covered(model: &Model) -> Vec<String> {
+    let specs = &model.file.specs;
+    let mut out = vec![
+        "the state is measured without error".to_string(),
+        "no delay between sample, trigger, controller and actuator".to_string(),
+        format!("no gap between samples longer than {} s, dropouts included", specs.hbar_s),
+        format!("a trigger threshold that never exceeds {} (clamped at run time)", specs.nu),
+    ];
+    match &model.plant {
+        Plant::Spacecraft(craft) => {
+            out.push("an inertia equal to the model's, and a rigid body".to_string());
+            out.push("a scalar part q0 that starts positive".to_string());
+            out.push(format!(
+                "a disturbance torque whose norm stays within {} N m",
+                craft.disturbance_bound
+            ));
+        }
+        Plant::Vertices(system) => {
+            out.push("a plant inside the convex hull of the vertex systems".to_string());
+            out.push(format!(
+                "a disturbance whose norm stays within {}",
+                system.disturbance_bound
+            ));
+        }
+    }
+    out
+}

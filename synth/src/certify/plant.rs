@@ -1,0 +1,151 @@
+//! The plant in the form the proof uses: `E x' = A_i x + B sat(u) + B_w tau`.
+//!
+//! For the rigid spacecraft the equation of motion is kept multiplied by E = diag(J, I), so that the
+//! inertia enters as the doubles of the file and its inverse never does.
+
+use nalgebra::DMatrix;
+
+use super::matrix::Matrix;
+use super::scalar::Scalar;
+use crate::fuzzy::{ExactSpacecraft, VertexSystem, SPACECRAFT_VERTICES};
+use crate::model::Plant;
+
+/// One bound of the region, `|rows x|^2 <= bound_squared`.
+#[derive(Debug, Clone)]
+pub struct RegionBound<S> {
+    /// What is bounded.
+    pub name: String,
+    /// k x n.
+    pub rows: Matrix<S>,
+    /// Square of the bound.
+    pub bound_squared: S,
+}
+
+/// The plant's matrices over a [`Scalar`]; every entry encloses the exact value for the doubles of
+/// the file.
+#[derive(Debug, Clone)]
+pub struct DescriptorPlant<S> {
+    /// E, n x n.
+    pub descriptor: Matrix<S>,
+    /// A_i, n x n each.
+    pub vertices: Vec<Matrix<S>>,
+    /// B, n x m.
+    pub input: Matrix<S>,
+    /// B_w, n x d.
+    pub disturbance: Matrix<S>,
+    /// C, p x n.
+    pub output: Matrix<S>,
+    /// Saturation levels.
+    pub input_limit: Vec<S>,
+    /// Bound on the norm of the disturbance.
+    pub disturbance_bound: S,
+    /// Bounds of the region.
+    pub region: Vec<RegionBound<S>>,
+}
+
+impl<S: Scalar> DescriptorPlant<S> {
+    /// The plant of a model.
+    pub fn new(plant: &Plant) -> Self {
+        match plant {
+            Plant::Spacecraft(craft) => spacecraft(craft),
+            Plant::Vertices(system) => vertex_system(system),
+        }
+    }
+
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.input.nrows()
+    }
+}
+
+fn spacecraft<S: Scalar>(craft: &ExactSpacecraft) -> DescriptorPlant<S> {
+    let inertia: Matrix<S> = Matrix::from_fn(3, 3, |r, c| S::from_f64(craft.inertia[(r, c)]));
+    let mut descriptor = Matrix::identity(6, S::one());
+    let mut input = Matrix::zeros(6, 3);
+    for row in 0..3 {
+        input.set(row, row, S::one());
+        for column in 0..3 {
+            descriptor.set(row, column, inertia.at(row, column).clone());
+        }
+    }
+    DescriptorPlant {
+        descriptor,
+        vertices: (0..SPACECRAFT_VERTICES)
+            .map(|vertex| corner_matrix(craft, &inertia, vertex))
+            .collect(),
+        disturbance: input.clone(),
+        input,
+        output: Matrix::identity(6, S::one()),
+        input_limit: craft.torque_limit.iter().map(|&limit| S::from_f64(limit)).collect(),
+        disturbance_bound: S::from_f64(craft.disturbance_bound),
+        region: spacecraft_region(craft),
+    }
+}
+
+/// [ -omega^x J, 0 ; 1/2 q0 I, -1/2 omega^x ] at one corner of the box.
+fn corner_matrix<S: Scalar>(craft: &ExactSpacecraft, inertia: &Matrix<S>, vertex: usize) -> Matrix<S> {
+    let corner = craft.corner(vertex);
+    let rate = |axis: usize| S::from_f64(corner[axis]);
+    let spin = Matrix::from_fn(3, 3, |r, c| match (r, c) {
+        (0, 1) => -rate(2),
+        (0, 2) => rate(1),
+        (1, 0) => rate(2),
+        (1, 2) => -rate(0),
+        (2, 0) => -rate(1),
+        (2, 1) => rate(0),
+        _ => S::zero(),
+    });
+    let gyroscopic = spin.times(inertia);
+    let half = S::from_f64(0.5);
+    let attitude = half.clone() * S::from_f64(corner[3]);
+    Matrix::from_fn(6, 6, |r, c| match (r < 3, c < 3) {
+        (true, true) => -gyroscopic.at(r, c).clone(),
+        (true, false) => S::zero(),
+        (false, true) if r - 3 == c => attitude.clone(),
+        (false, true) => S::zero(),
+        (false, false) => -(half.clone() * spin.at(r - 3, c - 3).clone()),
+    })
+}
+
+fn spacecraft_region<S: Scalar>(craft: &ExactSpacecraft) -> Vec<RegionBound<S>> {
+    let unit = |axis: usize| {
+        Matrix::from_fn(1, 6, |_, c| if c == axis { S::one() } else { S::zero() })
+    };
+    let rates = (0..3).map(|axis| {
+        let bound = S::from_f64(craft.rate_bound[axis]);
+        RegionBound {
+            name: format!("rate axis {}", axis + 1),
+            rows: unit(axis),
+            bound_squared: bound.clone() * bound,
+        }
+    });
+    let scalar_part = S::from_f64(craft.scalar_part_min);
+    let attitude = RegionBound {
+        name: "attitude".to_string(),
+        rows: Matrix::from_fn(3, 6, |r, c| if c == r + 3 { S::one() } else { S::zero() }),
+        bound_squared: S::one() - scalar_part.clone() * scalar_part,
+    };
+    rates.chain([attitude]).collect()
+}
+
+fn vertex_system<S: Scalar>(system: &VertexSystem) -> DescriptorPlant<S> {
+    let exactly = |matrix: &DMatrix<f64>| Matrix::exactly(matrix);
+    let region = (0..system.box_rows.nrows()).map(|row| {
+        let bound = S::from_f64(system.box_bounds[row]);
+        RegionBound {
+            name: format!("box row {}", row + 1),
+            rows: exactly(&system.box_rows.rows(row, 1).into_owned()),
+            bound_squared: bound.clone() * bound,
+        }
+    });
+    DescriptorPlant {
+        descriptor: Matrix::identity(system.input_matrix.nrows(), S::one()),
+        vertices: system.state_matrices.iter().map(exactly).collect(),
+        input: exactly(&system.input_matrix),
+        disturbance: exactly(&system.disturbance_matrix),
+        output: exactly(&system.output_matrix),
+        input_limit: system.input_limit.iter().map(|&limit| S::from_f64(limit)).collect(),
+        disturbance_bound: S::from_f64(system.disturbance_bound),
+        region: region.collect(),
+    }
+}

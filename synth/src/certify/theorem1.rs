@@ -1,0 +1,294 @@
+//! Theorem 1 of Xu & Huang (analysis form, corrected), stated for the numbers of a design file.
+//!
+//! Every condition is a symmetric matrix that must be positive definite. The matrices are assembled
+//! over a [`Scalar`], so the check (intervals) and the tests' oracle (exact rationals) read the same
+//! statement.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::matrix::{Matrix, SymmetricBlocks};
+use super::plant::DescriptorPlant;
+use super::scalar::Scalar;
+use crate::model::{Model, Plant};
+
+/// The numbers of a certificate, exactly as a reader of the file gets them. n states, m inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    /// F, m x n.
+    pub gain: DMatrix<f64>,
+    /// Upsilon, n x n, symmetric.
+    pub trigger_weight: DMatrix<f64>,
+    /// U, n x n, symmetric.
+    pub lyapunov: DMatrix<f64>,
+    /// Y, n x n, symmetric.
+    pub integral_weight: DMatrix<f64>,
+    /// Q, n x n: the multiplier of the plant's equation in descriptor form.
+    pub multiplier: DMatrix<f64>,
+    /// L1, n x n.
+    pub free_state: DMatrix<f64>,
+    /// L2, n x n.
+    pub free_sample: DMatrix<f64>,
+    /// N, m x n.
+    pub anti_windup: DMatrix<f64>,
+    /// Diagonal of M, m entries.
+    pub sector_weight: DVector<f64>,
+    /// xi.
+    pub disturbance_weight: f64,
+    /// gamma.
+    pub gain_bound: f64,
+    /// Claimed bound on sup|y| / sup|tau| from rest; at most gamma.
+    pub guaranteed_gain: f64,
+    /// Claimed radius: every attitude at rest whose error quaternion has a vector part up to this
+    /// norm lies in the certified set. Spacecraft only.
+    pub certified_vector_part: Option<f64>,
+}
+
+/// A named symmetric matrix that must be positive definite.
+#[derive(Debug, Clone)]
+pub struct Statement<S> {
+    /// Name of the condition.
+    pub name: String,
+    /// The matrix.
+    pub matrix: Matrix<S>,
+}
+
+/// Everything the conditions need, over one scalar type.
+struct Assembly<'a, S> {
+    certificate: &'a Certificate,
+    plant: DescriptorPlant<S>,
+    phi: S,
+    hbar: S,
+    /// Not below e^(phi hbar).
+    growth: S,
+    nu: S,
+    /// max(1, xi taubar^2 / phi).
+    level: S,
+    /// Q_k = eps_k Q.
+    multipliers: [Matrix<S>; 3],
+    lyapunov: Matrix<S>,
+    gain: Matrix<S>,
+    anti_windup: Matrix<S>,
+}
+
+/// All conditions of Theorem 1 for a model and a certificate, one after the other; `check` is
+/// called with each. They are not collected, because there may be thousands.
+pub fn for_each_condition<S: Scalar>(
+    model: &Model,
+    certificate: &Certificate,
+    mut check: impl FnMut(Statement<S>),
+) {
+    let assembly = Assembly::new(model, certificate);
+    let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
+    assembly.positivity(&mut tell);
+    assembly.decrease(&mut tell);
+    assembly.anti_windup(&mut tell);
+    assembly.peak_gain(&mut tell);
+    assembly.region(&mut tell);
+    assembly.must_contain(model, &mut tell);
+    assembly.certified_attitudes(model, &mut tell);
+}
+
+impl<'a, S: Scalar> Assembly<'a, S> {
+    fn new(model: &Model, certificate: &'a Certificate) -> Self {
+        let specs = &model.file.specs;
+        let plant = DescriptorPlant::<S>::new(&model.plant);
+        let exactly = |matrix: &DMatrix<f64>| Matrix::exactly(matrix);
+        let phi = S::from_f64(specs.phi_per_s);
+        let hbar = S::from_f64(specs.hbar_s);
+        let xi = S::from_f64(certificate.disturbance_weight);
+        let bound = plant.disturbance_bound.clone();
+        let reached = xi * bound.clone() * bound / phi.clone();
+        let multiplier = exactly(&certificate.multiplier);
+        Assembly {
+            growth: (phi.clone() * hbar.clone()).exp_upper(),
+            nu: S::from_f64(specs.nu),
+            level: reached.max(S::one()),
+            multipliers: specs.eps.map(|weight| multiplier.scaled(&S::from_f64(weight))),
+            lyapunov: exactly(&certificate.lyapunov),
+            gain: exactly(&certificate.gain),
+            anti_windup: exactly(&certificate.anti_windup),
+            certificate,
+            plant,
+            phi,
+            hbar,
+        }
+    }
+
+    fn positivity(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        let certificate = self.certificate;
+        tell("lyapunov positive".into(), self.lyapunov.clone());
+        let integral = Matrix::exactly(&certificate.integral_weight);
+        tell("integral weight positive".into(), integral);
+        let trigger = Matrix::exactly(&certificate.trigger_weight);
+        tell("trigger weight positive".into(), trigger);
+        for (input, &weight) in certificate.sector_weight.iter().enumerate() {
+            let name = format!("sector weight input {}", input + 1);
+            tell(name, Matrix::identity(1, S::from_f64(weight)));
+        }
+    }
+
+    /// (18), negated. Rows: x, x', x(t_k^l), e, dead zone, tau and, for r = 2, the integral.
+    fn decrease(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        for interval in [1, 2] {
+            let common = self.decrease_without_vertex(interval);
+            for (index, vertex) in self.plant.vertices.iter().enumerate() {
+                let matrix = self.with_vertex(&common, vertex);
+                tell(format!("decrease r={interval} vertex {}", index + 1), matrix.negated());
+            }
+        }
+    }
+
+    fn decrease_without_vertex(&self, interval: usize) -> Matrix<S> {
+        let [q1, q2, q3] = &self.multipliers;
+        let plant = &self.plant;
+        let (n, m, d) = (plant.states(), plant.input.ncols(), plant.disturbance.ncols());
+        let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
+        let weight = exactly(&self.certificate.trigger_weight);
+        let integral = exactly(&self.certificate.integral_weight);
+        let l1 = exactly(&self.certificate.free_state);
+        let l2 = exactly(&self.certificate.free_sample);
+        let sector = exactly(&DMatrix::from_diagonal(&self.certificate.sector_weight));
+        let bf = plant.input.times(&self.gain);
+        let nm = self.anti_windup.transposed().times(&sector);
+        let nu_weight = weight.scaled(&self.nu);
+        let e = &plant.descriptor;
+        let xi = S::from_f64(self.certificate.disturbance_weight);
+
+        let mut sizes = vec![n, n, n, n, m, d];
+        if interval == 2 {
+            sizes.push(n);
+        }
+        let mut out = SymmetricBlocks::new(&sizes);
+        let decay = self.lyapunov.scaled(&self.phi);
+        out.set(0, 0, &decay.plus(&l1.symmetrised()));
+        out.set(0, 1, &self.lyapunov.minus(&q1.times(e)));
+        out.set(0, 2, &q1.times(&bf).minus(&l1).plus(&l2.transposed()));
+        out.set(0, 3, &q1.times(&bf).negated());
+        out.set(0, 4, &q1.times(&plant.input).negated());
+        out.set(0, 5, &q1.times(&plant.disturbance));
+        let rate = q2.times(e).symmetrised().negated();
+        out.set(1, 1, &match interval {
+            1 => rate.plus(&integral.scaled(&self.hbar)),
+            _ => rate,
+        });
+        out.set(1, 2, &q2.times(&bf).minus(&q3.times(e).transposed()));
+        out.set(1, 3, &q2.times(&bf).negated());
+        out.set(1, 4, &q2.times(&plant.input).negated());
+        out.set(1, 5, &q2.times(&plant.disturbance));
+        let q3bf = q3.times(&bf);
+        let path = q3bf.symmetrised().minus(&l2.symmetrised());
+        out.set(2, 2, &path.plus(&nu_weight));
+        out.set(2, 3, &q3bf.plus(&nu_weight).negated());
+        out.set(2, 4, &nm.minus(&q3.times(&plant.input)));
+        out.set(2, 5, &q3.times(&plant.disturbance));
+        out.set(3, 3, &nu_weight.minus(&weight));
+        out.set(3, 4, &nm.negated());
+        out.set(4, 4, &sector.plus(&sector).negated());
+        out.set(5, 5, &Matrix::identity(d, -xi));
+        if interval == 2 {
+            // [Xi, k L; k L', -k Y] with k = hbar e^(phi hbar) has the Schur complement
+            // Xi + k L Y^-1 L'.
+            let factor = self.hbar.clone() * self.growth.clone();
+            out.set(0, 6, &l1.scaled(&factor));
+            out.set(2, 6, &l2.scaled(&factor));
+            out.set(6, 6, &integral.scaled(&factor).negated());
+        }
+        out.finish()
+    }
+
+    /// Adds `2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) A_i x`.
+    fn with_vertex(&self, common: &Matrix<S>, vertex: &Matrix<S>) -> Matrix<S> {
+        let n = self.plant.states();
+        let [q1a, q2a, q3a] = [0, 1, 2].map(|k| self.multipliers[k].times(vertex));
+        let first = q1a.symmetrised();
+        let mut out = common.clone();
+        let mut add = |r: usize, c: usize, value: &S| {
+            let sum = out.at(r, c).clone() + value.clone();
+            out.set(c, r, sum.clone());
+            out.set(r, c, sum);
+        };
+        for r in 0..n {
+            for c in 0..n {
+                if r <= c {
+                    add(r, c, first.at(r, c));
+                }
+                // Row block x, columns x' and x(t_k^l): A' Q2', A' Q3'.
+                add(r, n + c, q2a.at(c, r));
+                add(r, 2 * n + c, q3a.at(c, r));
+            }
+        }
+        out
+    }
+
+    /// (19) with k2 for every input.
+    fn anti_windup(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        let difference = self.gain.minus(&self.anti_windup);
+        for (input, limit) in self.plant.input_limit.iter().enumerate() {
+            let factor = limit.clone() * limit.clone() / self.level.clone();
+            let mut out = SymmetricBlocks::new(&[self.plant.states(), 1]);
+            out.set(0, 0, &self.lyapunov.scaled(&factor));
+            out.set(0, 1, &difference.row(input).transposed());
+            out.set(1, 1, &Matrix::identity(1, S::one()));
+            tell(format!("anti-windup input {}", input + 1), out.finish());
+        }
+    }
+
+    /// (20): C'C <= gamma phi U and gamma > xi; and the claimed guaranteed gain G: C'C <= G^2/xi phi U.
+    fn peak_gain(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        let xi = S::from_f64(self.certificate.disturbance_weight);
+        let gamma = S::from_f64(self.certificate.gain_bound);
+        let claim = S::from_f64(self.certificate.guaranteed_gain);
+        tell("peak gain".into(), self.gain_block(gamma.clone()));
+        let above = Matrix::identity(1, gamma - xi.clone());
+        tell("gain bound above disturbance weight".into(), above);
+        // Comes last of the two: dividing by xi needs xi > 0, which (18) has shown.
+        let implied = claim.clone() * claim / xi;
+        tell("guaranteed gain".into(), self.gain_block(implied));
+    }
+
+    fn gain_block(&self, bound: S) -> Matrix<S> {
+        let output = &self.plant.output;
+        let mut out = SymmetricBlocks::new(&[self.plant.states(), output.nrows()]);
+        out.set(0, 0, &self.lyapunov.scaled(&self.phi));
+        out.set(0, 1, &output.transposed());
+        out.set(1, 1, &Matrix::identity(output.nrows(), bound));
+        out.finish()
+    }
+
+    /// The set x'Ux <= k2 lies in the region of the model.
+    fn region(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        for bound in &self.plant.region {
+            let factor = bound.bound_squared.clone() / self.level.clone();
+            let rows = bound.rows.nrows();
+            let mut out = SymmetricBlocks::new(&[self.plant.states(), rows]);
+            out.set(0, 0, &self.lyapunov.scaled(&factor));
+            out.set(0, 1, &bound.rows.transposed());
+            out.set(1, 1, &Matrix::identity(rows, S::one()));
+            tell(format!("box {}", bound.name), out.finish());
+        }
+    }
+
+    /// x0' U x0 < 1 for every state that the model asks for.
+    fn must_contain(&self, model: &Model, tell: &mut impl FnMut(String, Matrix<S>)) {
+        for (index, state) in model.file.specs.must_contain.iter().enumerate() {
+            let state = Matrix::from_fn(state.len(), 1, |r, _| S::from_f64(state[r]));
+            let value = state.transposed().times(&self.lyapunov).times(&state);
+            let room = S::one() - value.at(0, 0).clone();
+            tell(format!("must contain state {}", index + 1), Matrix::identity(1, room));
+        }
+    }
+
+    /// s^2 U_qq < I: every attitude at rest with |q| <= s is in the set x'Ux <= 1.
+    fn certified_attitudes(&self, model: &Model, tell: &mut impl FnMut(String, Matrix<S>)) {
+        let radius = match (&model.plant, self.certificate.certified_vector_part) {
+            (Plant::Spacecraft(_), Some(radius)) => S::from_f64(radius),
+            _ => return,
+        };
+        let square = radius.clone() * radius;
+        let room = Matrix::from_fn(3, 3, |r, c| {
+            let unit = if r == c { S::one() } else { S::zero() };
+            unit - square.clone() * self.lyapunov.at(r + 3, c + 3).clone()
+        });
+        tell("certified attitudes".into(), room);
+    }
+}

@@ -1,0 +1,58 @@
+//! The published conditions, one file each, as named matrix inequalities.
+
+pub mod xu2020;
+
+use nalgebra::DVector;
+
+use crate::fuzzy::TakagiSugeno;
+
+/// What the closed loop must do, beside the model it must do it for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Specification {
+    /// Decay rate `phi` of the Lyapunov functional [1/s].
+    pub decay_rate: f64,
+    /// Longest sampling interval `hbar` [s].
+    pub sampling_interval_max: f64,
+    /// Largest trigger threshold `nu` that may occur at run time, in [0, 1).
+    pub trigger_threshold: f64,
+    /// Weights `eps_1, eps_2, eps_3` of the multiplier on x, x' and x(t_k^l); the second is positive.
+    pub multiplier_weights: [f64; 3],
+    /// Largest admitted disturbance weight `xi`.
+    pub disturbance_weight_max: f64,
+    /// States that must satisfy x0' U x0 <= 1.
+    pub must_contain: Vec<DVector<f64>>,
+    /// The scalar `rho` of the containment condition, in scaled units.
+    pub containment_weight: f64,
+    /// Margin of every strict inequality, in scaled units.
+    pub margin: f64,
+}
+
+/// A model and a specification in one system of units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// The T-S model.
+    pub system: TakagiSugeno,
+    /// The requirements.
+    pub specification: Specification,
+    /// `xi` in these units times this number is `xi` in SI units.
+    pub disturbance_weight_unit: f64,
+}
+
+impl Task {
+    /// A task in the units of its model.
+    pub fn new(system: TakagiSugeno, specification: Specification) -> Self {
+        Task {
+            system,
+            specification,
+            disturbance_weight_unit: 1.0,
+        }
+    }
+
+    /// Level `k2 = max(1, xi_max taubar^2 / phi)`: x'Ux never exceeds it once it started below 1.
+    pub fn invariant_level(&self) -> f64 {
+        let specification = &self.specification;
+        let bound = self.system.disturbance_bound;
+        let reached = specification.disturbance_weight_max * bound * bound;
+        (reached / specification.decay_rate).max(1.0)
+    }
+}

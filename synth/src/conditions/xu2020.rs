@@ -1,0 +1,117 @@
+//! Xu & Huang 2020, Theorem 2, in the corrected form (see the book's chapter on the derivation).
+//!
+//! All unknowns are those after the congruence with the inverse multiplier: with Qh = Q^-1,
+//! Uh = Qh U Qh', Yh = Qh Y Qh', Wh = Qh Upsilon Qh', L1h = Qh L1 Qh', L2h = Qh L2 Qh',
+//! Fh = F Qh', Nh = N Qh', S = M^-1.
+
+mod anti_windup;
+mod decrease;
+mod peak_gain;
+mod region;
+mod start;
+
+pub use decrease::{condition_name, decrease, decrease_form, full_condition, Coordinates, Interval};
+
+use nalgebra::DMatrix;
+
+use super::Task;
+use crate::lmi::{Affine, Condition, Unknowns};
+
+/// The unknowns of Theorem 2 for a constant gain. Shapes: n states, m inputs.
+#[derive(Debug, Clone)]
+pub struct DesignUnknowns {
+    /// Uh, n x n, symmetric: the quadratic part of the Lyapunov functional.
+    pub lyapunov: Affine,
+    /// Yh, n x n, symmetric: the weight of the integral term.
+    pub integral_weight: Affine,
+    /// Wh, n x n, symmetric: the trigger weight (Upsilon).
+    pub trigger_weight: Affine,
+    /// Qh, n x n: the inverse multiplier.
+    pub multiplier: Affine,
+    /// L1h, n x n: free matrix on x.
+    pub free_state: Affine,
+    /// L2h, n x n: free matrix on x(t_k^l).
+    pub free_sample: Affine,
+    /// Fh, m x n: the gain.
+    pub gain: Affine,
+    /// Nh, m x n: the anti-windup gain of the sector condition.
+    pub anti_windup: Affine,
+    /// S = M^-1, m x m, diagonal: the inverse sector weight.
+    pub sector: Affine,
+    /// xi: the weight of the disturbance.
+    pub disturbance_weight: Affine,
+    /// gamma: the bound on the L-infinity gain.
+    pub gain_bound: Affine,
+}
+
+impl DesignUnknowns {
+    /// Creates the unknowns for a model with the given numbers of states and inputs.
+    pub fn new(unknowns: &mut Unknowns, states: usize, inputs: usize) -> Self {
+        DesignUnknowns {
+            lyapunov: unknowns.symmetric("Uh", states),
+            integral_weight: unknowns.symmetric("Yh", states),
+            trigger_weight: unknowns.symmetric("Wh", states),
+            multiplier: unknowns.general("Qh", states, states),
+            free_state: unknowns.general("L1h", states, states),
+            free_sample: unknowns.general("L2h", states, states),
+            gain: unknowns.general("Fh", inputs, states),
+            anti_windup: unknowns.general("Nh", inputs, states),
+            sector: unknowns.diagonal("S", inputs),
+            disturbance_weight: unknowns.scalar("xi"),
+            gain_bound: unknowns.scalar("gamma"),
+        }
+    }
+}
+
+/// The margin of the strict inequalities: a number, or an unknown that is maximised.
+#[derive(Debug, Clone)]
+pub struct Strictness(Affine);
+
+impl Strictness {
+    /// A fixed margin.
+    pub fn fixed(margin: f64) -> Self {
+        Strictness(Affine::identity(1, margin))
+    }
+
+    /// A margin that is itself a scalar expression.
+    pub fn unknown(margin: Affine) -> Self {
+        Strictness(margin)
+    }
+
+    /// `x >= margin I`.
+    pub fn positive(&self, name: impl Into<String>, x: Affine) -> Condition {
+        let weight = DMatrix::identity(x.nrows(), x.nrows());
+        self.positive_against(name, x, &weight)
+    }
+
+    /// `x >= margin * weight` for a constant symmetric weight.
+    pub fn positive_against(
+        &self,
+        name: impl Into<String>,
+        x: Affine,
+        weight: &DMatrix<f64>,
+    ) -> Condition {
+        Condition::semidefinite(name, x - self.0.times_matrix(weight))
+    }
+}
+
+/// Every condition but the decrease condition (18): positivity, anti-windup (19), gain (20), box,
+/// disturbance weight, must-contain states.
+pub fn side_conditions(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    let mut out = vec![
+        strictness.positive("lyapunov positive", unknowns.lyapunov.clone()),
+        strictness.positive("integral weight positive", unknowns.integral_weight.clone()),
+        strictness.positive("trigger weight positive", unknowns.trigger_weight.clone()),
+    ];
+    out.extend(anti_windup::sector_positive(unknowns, strictness));
+    out.extend(anti_windup::anti_windup(task, unknowns, strictness));
+    out.push(peak_gain::peak_gain(task, unknowns, strictness));
+    out.extend(peak_gain::weight_bounds(task, unknowns, strictness));
+    out.extend(region::region(task, unknowns, strictness));
+    out.extend(start::must_contain(task, unknowns));
+    out
+}

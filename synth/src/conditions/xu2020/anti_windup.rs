@@ -1,0 +1,34 @@
+//! Condition (19): inside the invariant set the sector bound of the dead zone holds.
+
+use super::{DesignUnknowns, Strictness};
+use crate::conditions::Task;
+use crate::lmi::{Condition, SymmetricBlocks};
+
+/// `[ ubar_s^2/k2 Uh, (Fh - Nh)_s' ; *, 1 ] >= 0` for every input s.
+pub(super) fn anti_windup<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+    strictness: &'a Strictness,
+) -> impl Iterator<Item = Condition> + 'a {
+    let level = task.invariant_level();
+    let limits = task.system.input_limit.iter().enumerate();
+    limits.map(move |(input, limit)| {
+        let difference = &unknowns.gain - &unknowns.anti_windup;
+        let mut lhs = SymmetricBlocks::new(&[task.system.states(), 1]);
+        lhs.add(0, 0, &(limit * limit / level * &unknowns.lyapunov));
+        lhs.add(0, 1, &difference.row(input).transposed());
+        lhs.add(1, 1, &crate::lmi::Affine::identity(1, 1.0));
+        strictness.positive(format!("anti-windup input {}", input + 1), lhs.finish())
+    })
+}
+
+/// S > 0, entry by entry.
+pub(super) fn sector_positive<'a>(
+    unknowns: &'a DesignUnknowns,
+    strictness: &'a Strictness,
+) -> impl Iterator<Item = Condition> + 'a {
+    (0..unknowns.sector.nrows()).map(move |input| {
+        let entry = unknowns.sector.view(input, input, 1, 1);
+        strictness.positive(format!("sector weight input {}", input + 1), entry)
+    })
+}

@@ -1,0 +1,214 @@
+//! Condition (18): the Lyapunov functional decreases between samples.
+
+use nalgebra::DMatrix;
+
+use super::{DesignUnknowns, Strictness};
+use crate::conditions::Task;
+use crate::lmi::{Affine, Condition, SymmetricBlocks};
+
+/// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
+/// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interval {
+    /// r = 1: just after a sample, where hbar x'Yx' counts.
+    Start,
+    /// r = 2: just before the next sample, where the integral term counts.
+    End,
+}
+
+impl Interval {
+    /// Both ends.
+    pub const BOTH: [Interval; 2] = [Interval::Start, Interval::End];
+
+    /// The index r of (18).
+    pub fn index(self) -> usize {
+        match self {
+            Interval::Start => 1,
+            Interval::End => 2,
+        }
+    }
+}
+
+// Block rows of (18).
+const STATE: usize = 0;
+const RATE: usize = 1;
+const SAMPLE: usize = 2;
+const ERROR: usize = 3;
+const DEAD_ZONE: usize = 4;
+const DISTURBANCE: usize = 5;
+const INTEGRAL: usize = 6;
+
+/// The matrix Xi + Omega_r of (18) at one vertex, block by block as printed (corrected terms: Xi_12
+/// carries Uh and no L; Xi_45 and Xi_55 as derived for the held state and S = M^-1).
+/// Side 4n + m + d for r = 1 and 5n + m + d for r = 2. It must be negative definite.
+pub fn decrease(
+    task: &Task,
+    vertex: &DMatrix<f64>,
+    interval: Interval,
+    unknowns: &DesignUnknowns,
+) -> Affine {
+    let DesignUnknowns {
+        lyapunov: uh,
+        integral_weight: yh,
+        trigger_weight: wh,
+        multiplier: qh,
+        free_state: l1h,
+        free_sample: l2h,
+        gain: fh,
+        anti_windup: nh,
+        sector: s,
+        disturbance_weight: xi,
+        ..
+    } = unknowns;
+    let specification = &task.specification;
+    let [e1, e2, e3] = specification.multiplier_weights;
+    let (phi, nu) = (specification.decay_rate, specification.trigger_threshold);
+    let (a, b, bw) = (vertex, &task.system.input, &task.system.disturbance);
+    let (n, m, d) = (b.nrows(), b.ncols(), bw.ncols());
+
+    let a_qt = a * &qh.transposed(); // A Qh'
+    let q_at = a_qt.transposed(); // Qh A'
+    let bf = b * fh;
+    let bs = b * s;
+
+    let mut sizes = vec![n, n, n, n, m, d];
+    if interval == Interval::End {
+        sizes.push(n);
+    }
+    let mut out = SymmetricBlocks::new(&sizes);
+    out.add(STATE, STATE, &((e1 * &a_qt).symmetrised() + phi * uh + l1h.symmetrised()));
+    out.add(STATE, RATE, &(uh - &(e1 * qh.transposed()) + e2 * &q_at));
+    out.add(STATE, SAMPLE, &(e1 * &bf + e3 * &q_at - l1h.clone() + l2h.transposed()));
+    out.add(STATE, ERROR, &(-e1 * &bf));
+    out.add(STATE, DEAD_ZONE, &(-e1 * &bs));
+    out.add(STATE, DISTURBANCE, &Affine::constant(&(e1 * bw)));
+    out.add(RATE, RATE, &(-e2 * qh.symmetrised()));
+    out.add(RATE, SAMPLE, &(-e3 * qh + e2 * &bf));
+    out.add(RATE, ERROR, &(-e2 * &bf));
+    out.add(RATE, DEAD_ZONE, &(-e2 * &bs));
+    out.add(RATE, DISTURBANCE, &Affine::constant(&(e2 * bw)));
+    out.add(SAMPLE, SAMPLE, &(-l2h.symmetrised() + nu * wh + (e3 * &bf).symmetrised()));
+    out.add(SAMPLE, ERROR, &(-e3 * &bf - nu * wh));
+    out.add(SAMPLE, DEAD_ZONE, &(-e3 * &bs + nh.transposed()));
+    out.add(SAMPLE, DISTURBANCE, &Affine::constant(&(e3 * bw)));
+    out.add(ERROR, ERROR, &((nu - 1.0) * wh));
+    out.add(ERROR, DEAD_ZONE, &-nh.transposed());
+    out.add(DEAD_ZONE, DEAD_ZONE, &(-2.0 * s));
+    out.add(DISTURBANCE, DISTURBANCE, &-xi.times_matrix(&DMatrix::identity(d, d)));
+    match interval {
+        Interval::Start => {
+            out.add(RATE, RATE, &(specification.sampling_interval_max * yh));
+        }
+        Interval::End => {
+            let c = integral_factor(task);
+            out.add(STATE, INTEGRAL, &(c * l1h));
+            out.add(SAMPLE, INTEGRAL, &(c * l2h));
+            out.add(INTEGRAL, INTEGRAL, &-yh);
+        }
+    }
+    out.finish()
+}
+
+/// c = sqrt(hbar e^(phi hbar)).
+fn integral_factor(task: &Task) -> f64 {
+    let specification = &task.specification;
+    let hbar = specification.sampling_interval_max;
+    (hbar * (specification.decay_rate * hbar).exp()).sqrt()
+}
+
+/// The full-size condition (18) at one vertex.
+pub fn full_condition(
+    task: &Task,
+    index: usize,
+    interval: Interval,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Condition {
+    let lhs = decrease(task, &task.system.vertices[index], interval, unknowns);
+    strictness.positive(condition_name(interval, index), -lhs)
+}
+
+/// Name of (18) at one vertex, counted from 1 as in the paper.
+pub fn condition_name(interval: Interval, index: usize) -> String {
+    format!("decrease r={} vertex {}", interval.index(), index + 1)
+}
+
+/// The quantities that (18) is a quadratic form of, each as a constant matrix that maps the chosen
+/// coordinates to it.
+#[derive(Debug, Clone)]
+pub struct Coordinates {
+    /// x(t), n rows.
+    pub state: DMatrix<f64>,
+    /// x'(t), n rows.
+    pub rate: DMatrix<f64>,
+    /// The last sample x(t_k^l), n rows.
+    pub sample: DMatrix<f64>,
+    /// The state held by the controller, x(t_k) = x(t_k^l) - e, n rows.
+    pub held: DMatrix<f64>,
+    /// The multiplied combination v = eps1 x + eps2 x' + eps3 x(t_k^l), n rows.
+    pub multiplied: DMatrix<f64>,
+    /// The dead zone of the command, m rows.
+    pub dead_zone: DMatrix<f64>,
+    /// The disturbance, d rows.
+    pub disturbance: DMatrix<f64>,
+    /// The integral's Schur complement, n rows (used for r = 2 only).
+    pub integral: DMatrix<f64>,
+}
+
+/// (18) without its vertex term `2 v' A_i Qh' x`, as the quadratic form that bounds V' + phi V -
+/// xi |tau|^2 in (28), in any coordinates. With the vertex term added it equals [`decrease`] up to
+/// the congruence between the coordinates.
+pub fn decrease_form(
+    task: &Task,
+    interval: Interval,
+    unknowns: &DesignUnknowns,
+    coordinates: &Coordinates,
+) -> Affine {
+    let specification = &task.specification;
+    let (phi, nu) = (specification.decay_rate, specification.trigger_threshold);
+    let (b, bw) = (&task.system.input, &task.system.disturbance);
+    let Coordinates {
+        state: x,
+        rate: dx,
+        sample: xk,
+        held: w,
+        multiplied: v,
+        dead_zone: p,
+        disturbance: tau,
+        integral: z,
+    } = coordinates;
+    let error = xk - w;
+    let DesignUnknowns {
+        lyapunov: uh,
+        integral_weight: yh,
+        trigger_weight: wh,
+        multiplier: qh,
+        ..
+    } = unknowns;
+
+    // (24): 2 v' (B F w - B dead zone + B_w tau - x')
+    let plant = b * &unknowns.gain * w - b * &unknowns.sector * p + Affine::constant(&(bw * tau))
+        - qh.transposed() * dx;
+    // (23): 2 (x' L1 + xk' L2) (x - xk)
+    let path = x.transpose() * (&unknowns.free_state)
+        + xk.transpose() * (&unknowns.free_sample);
+    let mut out = (&v.transpose() * plant).symmetrised()
+        + phi * uh.congruence(x)
+        + (x.transpose() * uh * dx).symmetrised()
+        + (&path * &(x - xk)).symmetrised()
+        + nu * wh.congruence(w)
+        - wh.congruence(&error)
+        - 2.0 * unknowns.sector.congruence(p)
+        + (p.transpose() * &unknowns.anti_windup * w).symmetrised()
+        - unknowns.disturbance_weight.times_matrix(&(tau.transpose() * tau));
+    match interval {
+        Interval::Start => {
+            out += &(specification.sampling_interval_max * yh.congruence(dx));
+        }
+        Interval::End => {
+            out += &(integral_factor(task) * &(&path * z).symmetrised());
+            out += &-yh.congruence(z);
+        }
+    }
+    out
+}

@@ -1,0 +1,260 @@
+//! The design file, as written, and its check.
+
+use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::certify::theorem1::Certificate;
+use crate::certify::{check, ConditionMargin, Report, Verdict};
+use crate::model::{
+    check_matrix, check_positive, finite, parse, FileError, Kind, Model, ModelError, ModelFile,
+};
+
+/// The version this program reads and writes.
+pub const DESIGN_SCHEMA_VERSION: u32 = 1;
+
+/// A controller with its certificate. Every number stands once: what the model says (limits,
+/// sampling, thresholds, memberships of the box) is in the model, what flies in the controller, what
+/// only the proof needs in the certificate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignFile {
+    /// Version of this format: 1.
+    pub schema_version: u32,
+    /// Name of the model.
+    pub name: String,
+    /// The model the design was made for, whole.
+    pub model: ModelFile,
+    /// What flies.
+    pub controller: ControllerFile,
+    /// What proves it.
+    pub certificate: CertificateFile,
+    /// The outcome of the check when the file was written. A reader does not trust it: `verify`
+    /// checks again.
+    pub verdict: VerdictFile,
+    /// What made the file.
+    pub provenance: Provenance,
+}
+
+/// u = sat(F x(t_k)), sent when e' W e >= nu x(t_k)' W x(t_k). n states, m inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerFile {
+    /// The gains F_j, each m x n; one for a constant gain.
+    pub gains: Vec<Vec<Vec<f64>>>,
+    /// The trigger weight Upsilon, n x n, symmetric.
+    pub trigger_weight: Vec<Vec<f64>>,
+}
+
+/// The unknowns of Theorem 1. n states, m inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CertificateFile {
+    /// U: x'Ux <= 1 is the certified set. n x n, symmetric.
+    pub lyapunov: Vec<Vec<f64>>,
+    /// Y: weight of the integral term. n x n, symmetric.
+    pub integral_weight: Vec<Vec<f64>>,
+    /// Q: multiplier of the plant's equation (for a spacecraft, of the equation multiplied by the
+    /// inertia). n x n.
+    pub multiplier: Vec<Vec<f64>>,
+    /// L1. n x n.
+    pub free_state: Vec<Vec<f64>>,
+    /// L2. n x n.
+    pub free_sample: Vec<Vec<f64>>,
+    /// N_j: anti-windup gains, each m x n.
+    pub anti_windup: Vec<Vec<Vec<f64>>>,
+    /// Diagonal of M. m entries.
+    pub sector_weight: Vec<f64>,
+    /// xi: V' <= -phi V + xi |tau|^2.
+    pub xi: f64,
+    /// gamma: the paper's bound on sup|y| / sup|tau| from rest, not below xi.
+    pub gamma: f64,
+    /// The sharper bound sqrt(g xi) with C'C <= g phi U.
+    pub guaranteed_gain: f64,
+    /// Radius s: every attitude at rest with |q| <= s is in the certified set. Spacecraft only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certified_vector_part: Option<f64>,
+}
+
+/// The outcome of a check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictFile {
+    /// Proved or not.
+    pub verdict: Verdict,
+    /// Margin of each condition.
+    pub conditions: Vec<ConditionMargin>,
+    /// What the proof does not cover.
+    pub not_covered: Vec<String>,
+}
+
+/// What made a design.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Program and version.
+    pub generator: String,
+    /// SHA-256 of the model file's bytes.
+    pub model_sha256: String,
+    /// Date and time (UTC, RFC 3339).
+    pub date: String,
+    /// Form of the decrease condition: reduced or full.
+    pub form: String,
+    /// The solver's runs, in order. Their statuses are the solver's opinion and prove nothing.
+    pub solver_runs: Vec<SolverRun>,
+}
+
+/// One run of a solver.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SolverRun {
+    /// What was sought.
+    pub goal: String,
+    /// Solver and version.
+    pub solver: String,
+    /// Its own status.
+    pub status: String,
+    /// Objective reached.
+    pub objective: f64,
+    /// Iterations.
+    pub iterations: u32,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+impl DesignFile {
+    /// Reads the text of a design file; shapes and ranges are checked, nothing is proved.
+    pub fn from_json(text: &str) -> Result<(Self, Model), FileError> {
+        let file: DesignFile = parse(text, Kind::Design)?;
+        if file.schema_version != DESIGN_SCHEMA_VERSION {
+            return Err(ModelError::SchemaVersion {
+                found: file.schema_version,
+                expected: DESIGN_SCHEMA_VERSION,
+            }
+            .into());
+        }
+        let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
+        file.certificate(&model)?;
+        Ok((file, model))
+    }
+
+    /// The file's text: JSON whose numbers read back exactly.
+    pub fn to_json(&self) -> String {
+        // A design holds finite numbers and string keys only, so it can always be written.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// The numbers of the certificate.
+    pub fn certificate(&self, model: &Model) -> Result<Certificate, ModelError> {
+        let (n, m, _, _) = model.plant.sizes();
+        let (square, gain) = ((Some(n), Some(n)), (Some(m), Some(n)));
+        let part = &self.certificate;
+        let weights = &part.sector_weight;
+        check_matrix("certificate.sector_weight", std::slice::from_ref(weights), (Some(1), Some(m)))?;
+        check_positive("certificate.xi", part.xi)?;
+        check_positive("certificate.gamma", part.gamma)?;
+        check_positive("certificate.guaranteed_gain", part.guaranteed_gain)?;
+        if let Some(radius) = part.certified_vector_part {
+            finite("certificate.certified_vector_part", radius)?;
+        }
+        let symmetric = |field: &str, rows| -> Result<DMatrix<f64>, ModelError> {
+            let matrix = check_matrix(field, rows, square)?;
+            check_symmetric(field, &matrix)?;
+            Ok(matrix)
+        };
+        Ok(Certificate {
+            gain: single("controller.gains", &self.controller.gains, gain)?,
+            trigger_weight: symmetric("controller.trigger_weight", &self.controller.trigger_weight)?,
+            lyapunov: symmetric("certificate.lyapunov", &part.lyapunov)?,
+            integral_weight: symmetric("certificate.integral_weight", &part.integral_weight)?,
+            multiplier: check_matrix("certificate.multiplier", &part.multiplier, square)?,
+            free_state: check_matrix("certificate.free_state", &part.free_state, square)?,
+            free_sample: check_matrix("certificate.free_sample", &part.free_sample, square)?,
+            anti_windup: single("certificate.anti_windup", &part.anti_windup, gain)?,
+            sector_weight: DVector::from_column_slice(weights),
+            disturbance_weight: part.xi,
+            gain_bound: part.gamma,
+            guaranteed_gain: part.guaranteed_gain,
+            certified_vector_part: part.certified_vector_part,
+        })
+    }
+
+    /// Proves the design from the file's numbers alone, or says what is not proved.
+    pub fn verify(&self, model: &Model) -> Result<Report, ModelError> {
+        Ok(check(model, &self.certificate(model)?))
+    }
+}
+
+impl CertificateFile {
+    /// Splits a certificate into what flies and what proves.
+    pub fn split(certificate: &Certificate) -> (ControllerFile, CertificateFile) {
+        let controller = ControllerFile {
+            gains: vec![rows(&certificate.gain)],
+            trigger_weight: rows(&certificate.trigger_weight),
+        };
+        let proof = CertificateFile {
+            lyapunov: rows(&certificate.lyapunov),
+            integral_weight: rows(&certificate.integral_weight),
+            multiplier: rows(&certificate.multiplier),
+            free_state: rows(&certificate.free_state),
+            free_sample: rows(&certificate.free_sample),
+            anti_windup: vec![rows(&certificate.anti_windup)],
+            sector_weight: certificate.sector_weight.iter().copied().collect(),
+            xi: certificate.disturbance_weight,
+            gamma: certificate.gain_bound,
+            guaranteed_gain: certificate.guaranteed_gain,
+            certified_vector_part: certificate.certified_vector_part,
+        };
+        (controller, proof)
+    }
+}
+
+impl VerdictFile {
+    /// The outcome of a check, for the file.
+    pub fn new(report: &Report) -> Self {
+        VerdictFile {
+            verdict: report.verdict,
+            conditions: report.conditions.clone(),
+            not_covered: report.not_covered.clone(),
+        }
+    }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let row = |r: usize| matrix.row(r).iter().copied().collect();
+    (0..matrix.nrows()).map(row).collect()
+}
+
+/// The one matrix of a constant gain.
+fn single(
+    field: &str,
+    matrices: &[Vec<Vec<f64>>],
+    size: (Option<usize>, Option<usize>),
+) -> Result<DMatrix<f64>, ModelError> {
+    match matrices {
+        [only] => check_matrix(&format!("{field}[0]"), only, size),
+        _ => Err(ModelError::WrongShape {
+            field: field.to_string(),
+            found: format!("{} matrices", matrices.len()),
+            expected: "1 matrix (constant gain)".to_string(),
+        }),
+    }
+}
+
+fn check_symmetric(field: &str, matrix: &DMatrix<f64>) -> Result<(), ModelError> {
+    for row in 0..matrix.nrows() {
+        for column in row + 1..matrix.ncols() {
+            let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
+            if value != mirrored {
+                return Err(ModelError::NotSymmetric {
+                    field: field.to_string(),
+                    row: row + 1,
+                    column: column + 1,
+                    value,
+                    mirrored,
+                });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,10 @@
+//! Design files: what synthesis proves and the runtime needs.
+
+mod file;
+mod recover;
+
+pub use file::{
+    CertificateFile, ControllerFile, DesignFile, Provenance, SolverRun, VerdictFile,
+    DESIGN_SCHEMA_VERSION,
+};
+pub use recover::{recover, RecoverError};

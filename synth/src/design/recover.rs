@@ -1,0 +1,143 @@
+//! From a solver's values in scaled units to a certificate in SI units.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::certify::theorem1::Certificate;
+use crate::conditions::xu2020::DesignUnknowns;
+use crate::model::{Model, Plant};
+use crate::scaling::Scaling;
+
+/// Why a solver's point is no candidate for a certificate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RecoverError {
+    /// A matrix that must be inverted is singular.
+    #[error("the solver's {matrix} is singular")]
+    Singular {
+        /// Which matrix.
+        matrix: &'static str,
+    },
+    /// A number is not finite.
+    #[error("the solver's point gives a {matrix} that is not finite")]
+    NotFinite {
+        /// Which matrix.
+        matrix: &'static str,
+    },
+}
+
+/// Undoes the congruence and the scaling: Q = Qh^-1, F = Fh Qh^-T, U = Q Uh Q', Upsilon = Q Wh Q',
+/// Y, L1, L2 likewise, N = Nh Qh^-T, M = S^-1. The scaling is by powers of two and adds no error;
+/// whatever the rest adds is seen by the check, which starts from the result.
+pub fn recover(
+    model: &Model,
+    unknowns: &DesignUnknowns,
+    values: &[f64],
+    scaling: &Scaling,
+) -> Result<Certificate, RecoverError> {
+    let inverse = unknowns.multiplier.value(values);
+    let multiplier = inverse.try_inverse().ok_or(RecoverError::Singular {
+        matrix: "multiplier",
+    })?;
+    let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
+    let to_input = DMatrix::from_diagonal(&scaling.input);
+    let weight = |hatted: DMatrix<f64>| {
+        &to_state * &multiplier * hatted * multiplier.transpose() * &to_state
+    };
+    let symmetric = |hatted: DMatrix<f64>| {
+        let full = weight(hatted);
+        0.5 * (&full + full.transpose())
+    };
+    let gain = |hatted: DMatrix<f64>| &to_input * hatted * multiplier.transpose() * &to_state;
+    let sector = unknowns.sector.value(values).diagonal();
+    let sector_weight = DVector::from_fn(sector.len(), |s, _| {
+        1.0 / (sector[s] * scaling.input[s] * scaling.input[s])
+    });
+    let c = scaling.disturbance;
+    let xi = unknowns.disturbance_weight.value(values)[(0, 0)] / (c * c);
+    let mut certificate = Certificate {
+        gain: gain(unknowns.gain.value(values)),
+        trigger_weight: symmetric(unknowns.trigger_weight.value(values)),
+        lyapunov: symmetric(unknowns.lyapunov.value(values)),
+        integral_weight: symmetric(unknowns.integral_weight.value(values)),
+        multiplier: descriptor_multiplier(&model.plant, &to_state * &multiplier * &to_state),
+        free_state: weight(unknowns.free_state.value(values)),
+        free_sample: weight(unknowns.free_sample.value(values)),
+        anti_windup: gain(unknowns.anti_windup.value(values)),
+        sector_weight,
+        disturbance_weight: xi,
+        gain_bound: unknowns.gain_bound.value(values)[(0, 0)],
+        guaranteed_gain: 0.0,
+        certified_vector_part: None,
+    };
+    require_finite(&certificate)?;
+    add_claims(model, &mut certificate)?;
+    Ok(certificate)
+}
+
+/// The multiplier of the equation in descriptor form: Q diag(J^-1, I) for a spacecraft.
+fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64> {
+    match plant {
+        Plant::Vertices(_) => multiplier,
+        Plant::Spacecraft(craft) => {
+            let mut descriptor = DMatrix::identity(6, 6);
+            descriptor
+                .view_mut((0, 0), (3, 3))
+                .copy_from(&craft.inertia);
+            match descriptor.try_inverse() {
+                Some(inverse) => multiplier * inverse,
+                None => multiplier,
+            }
+        }
+    }
+}
+
+fn require_finite(certificate: &Certificate) -> Result<(), RecoverError> {
+    let matrices = [
+        ("gain", &certificate.gain),
+        ("trigger weight", &certificate.trigger_weight),
+        ("Lyapunov matrix", &certificate.lyapunov),
+        ("integral weight", &certificate.integral_weight),
+        ("multiplier", &certificate.multiplier),
+        ("free matrix on x", &certificate.free_state),
+        ("free matrix on the sample", &certificate.free_sample),
+        ("anti-windup gain", &certificate.anti_windup),
+    ];
+    let broken = matrices.iter().find(|(_, matrix)| !matrix.iter().all(|v| v.is_finite()));
+    if let Some((matrix, _)) = broken {
+        return Err(RecoverError::NotFinite { matrix });
+    }
+    if !certificate.sector_weight.iter().all(|weight| weight.is_finite()) {
+        return Err(RecoverError::NotFinite {
+            matrix: "sector weight",
+        });
+    }
+    Ok(())
+}
+
+/// Relative room left in derived claims, so that the check can prove them.
+const CLAIM_ROOM: f64 = 1e-6;
+
+/// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
+/// radius of attitudes at rest inside x'Ux <= 1.
+fn add_claims(model: &Model, certificate: &mut Certificate) -> Result<(), RecoverError> {
+    let singular = RecoverError::Singular {
+        matrix: "Lyapunov matrix",
+    };
+    let output = model.plant.takagi_sugeno().output;
+    let inverse = certificate.lyapunov.clone().try_inverse().ok_or(singular)?;
+    let spread = &output * inverse * output.transpose() / model.file.specs.phi_per_s;
+    let largest = largest_eigenvalue(&spread);
+    let xi = certificate.disturbance_weight;
+    let gain = (largest * xi).sqrt() * (1.0 + CLAIM_ROOM);
+    certificate.guaranteed_gain = gain.min(certificate.gain_bound);
+    if let Plant::Spacecraft(_) = model.plant {
+        let attitude = certificate.lyapunov.view((3, 3), (3, 3)).into_owned();
+        let radius = (1.0 / largest_eigenvalue(&attitude)).sqrt() * (1.0 - CLAIM_ROOM);
+        certificate.certified_vector_part = Some(radius.min(1.0));
+    }
+    Ok(())
+}
+
+fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
+    let symmetric = 0.5 * (matrix + matrix.transpose());
+    symmetric.symmetric_eigenvalues().max()
+}

@@ -1,0 +1,52 @@
+//! Takagi-Sugeno (T-S) models: a nonlinear plant as a convex combination of linear vertex systems.
+
+mod exact;
+mod vertices;
+
+pub use exact::{ExactSpacecraft, SCHEDULING_VARIABLES, SPACECRAFT_VERTICES};
+pub use vertices::VertexSystem;
+
+use nalgebra::{DMatrix, DVector};
+
+/// One constraint of the region in which the model holds: `|rows x| <= bound`, Euclidean norm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoxCondition {
+    /// What is bounded, such as `rate axis 1`.
+    pub name: String,
+    /// k x n, in units of the bound per unit of state.
+    pub rows: DMatrix<f64>,
+    /// Square of the bound.
+    pub bound_squared: f64,
+}
+
+/// The vertex systems `x' = A_i x + B sat(u) + B_w tau`, `y = C x` of a T-S model, its region and
+/// its limits, in physical units. Input and output matrices are common to all vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TakagiSugeno {
+    /// State matrices A_i, n x n.
+    pub vertices: Vec<DMatrix<f64>>,
+    /// Input matrix B, n x m.
+    pub input: DMatrix<f64>,
+    /// Disturbance matrix B_w, n x d (the paper takes B_w = B).
+    pub disturbance: DMatrix<f64>,
+    /// Output matrix C, p x n.
+    pub output: DMatrix<f64>,
+    /// Saturation level of each input, `ubar_s` of (4).
+    pub input_limit: DVector<f64>,
+    /// Bound `taubar` on the Euclidean norm of the disturbance.
+    pub disturbance_bound: f64,
+    /// The region in which the model equals the plant; empty when it does so everywhere.
+    pub region: Vec<BoxCondition>,
+}
+
+impl TakagiSugeno {
+    /// Number of states n.
+    pub fn states(&self) -> usize {
+        self.input.nrows()
+    }
+
+    /// Number of inputs m.
+    pub fn inputs(&self) -> usize {
+        self.input.ncols()
+    }
+}

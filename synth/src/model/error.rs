@@ -1,0 +1,184 @@
+//! What can be wrong with a file.
+
+use std::fmt;
+
+/// The kinds of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A model file.
+    Model,
+    /// A design file.
+    Design,
+    /// A scenario file.
+    Scenario,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Kind::Model => "model",
+            Kind::Design => "design",
+            Kind::Scenario => "scenario",
+        })
+    }
+}
+
+/// Why a file could not be used. The file's name is added by whoever reports it.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The file could not be read or written.
+    #[error("{action}: {source}")]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is larger than any sensible input.
+    #[error("the file has {bytes} bytes; at most {limit} bytes are read")]
+    TooLarge {
+        /// Size of the file.
+        bytes: u64,
+        /// Largest size.
+        limit: u64,
+    },
+    /// The file is not text.
+    #[error("the file is not UTF-8 text (byte {position})")]
+    NotText {
+        /// Where it stops being text.
+        position: usize,
+    },
+    /// The file is not JSON.
+    #[error("not JSON: {reason}")]
+    NotJson {
+        /// The parser's words, with line and column.
+        reason: String,
+    },
+    /// The file is JSON, but a field is missing, unknown or of the wrong type.
+    #[error("field '{field}': {reason}")]
+    Field {
+        /// Path of the field.
+        field: String,
+        /// What is wrong, with the allowed names or types.
+        reason: String,
+    },
+    /// The file is of another kind.
+    #[error("this is a {found} file; a {expected} file is expected here")]
+    WrongKind {
+        /// What it is.
+        found: Kind,
+        /// What is needed.
+        expected: Kind,
+    },
+    /// A value is not allowed.
+    #[error(transparent)]
+    Value(#[from] ModelError),
+}
+
+/// A value that is not allowed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// A number is outside its range.
+    #[error("field '{field}': the value {value} is not allowed; it must be {allowed}")]
+    OutOfRange {
+        /// Path of the field.
+        field: String,
+        /// The number.
+        value: f64,
+        /// The allowed range in words.
+        allowed: String,
+    },
+    /// A list or matrix has the wrong size.
+    #[error("field '{field}': the size is {found}; it must be {expected}")]
+    WrongShape {
+        /// Path of the field.
+        field: String,
+        /// The size found.
+        found: String,
+        /// The size needed.
+        expected: String,
+    },
+    /// A matrix is not symmetric.
+    #[error(
+        "field '{field}': entry ({row}, {column}) is {value} but entry ({column}, {row}) is \
+         {mirrored}; the matrix must be symmetric"
+    )]
+    NotSymmetric {
+        /// Path of the field.
+        field: String,
+        /// Row, from 1.
+        row: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Entry at (row, column).
+        value: f64,
+        /// Entry at (column, row).
+        mirrored: f64,
+    },
+    /// A matrix is not positive definite.
+    #[error(
+        "field '{field}': the smallest eigenvalue is {smallest}; the matrix must be positive \
+         definite (every eigenvalue above 0)"
+    )]
+    NotPositiveDefinite {
+        /// Path of the field.
+        field: String,
+        /// Its smallest eigenvalue.
+        smallest: f64,
+    },
+    /// The format version is unknown.
+    #[error("field 'schema_version': the value {found} is not allowed; it must be {expected}")]
+    SchemaVersion {
+        /// Version in the file.
+        found: u32,
+        /// Version this program reads.
+        expected: u32,
+    },
+}
+
+impl ModelError {
+    /// The same error with the field's path inside a larger file.
+    pub fn within(self, parent: &str) -> Self {
+        let nested = |field: String| format!("{parent}.{field}");
+        match self {
+            ModelError::OutOfRange {
+                field,
+                value,
+                allowed,
+            } => ModelError::OutOfRange {
+                field: nested(field),
+                value,
+                allowed,
+            },
+            ModelError::WrongShape {
+                field,
+                found,
+                expected,
+            } => ModelError::WrongShape {
+                field: nested(field),
+                found,
+                expected,
+            },
+            ModelError::NotSymmetric {
+                field,
+                row,
+                column,
+                value,
+                mirrored,
+            } => ModelError::NotSymmetric {
+                field: nested(field),
+                row,
+                column,
+                value,
+                mirrored,
+            },
+            ModelError::NotPositiveDefinite { field, smallest } => {
+                ModelError::NotPositiveDefinite {
+                    field: nested(field),
+                    smallest,
+                }
+            }
+            ModelError::SchemaVersion { .. } => self,
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! The model file, as written.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The version this program reads and writes.
+pub const MODEL_SCHEMA_VERSION: u32 = 1;
+
+/// A plant and what its controller must achieve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    /// Version of this format: 1.
+    pub schema_version: u32,
+    /// A short name, used in reports.
+    pub name: String,
+    /// Where the numbers come from.
+    #[serde(default)]
+    pub source: String,
+    /// The plant as a Takagi-Sugeno model.
+    pub plant: PlantFile,
+    /// What is required of the closed loop.
+    pub specs: Specs,
+    /// Form of the gains.
+    #[serde(default)]
+    pub gains: GainForm,
+    /// What is assumed about plant and controller memberships at different times.
+    #[serde(default)]
+    pub mismatch: Mismatch,
+}
+
+/// How the plant is given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PlantFile {
+    /// The rigid spacecraft on a box of rates and attitudes: exact, 16 rules.
+    Exact(ExactPlant),
+    /// Vertex systems given by their matrices.
+    Vertices(VerticesPlant),
+}
+
+/// A rigid spacecraft; the state is [body rate (rad/s); vector part of the error quaternion].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExactPlant {
+    /// Inertia matrix, symmetric positive definite [kg m^2].
+    pub inertia_kg_m2: [[f64; 3]; 3],
+    /// Torque limit of each axis, above 0 [N m].
+    pub torque_limit_nm: [f64; 3],
+    /// Bound on the norm of the disturbance torque, not negative [N m].
+    pub disturbance_bound_nm: f64,
+    /// The box: bound on the magnitude of each rate, above 0 [rad/s].
+    pub rate_rad_s: [f64; 3],
+    /// The box: smallest scalar part q0 of the error quaternion, in (0, 1].
+    pub q0_min: f64,
+}
+
+/// x' = A(t) x + B sat(u) + B_w tau, y = C x, with A(t) in the convex hull of the state matrices.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VerticesPlant {
+    /// State matrices A_i, each n x n.
+    pub state_matrices: Vec<Vec<Vec<f64>>>,
+    /// Input matrix B, n x m.
+    pub input_matrix: Vec<Vec<f64>>,
+    /// Disturbance matrix B_w, n x d; B when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbance_matrix: Option<Vec<Vec<f64>>>,
+    /// Output matrix C, p x n; the identity when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_matrix: Option<Vec<Vec<f64>>>,
+    /// Saturation level of each input, above 0.
+    pub input_limit: Vec<f64>,
+    /// Bound on the norm of the disturbance, not negative.
+    pub disturbance_bound: f64,
+    /// The region in which the model holds, |row x| <= bound each; everywhere when empty.
+    #[serde(default, rename = "box")]
+    pub region: Vec<LinearBound>,
+}
+
+/// |row x| <= bound.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LinearBound {
+    /// Row, n entries.
+    pub row: Vec<f64>,
+    /// Bound, above 0.
+    pub bound: f64,
+}
+
+/// Requirements and design parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Specs {
+    /// Decay rate phi of the Lyapunov functional, above 0 [1/s].
+    pub phi_per_s: f64,
+    /// Longest sampling interval, above 0 [s].
+    pub hbar_s: f64,
+    /// Shortest sampling interval, above 0 and at most `hbar_s` [s]; a hundredth of it when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hmin_s: Option<f64>,
+    /// Largest trigger threshold nu, in [0, 1).
+    pub nu: f64,
+    /// Smallest trigger threshold, in [0, nu]; nu when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nu_min: Option<f64>,
+    /// How the threshold moves between its bounds; it stays at nu when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub threshold_update: Option<ThresholdUpdate>,
+    /// Weights eps_1, eps_2, eps_3 of the multiplier; the second above 0.
+    #[serde(default = "unit_weights")]
+    pub eps: [f64; 3],
+    /// Largest disturbance weight xi, above 0.
+    pub xi_max: f64,
+    /// What is optimised.
+    #[serde(default)]
+    pub objective: Objective,
+    /// States x0 that the certified set must contain, each of n entries.
+    #[serde(default)]
+    pub must_contain: Vec<Vec<f64>>,
+    /// Margin of every strict inequality in scaled units, in (0, 0.01].
+    #[serde(default = "default_margin")]
+    pub margin: f64,
+}
+
+/// The update rule below (10): mu = (mu_1, mu_2, mu_3), each not negative.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThresholdUpdate {
+    /// mu_1, mu_2, mu_3.
+    pub mu: [f64; 3],
+}
+
+/// What is optimised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Objective {
+    /// The smallest L-infinity gain bound gamma.
+    #[default]
+    Gain,
+}
+
+/// Form of the gains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GainForm {
+    /// One gain for all rules: no membership is needed at run time.
+    #[default]
+    Constant,
+}
+
+/// What is assumed about memberships of plant and controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Mismatch {
+    /// Nothing: a constant gain does not depend on memberships.
+    #[default]
+    None,
+}
+
+fn unit_weights() -> [f64; 3] {
+    [1.0; 3]
+}
+
+fn default_margin() -> f64 {
+    1e-6
+}

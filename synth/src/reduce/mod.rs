@@ -1,0 +1,24 @@
+//! The exact size reduction of the decrease condition (18) for a constant gain.
+//!
+//! Two steps, neither of which loses anything:
+//! 1. [`vertex_slack`]: the vertices enter through one 2n x 2n block only, so one slack matrix takes
+//!    the place of all of them and each vertex costs one small cone;
+//! 2. [`cliques`]: in suitable coordinates the rest is chordal, so it splits into overlapping
+//!    cliques.
+
+pub mod cliques;
+pub mod vertex_slack;
+
+use crate::conditions::xu2020::{DesignUnknowns, Strictness};
+use crate::conditions::Task;
+use crate::lmi::{Condition, Unknowns};
+
+/// (18) for every vertex and both ends of the sampling interval, reduced.
+pub fn decrease_conditions(
+    task: &Task,
+    unknowns: &mut Unknowns,
+    design: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    vertex_slack::conditions(task, unknowns, design, strictness)
+}

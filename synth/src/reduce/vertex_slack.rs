@@ -1,0 +1,138 @@
+//! One slack matrix instead of one large condition for each vertex.
+//!
+//! A_i enters (18) only through `2 v' A_i Qh' x` with v = eps1 x + eps2 x' + eps3 x(t_k^l), that is
+//! through M_i = [0, Qh A_i'; A_i Qh', 0] on (x, v). The conditions hold for every vertex exactly
+//! when some Z_r >= M_i (all i) satisfies the r-th condition with Z_r in the place of M_i: take for
+//! Z_r the Schur complement of the rest.
+
+use nalgebra::DMatrix;
+
+use super::cliques::{self, Split};
+use crate::conditions::xu2020::{decrease_form, Coordinates, DesignUnknowns, Interval, Strictness};
+use crate::conditions::Task;
+use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
+
+// Coordinates of the reduced condition: x, v, x(t_k^l), x(t_k), dead zone, tau, integral.
+const STATE: usize = 0;
+const MULTIPLIED: usize = 1;
+const SAMPLE: usize = 2;
+const HELD: usize = 3;
+const DEAD_ZONE: usize = 4;
+const DISTURBANCE: usize = 5;
+const INTEGRAL: usize = 6;
+
+/// The reduced coordinates' block sizes for one end of the interval.
+pub fn block_sizes(task: &Task, interval: Interval) -> Vec<usize> {
+    let system = &task.system;
+    let n = system.states();
+    let mut sizes = vec![n, n, n, n, system.inputs(), system.disturbance.ncols()];
+    if interval == Interval::End {
+        sizes.push(n);
+    }
+    sizes
+}
+
+/// The quantities of (18) in the reduced coordinates: x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
+pub fn coordinates(task: &Task, interval: Interval) -> Coordinates {
+    let sizes = block_sizes(task, interval);
+    let total: usize = sizes.iter().sum();
+    let select = |block: usize| {
+        let offset: usize = sizes[..block].iter().sum();
+        let mut out = DMatrix::zeros(sizes[block], total);
+        out.view_mut((0, offset), (sizes[block], sizes[block]))
+            .fill_with_identity();
+        out
+    };
+    let [e1, e2, e3] = task.specification.multiplier_weights;
+    let (state, multiplied, sample) = (select(STATE), select(MULTIPLIED), select(SAMPLE));
+    let rate = (&multiplied - e1 * &state - e3 * &sample) / e2;
+    Coordinates {
+        rate,
+        held: select(HELD),
+        dead_zone: select(DEAD_ZONE),
+        disturbance: select(DISTURBANCE),
+        integral: match interval {
+            Interval::Start => DMatrix::zeros(task.system.states(), total),
+            Interval::End => select(INTEGRAL),
+        },
+        state,
+        multiplied,
+        sample,
+    }
+}
+
+/// The cliques {v, tau}, {v, w, p}, {v, xk, w}, {x, xk, s} and the root {x, v, xk}.
+fn splits(interval: Interval) -> Vec<Split> {
+    let split = |name, residual, separator| Split {
+        name,
+        residual,
+        separator,
+    };
+    let mut out = vec![
+        split("disturbance", vec![DISTURBANCE], vec![MULTIPLIED]),
+        split("dead zone", vec![DEAD_ZONE], vec![MULTIPLIED, HELD]),
+        split("held state", vec![HELD], vec![MULTIPLIED, SAMPLE]),
+    ];
+    if interval == Interval::End {
+        out.push(split("integral", vec![INTEGRAL], vec![STATE, SAMPLE]));
+    }
+    out
+}
+
+/// The weight of the margin that equals the identity in the coordinates of the full condition.
+fn margin_weight(at: &Coordinates) -> DMatrix<f64> {
+    let error = &at.sample - &at.held;
+    [
+        &at.state,
+        &at.rate,
+        &at.sample,
+        &error,
+        &at.dead_zone,
+        &at.disturbance,
+        &at.integral,
+    ]
+    .iter()
+    .fold(DMatrix::zeros(at.state.ncols(), at.state.ncols()), |sum, map| {
+        sum + map.transpose() * *map
+    })
+}
+
+/// `Z - M_i >= 0` on (x, v) at one vertex.
+fn vertex_block(task: &Task, vertex: usize, design: &DesignUnknowns, slack: &Affine) -> Affine {
+    let n = task.system.states();
+    let mut block = SymmetricBlocks::new(&[n, n]);
+    let q_at = &design.multiplier * &task.system.vertices[vertex].transpose();
+    block.add(0, 1, &q_at);
+    slack - &block.finish()
+}
+
+/// (18) for every vertex in `task.system.vertices` and both ends of the interval.
+pub fn conditions(
+    task: &Task,
+    unknowns: &mut Unknowns,
+    design: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    let n = task.system.states();
+    let mut out = Vec::new();
+    for interval in Interval::BOTH {
+        let r = interval.index();
+        let slack = unknowns.symmetric(&format!("Z{r}"), 2 * n);
+        let at = coordinates(task, interval);
+        let mut lhs = decrease_form(task, interval, design, &at);
+        lhs.add_block(0, 0, &slack);
+        let strict = strictness.positive_against("", -lhs, &margin_weight(&at));
+        let sizes = block_sizes(task, interval);
+        let parts = cliques::split(strict.expression(), &sizes, &splits(interval), unknowns)
+            .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
+        for (clique, part) in parts {
+            out.push(Condition::semidefinite(format!("decrease r={r} clique {clique}"), part));
+        }
+        for vertex in 0..task.system.vertices.len() {
+            let part = vertex_block(task, vertex, design, &slack);
+            let name = format!("decrease r={r} vertex {}", vertex + 1);
+            out.push(Condition::semidefinite(name, part));
+        }
+    }
+    out
+}

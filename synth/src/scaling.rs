@@ -1,0 +1,104 @@
+//! Change of units by powers of two, which undoes exactly.
+//!
+//! x = D x', u = E u', tau = c tau' with D, E diagonal. Without it the solver stalls: in SI units the
+//! entries of one condition span many orders of magnitude.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::conditions::Task;
+use crate::fuzzy::{BoxCondition, TakagiSugeno};
+
+/// Units of the scaled problem; every entry is a power of two.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scaling {
+    /// Unit of each state.
+    pub state: DVector<f64>,
+    /// Unit of each input.
+    pub input: DVector<f64>,
+    /// Unit of the disturbance.
+    pub disturbance: f64,
+}
+
+/// The power of two nearest to a positive number in ratio.
+fn power_of_two(value: f64) -> f64 {
+    value.log2().round().clamp(-500.0, 500.0).exp2()
+}
+
+impl Scaling {
+    /// Units from the model: a state's unit is `fraction` of the smallest extent of the region along
+    /// it; the inputs' and the disturbance's make the scaled columns of B about 1 and of B_w about 1/3.
+    pub fn automatic(system: &TakagiSugeno, fraction: f64) -> Self {
+        let state = state_units(system, fraction);
+        let largest = |column: nalgebra::DVectorView<f64>| -> f64 {
+            let scaled = column.component_div(&state);
+            scaled.norm().max(f64::MIN_POSITIVE)
+        };
+        let inputs = system.input.column_iter().map(|column| {
+            power_of_two(1.0 / largest(column))
+        });
+        let disturbance = system
+            .disturbance
+            .column_iter()
+            .map(largest)
+            .fold(f64::MIN_POSITIVE, f64::max);
+        Scaling {
+            input: DVector::from_iterator(system.inputs(), inputs),
+            disturbance: power_of_two(1.0 / (3.0 * disturbance)),
+            state,
+        }
+    }
+
+    /// The task in the scaled units.
+    pub fn apply(&self, task: &Task) -> Task {
+        let system = &task.system;
+        let d = DMatrix::from_diagonal(&self.state);
+        let d_inverse = DMatrix::from_diagonal(&self.state.map(|unit| 1.0 / unit));
+        let e = DMatrix::from_diagonal(&self.input);
+        let c = self.disturbance;
+        let region = system.region.iter().map(|bound| {
+            let rows = &bound.rows * &d;
+            let longest = rows.row_iter().map(|row| row.norm()).fold(0.0, f64::max);
+            let unit = power_of_two(longest.max(f64::MIN_POSITIVE));
+            BoxCondition {
+                name: bound.name.clone(),
+                rows: rows / unit,
+                bound_squared: bound.bound_squared / (unit * unit),
+            }
+        });
+        let mut specification = task.specification.clone();
+        specification.disturbance_weight_max *= c * c;
+        for state in &mut specification.must_contain {
+            *state = &d_inverse * &*state;
+        }
+        Task {
+            system: TakagiSugeno {
+                vertices: system.vertices.iter().map(|a| &d_inverse * a * &d).collect(),
+                input: &d_inverse * &system.input * &e,
+                disturbance: &d_inverse * &system.disturbance * c,
+                output: &system.output * &d,
+                input_limit: system.input_limit.component_div(&self.input),
+                disturbance_bound: system.disturbance_bound / c,
+                region: region.collect(),
+            },
+            specification,
+            disturbance_weight_unit: task.disturbance_weight_unit / (c * c),
+        }
+    }
+}
+
+/// One unit for all states, `fraction` of the smallest extent of the region along any of them, or 1
+/// where nothing is bounded.
+fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
+    let extents: Vec<Option<f64>> = (0..system.states())
+        .map(|state| {
+            let along = system.region.iter().filter_map(|bound| {
+                let reach = bound.rows.column(state).norm();
+                (reach > 0.0).then(|| bound.bound_squared.max(0.0).sqrt() / reach)
+            });
+            along.reduce(f64::min).filter(|extent| *extent > 0.0)
+        })
+        .collect();
+    let smallest = extents.iter().flatten().copied().reduce(f64::min);
+    let unit = power_of_two(fraction * smallest.unwrap_or(1.0 / fraction));
+    DVector::from_element(system.states(), unit)
+}

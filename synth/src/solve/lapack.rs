@@ -1,0 +1,155 @@
+//! The BLAS and LAPACK symbols that the conic solver links against, in Rust.
+//!
+//! The semidefinite cones of Clarabel call BLAS and LAPACK through their Fortran symbols. This module defines
+//! the ones it uses, over the dense kernels of faer, so that no system library is needed. Argument order,
+//! column-major storage with a leading dimension, workspace queries and `info` follow the reference
+//! documentation (Anderson et al., LAPACK Users' Guide, 3rd ed., 1999); integers are 32 bit. Deviations:
+//!
+//! - `dsyevr_` computes all eigenvalues only (`range = 'A'`), `dgesvd_` and `dgesdd_` have no job `'O'`;
+//!   other requests are answered as illegal arguments. `abstol` is ignored.
+//! - A matrix with an entry that is not finite is refused by `dsyevr_`, `dgesdd_` and `dgesvd_` with
+//!   `info = -k`, `k` being the position of the matrix among the arguments. `dgesv_` stops at the first pivot
+//!   that is not finite as at one that is zero.
+//! - An illegal argument of a BLAS routine, which has no `info`, is written to the standard error output and
+//!   the result is left as it was.
+//! - Should a kernel panic, products are filled with NaN and factorizations answer with a positive `info`.
+//!   Nothing unwinds into the caller.
+//!
+//! This is the only module of the project that is not safe Rust: `products`, `systems` and `decompositions` hold
+//! the symbols, which check their arguments and take views; `kernels` computes on the views, safely.
+//!
+//! # Safety
+//!
+//! Every function trusts its caller as a Fortran library does: each scalar argument points to a valid value,
+//! each array argument to as many initialized entries as the reference documentation asks for with the
+//! dimensions and leading dimensions given (output-only arrays and workspaces need not be initialized),
+//! and no output array overlaps another array. Arrays of size zero are never dereferenced.
+#![allow(unsafe_code)]
+#![allow(clippy::too_many_arguments)]
+
+mod decompositions;
+mod kernels;
+mod products;
+mod systems;
+
+use core::ffi::{c_char, c_int};
+use std::panic::{catch_unwind, AssertUnwindSafe};
+
+use faer::reborrow::*;
+use faer::{ColMut, ColRef, MatMut, MatRef};
+
+pub use decompositions::{dgesdd_, dgesvd_, dsyevr_};
+pub use products::{dgemm_, dgemv_, dsymv_, dsyr2k_, dsyrk_};
+pub use systems::{dgesv_, dpotrf_, dpotrs_};
+
+use kernels::blas::{self, Part};
+
+/// `info` of a factorization that failed for another reason than its matrix.
+const INTERNAL_FAILURE: c_int = 1;
+
+/// Keeps the symbols in any binary that calls this, whatever the linker's order of libraries.
+pub fn link() {
+    core::hint::black_box([
+        dgemm_ as *const (),
+        dgemv_ as *const (),
+        dsymv_ as *const (),
+        dsyrk_ as *const (),
+        dsyr2k_ as *const (),
+        dpotrf_ as *const (),
+        dpotrs_ as *const (),
+        dgesv_ as *const (),
+        dsyevr_ as *const (),
+        dgesdd_ as *const (),
+        dgesvd_ as *const (),
+    ]);
+}
+
+/// An option letter, in upper case.
+unsafe fn letter(option: *const c_char) -> u8 {
+    // SAFETY: a scalar argument (module contract).
+    (unsafe { *option } as u8).to_ascii_uppercase()
+}
+
+/// Whether an operand is transposed.
+unsafe fn transposition(option: *const c_char) -> Option<bool> {
+    // SAFETY: a scalar argument (module contract).
+    match unsafe { letter(option) } {
+        b'N' => Some(false),
+        b'T' | b'C' => Some(true),
+        _ => None,
+    }
+}
+
+/// The triangle a symmetric matrix is stored in.
+unsafe fn triangle(option: *const c_char) -> Option<Part> {
+    // SAFETY: a scalar argument (module contract).
+    match unsafe { letter(option) } {
+        b'L' => Some(Part::Lower),
+        b'U' => Some(Part::Upper),
+        _ => None,
+    }
+}
+
+/// The position, counted from 1, of the first argument that is not legal, as `info` reports it.
+fn illegal_argument(legal: &[bool]) -> Option<c_int> {
+    legal.iter().position(|&ok| !ok).map(|at| at as c_int + 1)
+}
+
+/// Reports an illegal argument of a routine without `info`.
+fn report_illegal(routine: &str, position: c_int) {
+    eprintln!("{routine}: argument {position} has an illegal value; nothing was computed");
+}
+
+/// Runs a kernel; a panic becomes `None`.
+fn contained<R>(body: impl FnOnce() -> R) -> Option<R> {
+    catch_unwind(AssertUnwindSafe(body)).ok()
+}
+
+/// Runs a product into `c`; a panic fills the part of `c` with NaN.
+fn contained_product(mut c: MatMut<'_, f64>, part: Part, body: impl FnOnce(MatMut<'_, f64>)) {
+    if contained(|| body(c.rb_mut())).is_none() {
+        blas::for_each(c, part, |entry| *entry = f64::NAN);
+    }
+}
+
+unsafe fn matrix<'a>(a: *const f64, nrows: c_int, ncols: c_int, ld: c_int) -> MatRef<'a, f64> {
+    if nrows <= 0 || ncols <= 0 {
+        return MatRef::from_column_major_slice(&[], nrows.max(0) as usize, ncols.max(0) as usize);
+    }
+    // SAFETY: column `j` of the array begins `j * ld` entries after `a` (module contract).
+    unsafe { MatRef::from_raw_parts(a, nrows as usize, ncols as usize, 1, ld as isize) }
+}
+
+unsafe fn matrix_mut<'a>(a: *mut f64, nrows: c_int, ncols: c_int, ld: c_int) -> MatMut<'a, f64> {
+    // SAFETY: as in `matrix`; no output array overlaps another one (module contract).
+    unsafe { MatMut::from_raw_parts_mut(a, nrows as usize, ncols as usize, 1, ld as isize) }
+}
+
+/// A vector with stride `inc`; with a negative stride its first entry is the last one in memory.
+unsafe fn vector<'a>(x: *const f64, len: c_int, inc: c_int) -> ColRef<'a, f64> {
+    // SAFETY: the array holds `1 + (len - 1) |inc|` entries (module contract), `len` is positive.
+    unsafe { ColRef::from_raw_parts(x.offset(first_entry(len, inc)), len as usize, inc as isize) }
+}
+
+unsafe fn vector_mut<'a>(y: *mut f64, len: c_int, inc: c_int) -> ColMut<'a, f64> {
+    // SAFETY: as in `vector`; no output array overlaps another one (module contract).
+    unsafe {
+        ColMut::from_raw_parts_mut(y.offset(first_entry(len, inc)), len as usize, inc as isize)
+    }
+}
+
+fn first_entry(len: c_int, inc: c_int) -> isize {
+    if inc < 0 {
+        -(inc as isize) * (len as isize - 1)
+    } else {
+        0
+    }
+}
+
+unsafe fn array<'a, T>(a: *mut T, len: c_int) -> &'a mut [T] {
+    if len <= 0 {
+        return &mut [];
+    }
+    // SAFETY: the array has `len` entries and overlaps no other one (module contract).
+    unsafe { core::slice::from_raw_parts_mut(a, len as usize) }
+}

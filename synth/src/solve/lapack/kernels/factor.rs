@@ -1,0 +1,129 @@
+//! Cholesky and LU factorizations and the solves that use them.
+
+use core::mem::MaybeUninit;
+
+use faer::linalg::cholesky::llt::factor::{
+    cholesky_in_place, cholesky_in_place_scratch, LltError, LltRegularization,
+};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::linalg::{temp_mat_scratch, temp_mat_zeroed};
+use faer::mat::AsMatMut;
+use faer::reborrow::*;
+use faer::{MatMut, MatRef, Par};
+
+use super::workspace::{with_stack, OutOfMemory};
+
+/// Why a factorization stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FactorError {
+    /// The pivot of this index, counted from 1, is not usable.
+    Pivot(usize),
+    Memory,
+}
+
+impl From<OutOfMemory> for FactorError {
+    fn from(_: OutOfMemory) -> Self {
+        FactorError::Memory
+    }
+}
+
+/// Entries of the workspace on the stack: enough for a Cholesky factorization of order 36.
+const LOCAL_WORKSPACE: usize = 1600;
+
+/// Factors `A = L L'` in place; only the lower triangle is read or written.
+///
+/// A pivot that is not positive, or not a number, is reported. The kernel writes above the diagonal too,
+/// hence the copy.
+pub fn cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
+    let n = a.nrows();
+    let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default())
+        .and(temp_mat_scratch::<f64>(n, n));
+    let mut local = [MaybeUninit::uninit(); LOCAL_WORKSPACE];
+    let outcome = with_stack(scratch, &mut local, |stack| {
+        let (mut copy, stack) = temp_mat_zeroed::<f64, _, _>(n, n, stack);
+        let mut copy = copy.as_mat_mut();
+        copy.copy_from_triangular_lower(a.rb());
+        let outcome = cholesky_in_place(
+            copy.rb_mut(),
+            LltRegularization::default(),
+            Par::Seq,
+            stack,
+            Default::default(),
+        );
+        a.copy_from_triangular_lower(copy);
+        outcome
+    })?;
+    match outcome {
+        Ok(_) => Ok(()),
+        Err(LltError::NonPositivePivot { index }) => Err(FactorError::Pivot(index + 1)),
+    }
+}
+
+/// Solves `L L' X = B` in place of `B`.
+pub fn solve_with_cholesky(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) {
+    solve_lower_triangular_in_place(l, b.rb_mut(), Par::Seq);
+    solve_upper_triangular_in_place(l.transpose(), b, Par::Seq);
+}
+
+/// Factors `P A = L U` in place with partial pivoting; `pivots[k]` is the row swapped with row `k`, from 1.
+///
+/// A pivot that is exactly zero, or not finite, is reported; the factorization stops there.
+pub fn lu(mut a: MatMut<'_, f64>, pivots: &mut [i32]) -> Result<(), FactorError> {
+    let n = a.nrows();
+    for k in 0..n {
+        let pivot = (k..n).fold(k, |best, i| {
+            if a[(i, k)].abs() > a[(best, k)].abs() {
+                i
+            } else {
+                best
+            }
+        });
+        pivots[k] = pivot as i32 + 1;
+        swap_rows(a.rb_mut(), k, pivot);
+        let diagonal = a[(k, k)];
+        if diagonal == 0.0 || !diagonal.is_finite() {
+            return Err(FactorError::Pivot(k + 1));
+        }
+        for i in k + 1..n {
+            a[(i, k)] /= diagonal;
+        }
+        for j in k + 1..n {
+            let weight = a[(k, j)];
+            for i in k + 1..n {
+                let factor = a[(i, k)];
+                a[(i, j)] -= factor * weight;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Solves `A X = B` in place of `B` with the factors left by [`lu`].
+pub fn solve_with_lu(factors: MatRef<'_, f64>, pivots: &[i32], mut b: MatMut<'_, f64>) {
+    let n = factors.nrows();
+    for (k, &pivot) in pivots.iter().enumerate() {
+        swap_rows(b.rb_mut(), k, pivot as usize - 1);
+    }
+    for j in 0..b.ncols() {
+        for k in 0..n {
+            for i in k + 1..n {
+                let known = b[(k, j)];
+                b[(i, j)] -= factors[(i, k)] * known;
+            }
+        }
+    }
+    solve_upper_triangular_in_place(factors, b, Par::Seq);
+}
+
+fn swap_rows(mut a: MatMut<'_, f64>, first: usize, second: usize) {
+    if first == second {
+        return;
+    }
+    for j in 0..a.ncols() {
+        let kept = a[(first, j)];
+        a[(first, j)] = a[(second, j)];
+        a[(second, j)] = kept;
+    }
+}

@@ -1,0 +1,182 @@
+//! Symmetric eigenvalue and singular value decompositions.
+
+use core::mem::MaybeUninit;
+
+use faer::diag::DiagMut;
+use faer::dyn_stack::StackReq;
+use faer::linalg::evd::{self, self_adjoint_evd, self_adjoint_evd_scratch, ComputeEigenvectors};
+use faer::linalg::svd::{svd, svd_scratch, ComputeSvdVectors};
+use faer::reborrow::*;
+use faer::{ColMut, MatMut, Par};
+
+use super::blas::{for_each, Part};
+use super::workspace::{entries, with_stack, OutOfMemory};
+
+/// Why a decomposition has no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpectralError {
+    /// The matrix holds a value that is infinite or not a number.
+    NotFinite,
+    NoConvergence,
+    Memory,
+}
+
+impl From<OutOfMemory> for SpectralError {
+    fn from(_: OutOfMemory) -> Self {
+        SpectralError::Memory
+    }
+}
+
+/// Which singular vectors of one side are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vectors {
+    None,
+    Thin,
+    Full,
+}
+
+impl Vectors {
+    fn request(self) -> ComputeSvdVectors {
+        match self {
+            Vectors::None => ComputeSvdVectors::No,
+            Vectors::Thin => ComputeSvdVectors::Thin,
+            Vectors::Full => ComputeSvdVectors::Full,
+        }
+    }
+}
+
+/// Largest entries in this range need no scaling.
+const SAFE_RANGE: core::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
+/// Scales the part so that its largest entry is about 1 where squares and cubes of its entries could
+/// underflow or overflow; gives the factor applied.
+fn scale_to_safe_range(mut a: MatMut<'_, f64>, part: Part) -> Result<f64, SpectralError> {
+    let (mut largest, mut finite) = (0.0_f64, true);
+    for_each(a.rb_mut(), part, |entry| {
+        finite &= entry.is_finite();
+        largest = largest.max(entry.abs());
+    });
+    if !finite {
+        return Err(SpectralError::NotFinite);
+    }
+    if largest == 0.0 || SAFE_RANGE.contains(&largest) {
+        return Ok(1.0);
+    }
+    let factor = 1.0 / largest.max(f64::MIN_POSITIVE);
+    for_each(a, part, |entry| *entry *= factor);
+    Ok(factor)
+}
+
+fn eigen_scratch(n: usize, vectors: bool) -> StackReq {
+    let compute = if vectors {
+        ComputeEigenvectors::Yes
+    } else {
+        ComputeEigenvectors::No
+    };
+    self_adjoint_evd_scratch::<f64>(n.max(1), compute, Par::Seq, Default::default())
+}
+
+/// Number of workspace entries with which [`eigen`] allocates nothing.
+pub fn eigen_workspace(n: usize, vectors: bool) -> usize {
+    entries(eigen_scratch(n, vectors))
+}
+
+/// Eigenvalues of a symmetric matrix, ascending, and on demand its eigenvectors by columns.
+///
+/// Only the lower triangle is read; it may be scaled.
+pub fn eigen(
+    mut a: MatMut<'_, f64>,
+    values: &mut [f64],
+    vectors: Option<MatMut<'_, f64>>,
+    work: &mut [MaybeUninit<f64>],
+) -> Result<(), SpectralError> {
+    let factor = scale_to_safe_range(a.rb_mut(), Part::Lower)?;
+    let scratch = eigen_scratch(a.nrows(), vectors.is_some());
+    with_stack(scratch, work, |stack| {
+        self_adjoint_evd(
+            a.rb(),
+            diagonal(values),
+            vectors,
+            Par::Seq,
+            stack,
+            Default::default(),
+        )
+    })?
+    .map_err(|evd::EvdError::NoConvergence| SpectralError::NoConvergence)?;
+    unscale(values, factor);
+    Ok(())
+}
+
+fn singular_scratch(nrows: usize, ncols: usize, left: Vectors, right: Vectors) -> StackReq {
+    svd_scratch::<f64>(
+        nrows,
+        ncols,
+        left.request(),
+        right.request(),
+        Par::Seq,
+        Default::default(),
+    )
+}
+
+/// Number of workspace entries with which [`singular`] allocates nothing.
+pub fn singular_workspace(nrows: usize, ncols: usize, left: Vectors, right: Vectors) -> usize {
+    entries(singular_scratch(nrows, ncols, left, right))
+}
+
+/// Where the singular vectors of `A = U diag(values) V'` go, each by columns.
+pub struct SingularVectors<'a> {
+    pub left: Option<MatMut<'a, f64>>,
+    pub right: Option<MatMut<'a, f64>>,
+}
+
+/// Singular values of a matrix, descending, and on demand its singular vectors.
+///
+/// The matrix may be scaled.
+pub fn singular(
+    mut a: MatMut<'_, f64>,
+    values: &mut [f64],
+    vectors: SingularVectors<'_>,
+    work: &mut [MaybeUninit<f64>],
+) -> Result<(), SpectralError> {
+    let factor = scale_to_safe_range(a.rb_mut(), Part::Full)?;
+    let SingularVectors {
+        mut left,
+        mut right,
+    } = vectors;
+    for side in [&mut left, &mut right].into_iter().flatten() {
+        // The kernel leaves a block of full vectors unwritten where the matrix is far from square.
+        side.fill(0.0);
+    }
+    let kind = |side: &Option<MatMut<'_, f64>>| match side {
+        None => Vectors::None,
+        Some(matrix) if matrix.ncols() == values.len() => Vectors::Thin,
+        Some(_) => Vectors::Full,
+    };
+    let scratch = singular_scratch(a.nrows(), a.ncols(), kind(&left), kind(&right));
+    with_stack(scratch, work, |stack| {
+        svd(
+            a.rb(),
+            diagonal(values),
+            left,
+            right,
+            Par::Seq,
+            stack,
+            Default::default(),
+        )
+    })?
+    .map_err(|_| SpectralError::NoConvergence)?;
+    unscale(values, factor);
+    Ok(())
+}
+
+fn diagonal(values: &mut [f64]) -> DiagMut<'_, f64> {
+    ColMut::from_slice_mut(values).as_diagonal_mut()
+}
+
+fn unscale(values: &mut [f64], factor: f64) {
+    if factor != 1.0 {
+        for value in values {
+            *value /= factor;
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Solvers for semidefinite programs, behind one trait.
+//!
+//! What a solver returns is a candidate. Its status is reported to the user and trusted nowhere:
+//! whether a design is proved is decided by [`certify`](crate::certify) from the exported numbers.
+
+mod clarabel;
+pub mod lapack;
+
+pub use clarabel::{Clarabel, Padding};
+
+use std::sync::Arc;
+
+use crate::lmi::Semidefinite;
+
+/// How a solver ended, in its own opinion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Converged to full accuracy.
+    Solved,
+    /// Converged to reduced accuracy.
+    Inaccurate,
+    /// Claims that no point satisfies the conditions.
+    Infeasible,
+    /// Claims that the objective has no lower bound.
+    Unbounded,
+    /// Gave up: iteration or time limit, no progress, numerical error.
+    Failed,
+    /// Stopped by the progress observer.
+    Cancelled,
+}
+
+/// What a solver tells between iterations.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress {
+    /// Iterations so far.
+    pub iteration: u32,
+    /// Primal objective.
+    pub objective: f64,
+    /// Relative duality gap.
+    pub relative_gap: f64,
+}
+
+/// Called between iterations; `false` stops the solver.
+pub type Observer = Arc<dyn Fn(&Progress) -> bool + Send + Sync>;
+
+/// A candidate solution.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The solver's opinion.
+    pub status: Status,
+    /// The solver's own word for it.
+    pub status_text: String,
+    /// Values of the scalar unknowns.
+    pub values: Vec<f64>,
+    /// Dual matrix of each cone, as its full upper triangle stacked by columns
+    /// ([`svec_index`](crate::lmi::svec_index) order, plain entries without sqrt(2)).
+    pub duals: Vec<Vec<f64>>,
+    /// Objective, including its constant part.
+    pub objective: f64,
+    /// Iterations done.
+    pub iterations: u32,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+/// Why a solver could not even start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SolveError {
+    /// The backend refused the problem.
+    #[error("{backend} refused the problem: {reason}")]
+    Refused {
+        /// Name of the backend.
+        backend: &'static str,
+        /// Its own words.
+        reason: String,
+    },
+    /// A number of the problem is not finite.
+    #[error("the problem given to {backend} holds a number that is not finite, in condition '{condition}'")]
+    NotFinite {
+        /// Name of the backend.
+        backend: &'static str,
+        /// Name of the condition.
+        condition: String,
+    },
+}
+
+/// A semidefinite programming solver.
+pub trait Backend {
+    /// Name and version, for the provenance of a design.
+    fn name(&self) -> String;
+
+    /// Minimises the objective of `problem`; the observer is called between iterations.
+    fn solve(
+        &self,
+        problem: &Semidefinite,
+        observer: Option<Observer>,
+    ) -> Result<Solution, SolveError>;
+}

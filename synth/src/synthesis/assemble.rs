@@ -1,0 +1,107 @@
+//! Theorem 2 as a problem for a solver.
+
+use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Strictness};
+use crate::conditions::Task;
+use crate::lmi::{Affine, Condition, Problem, Unknowns};
+use crate::reduce;
+
+/// How the decrease condition (18) is put to the solver; both have the same solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Vertex slack and cliques: many small cones.
+    Reduced,
+    /// One large cone for each vertex and each end of the sampling interval, as published.
+    Full,
+}
+
+impl Form {
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Form::Reduced => "reduced",
+            Form::Full => "full",
+        }
+    }
+}
+
+/// Which optimum is sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// The smallest gain bound gamma, every strict inequality with the specification's margin.
+    SmallestGain,
+    /// The largest common margin with gamma at the given value: a point well inside.
+    LargestMargin {
+        /// The gain bound, at least the smallest one.
+        gain_bound: f64,
+    },
+    /// The smallest slack t with which all conditions hold: positive when they cannot hold.
+    SmallestSlack,
+}
+
+impl Goal {
+    /// Its name in files and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Goal::SmallestGain => "smallest gain",
+            Goal::LargestMargin { .. } => "largest margin",
+            Goal::SmallestSlack => "smallest slack",
+        }
+    }
+}
+
+/// A problem with handles on its unknowns.
+#[derive(Debug, Clone)]
+pub struct Assembled {
+    /// The problem, ready for a backend.
+    pub problem: Problem,
+    /// The unknowns of Theorem 2.
+    pub design: DesignUnknowns,
+}
+
+/// Unit of the margin that [`Goal::LargestMargin`] maximises, so that its optimum is of the order
+/// of one and a solver's relative tolerance means something.
+pub const MARGIN_UNIT: f64 = 1e-4;
+
+/// States Theorem 2 for a task in scaled units.
+pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
+    let mut unknowns = Unknowns::new();
+    let system = &task.system;
+    let mut design = DesignUnknowns::new(&mut unknowns, system.states(), system.inputs());
+    let fixed = task.specification.margin;
+    let (strictness, objective) = match goal {
+        Goal::SmallestGain => (Strictness::fixed(fixed), design.gain_bound.clone()),
+        Goal::LargestMargin { gain_bound } => {
+            let margin = unknowns.scalar("margin");
+            design.gain_bound = Affine::identity(1, gain_bound);
+            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        Goal::SmallestSlack => {
+            let slack = unknowns.scalar("slack");
+            let margin = Affine::identity(1, fixed) - slack.clone();
+            (Strictness::unknown(margin), slack)
+        }
+    };
+    let mut conditions = xu2020::side_conditions(task, &design, &strictness);
+    conditions.extend(match form {
+        Form::Reduced => reduce::decrease_conditions(task, &mut unknowns, &design, &strictness),
+        Form::Full => full_decrease(task, &design, &strictness),
+    });
+    Assembled {
+        problem: Problem {
+            unknowns,
+            objective,
+            conditions,
+        },
+        design,
+    }
+}
+
+fn full_decrease(task: &Task, design: &DesignUnknowns, strictness: &Strictness) -> Vec<Condition> {
+    let mut out = Vec::new();
+    for interval in Interval::BOTH {
+        for vertex in 0..task.system.vertices.len() {
+            out.push(xu2020::full_condition(task, vertex, interval, design, strictness));
+        }
+    }
+    out
+}

@@ -1,0 +1,306 @@
+//! Two solves and a check.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::Instant;
+
+use sha2::{Digest, Sha256};
+use time::format_description::well_known::Rfc3339;
+use time::OffsetDateTime;
+
+use super::{assemble, Assembled, Form, Goal};
+use crate::certify::{Report, Verdict};
+use crate::conditions::Task;
+use crate::design::{
+    recover, CertificateFile, DesignFile, Provenance, RecoverError, SolverRun, VerdictFile,
+    DESIGN_SCHEMA_VERSION,
+};
+use crate::model::{Model, ModelError};
+use crate::scaling::Scaling;
+use crate::solve::{Backend, Observer, Solution, SolveError, Status};
+
+/// The gain bound of the exported design, relative to the smallest one: the price of a margin.
+const GAIN_ROOM: f64 = 1e-3;
+
+/// State units tried one after the other, as fractions of the region's smallest extent.
+const STATE_UNITS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
+
+/// Weights rho of the containment condition tried when the model has must-contain states.
+const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
+
+/// A design and how it was found.
+#[derive(Debug, Clone)]
+pub struct Synthesized {
+    /// The file, with its verdict.
+    pub file: DesignFile,
+    /// The check of the file's numbers.
+    pub report: Report,
+    /// Time spent in solvers [s].
+    pub solve_seconds: f64,
+}
+
+/// Why there is no proved design.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    /// The smallest slack with which all conditions hold, in scaled units, where the solver found
+    /// it; above 0 it says that the conditions cannot hold with their margin.
+    pub slack: Option<f64>,
+    /// The conditions with the largest share of the dual solution: those that block.
+    pub blocking: Vec<(String, f64)>,
+    /// Time spent in solvers [s].
+    pub solve_seconds: f64,
+    /// The solver's runs.
+    pub runs: Vec<SolverRun>,
+}
+
+/// What synthesis found.
+#[derive(Debug, Clone)]
+pub enum Outcome {
+    /// A design; its report says whether it is proved.
+    Solved(Box<Synthesized>),
+    /// The solver says that no design exists.
+    Infeasible(Failure),
+    /// The solver gave up on every attempt.
+    SolverFailed(Failure),
+}
+
+/// The observer asked to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// Why synthesis could not run at all.
+#[derive(Debug, thiserror::Error)]
+pub enum SynthesisError {
+    /// Stopped by the observer.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The solver refused the problem.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The recovered numbers are not a valid design file.
+    #[error("the recovered design is not valid: {0}")]
+    Invalid(#[from] ModelError),
+}
+
+/// One attempt's end.
+enum Attempt {
+    Designed(Box<Synthesized>),
+    Infeasible,
+    Stuck,
+}
+
+struct Run<'a> {
+    model: &'a Model,
+    model_text: &'a str,
+    form: Form,
+    backend: &'a dyn Backend,
+    observer: Option<Observer>,
+    runs: Vec<SolverRun>,
+}
+
+/// Synthesizes a design for a model and checks it. `model_text` is the file's text (its hash goes
+/// into the provenance). Only the check decides whether the design is proved.
+pub fn synthesize(
+    model: &Model,
+    model_text: &str,
+    form: Form,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<Outcome, SynthesisError> {
+    let mut run = Run {
+        model,
+        model_text,
+        form,
+        backend,
+        observer,
+        runs: Vec::new(),
+    };
+    let mut unproved: Option<Box<Synthesized>> = None;
+    let mut infeasible = 0;
+    let weights: &[f64] = match model.file.specs.must_contain.is_empty() {
+        true => &CONTAINMENT_WEIGHTS[..1],
+        false => &CONTAINMENT_WEIGHTS,
+    };
+    let mut best: Option<Box<Synthesized>> = None;
+    for &weight in weights {
+        for fraction in STATE_UNITS {
+            match run.attempt(fraction, weight)? {
+                Attempt::Designed(design) if design.report.verdict == Verdict::Proved => {
+                    best = Some(better(best, design));
+                    break;
+                }
+                Attempt::Designed(design) => unproved = Some(design),
+                Attempt::Infeasible => {
+                    infeasible += 1;
+                    break;
+                }
+                Attempt::Stuck => {}
+            }
+        }
+    }
+    let seconds: f64 = run.runs.iter().map(|run| run.seconds).sum();
+    if let Some(mut design) = best.or(unproved) {
+        design.solve_seconds = seconds;
+        design.file.provenance.solver_runs = run.runs;
+        return Ok(Outcome::Solved(design));
+    }
+    let failure = run.explain()?;
+    Ok(if infeasible > 0 || failure.slack.is_some_and(|slack| slack > 0.0) {
+        Outcome::Infeasible(failure)
+    } else {
+        Outcome::SolverFailed(failure)
+    })
+}
+
+fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthesized> {
+    let gamma = |design: &Synthesized| design.file.certificate.gamma;
+    match best {
+        Some(best) if gamma(&best) <= gamma(&other) => best,
+        _ => other,
+    }
+}
+
+impl Run<'_> {
+    fn attempt(&mut self, fraction: f64, weight: f64) -> Result<Attempt, SynthesisError> {
+        let (scaling, task) = self.scaled_task(fraction, weight);
+        let (_, smallest) = self.solve(&task, Goal::SmallestGain)?;
+        match smallest.status {
+            Status::Solved | Status::Inaccurate => {}
+            Status::Infeasible => return Ok(Attempt::Infeasible),
+            Status::Unbounded | Status::Failed | Status::Cancelled => return Ok(Attempt::Stuck),
+        }
+        let gain_bound = smallest.objective * (1.0 + GAIN_ROOM);
+        if !(gain_bound.is_finite() && gain_bound > 0.0) {
+            return Ok(Attempt::Stuck);
+        }
+        let (assembled, inside) = self.solve(&task, Goal::LargestMargin { gain_bound })?;
+        let recovered = recover(self.model, &assembled.design, &inside.values, &scaling);
+        match recovered {
+            Ok(certificate) => {
+                let (controller, certificate) = CertificateFile::split(&certificate);
+                Ok(Attempt::Designed(self.finish(controller, certificate)?))
+            }
+            Err(RecoverError::Singular { .. } | RecoverError::NotFinite { .. }) => {
+                Ok(Attempt::Stuck)
+            }
+        }
+    }
+
+    fn scaled_task(&self, fraction: f64, weight: f64) -> (Scaling, Task) {
+        let mut task = self.model.task();
+        task.specification.containment_weight = weight;
+        let scaling = Scaling::automatic(&task.system, fraction);
+        let scaled = scaling.apply(&task);
+        (scaling, scaled)
+    }
+
+    fn solve(&mut self, task: &Task, goal: Goal) -> Result<(Assembled, Solution), SynthesisError> {
+        let assembled = assemble(task, self.form, goal);
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let observer = self.observer.clone().map(|observer| -> Observer {
+            let cancelled = Arc::clone(&cancelled);
+            Arc::new(move |progress| {
+                let go_on = observer(progress);
+                if !go_on {
+                    cancelled.store(true, Ordering::Relaxed);
+                }
+                go_on
+            })
+        });
+        let start = Instant::now();
+        let solution = self.backend.solve(&assembled.problem.lower(), observer)?;
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(Cancelled.into());
+        }
+        self.runs.push(SolverRun {
+            goal: goal.name().to_string(),
+            solver: self.backend.name(),
+            status: solution.status_text.clone(),
+            objective: finite_or_zero(solution.objective),
+            iterations: solution.iterations,
+            seconds: start.elapsed().as_secs_f64(),
+        });
+        Ok((assembled, solution))
+    }
+
+    /// Puts the file together and checks what a reader of its text would get.
+    fn finish(
+        &self,
+        controller: crate::design::ControllerFile,
+        certificate: CertificateFile,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
+        let mut file = DesignFile {
+            schema_version: DESIGN_SCHEMA_VERSION,
+            name: self.model.file.name.clone(),
+            model: self.model.file.clone(),
+            controller,
+            certificate,
+            verdict: VerdictFile {
+                verdict: Verdict::NotProved,
+                conditions: Vec::new(),
+                not_covered: Vec::new(),
+            },
+            provenance: self.provenance(),
+        };
+        let report = file.verify(self.model)?;
+        file.verdict = VerdictFile::new(&report);
+        Ok(Box::new(Synthesized {
+            file,
+            report,
+            solve_seconds: 0.0,
+        }))
+    }
+
+    fn provenance(&self) -> Provenance {
+        let now = OffsetDateTime::now_utc().replace_nanosecond(0);
+        let date = now.ok().and_then(|now| now.format(&Rfc3339).ok());
+        Provenance {
+            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            model_sha256: hex(&Sha256::digest(self.model_text.as_bytes())),
+            date: date.unwrap_or_default(),
+            form: self.form.name().to_string(),
+            solver_runs: Vec::new(),
+        }
+    }
+
+    /// The smallest slack and the conditions that hold it up.
+    fn explain(&mut self) -> Result<Failure, SynthesisError> {
+        let (_, task) = self.scaled_task(STATE_UNITS[0], CONTAINMENT_WEIGHTS[0]);
+        let (assembled, solution) = self.solve(&task, Goal::SmallestSlack)?;
+        let trusted = matches!(solution.status, Status::Solved | Status::Inaccurate);
+        Ok(Failure {
+            slack: trusted.then_some(solution.objective),
+            blocking: blocking(&assembled, &solution),
+            solve_seconds: self.runs.iter().map(|run| run.seconds).sum(),
+            runs: self.runs.clone(),
+        })
+    }
+}
+
+/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
+fn blocking(assembled: &Assembled, solution: &Solution) -> Vec<(String, f64)> {
+    let conditions = assembled.problem.conditions.iter();
+    let traces = conditions.zip(&solution.duals).map(|(condition, dual)| {
+        let diagonal = (0..condition.side()).map(|k| dual[crate::lmi::svec_index(k, k)]);
+        (condition.name().to_string(), diagonal.sum::<f64>())
+    });
+    let mut shares: Vec<(String, f64)> = traces.filter(|(_, trace)| trace.is_finite()).collect();
+    let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
+    shares.iter_mut().for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
+    shares.retain(|(_, share)| *share >= 0.01);
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares
+}
+
+fn finite_or_zero(value: f64) -> f64 {
+    if value.is_finite() {
+        value
+    } else {
+        0.0
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
