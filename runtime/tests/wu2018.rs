@@ -169,6 +169,36 @@ fn the_time_triggered_rule_sends_every_sample() {
 }
 
 #[test]
+fn the_shorter_way_changes_sides_only_past_the_hysteresis() {
+    let mut controller = Controller::new(Parameters {
+        trigger: TriggerRule::EverySample,
+        unwinding: Unwinding::ShortestRotation { hysteresis: 0.1 },
+        torque_limit: Vector3::repeat(10.0),
+        ..round_numbers()
+    })
+    .unwrap();
+    // u = -2 * 0.5 * q_v with the side's sign.
+    let scalars = [
+        (0.0, 0.05),
+        (1.0, -0.05),
+        (2.0, -0.2),
+        (3.0, 0.05),
+        (4.0, 0.2),
+    ];
+    let sides = scalars.map(|(time, scalar): (f64, f64)| {
+        let length = (1.0 - scalar * scalar).sqrt();
+        let sample = AttitudeMeasurement {
+            error: Quaternion::new(scalar, Vector3::new(length, 0.0, 0.0)),
+            rate_rad_s: Vector3::zeros(),
+        };
+        -controller.step(time, &sample).torque.x / length
+    });
+    for (side, expected) in sides.into_iter().zip([1.0, 1.0, -1.0, -1.0, 1.0]) {
+        assert_relative_eq!(side, expected, epsilon = 1e-15);
+    }
+}
+
+#[test]
 fn gains_follow_from_the_settling_time() {
     let gains = Gains::from_settling_time(163.21, 1.0, 100.0).unwrap();
     // omega_n = 0.08; k = 2 * 0.08 * 163.21; k beta / 2 = 0.08^2 * 163.21

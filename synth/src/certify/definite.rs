@@ -175,8 +175,9 @@ impl fmt::Display for Obstacle {
      (estimated smallest scaled eigenvalue {estimate:e}, uncertainty {uncertainty:e})"
 )]
 pub struct NotProved {
-    /// Estimate, not proved, of the smallest eigenvalue of the scaled midpoint matrix: negative
-    /// or tiny. Minus infinity if the matrix, or the matrix after scaling, is not finite.
+    /// Estimate, not proved, of the smallest eigenvalue of the scaled midpoint matrix: negative or
+    /// tiny, or else not above the uncertainty. Minus infinity if the matrix, or the matrix after
+    /// scaling, is not finite.
     pub estimate: f64,
     /// Bound of the 2-norm of the distance from the midpoint to any member, after scaling;
     /// infinite where the estimate is.

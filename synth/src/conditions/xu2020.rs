@@ -17,6 +17,28 @@ use nalgebra::DMatrix;
 use super::Task;
 use crate::lmi::{Affine, Condition, Unknowns};
 
+/// The unknowns of the sector condition (17). Shapes: n states, m inputs.
+#[derive(Debug, Clone)]
+pub struct SectorUnknowns {
+    /// Nh, m x n: the anti-windup gain.
+    pub anti_windup: Affine,
+    /// S = M^-1, m x m, diagonal: the inverse sector weight.
+    pub weight: Affine,
+}
+
+/// Whether the sector condition has unknowns of its own.
+///
+/// With one certificate they are redundant: if (F, N) satisfies Theorem 2 then so does (F - N, 0)
+/// with the same U, gamma and set (let the dead zone equal N x(t_k) in the quadratic form), and the
+/// infimum over S is approached as S -> 0, where the dead zone drops out of (18).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sector {
+    /// As published: N and M unknown.
+    Unknown,
+    /// N = 0 and M as large as needed: the command stays within its limits inside the certified set.
+    Unsaturated,
+}
+
 /// The unknowns of Theorem 2 for a constant gain. Shapes: n states, m inputs.
 #[derive(Debug, Clone)]
 pub struct DesignUnknowns {
@@ -34,10 +56,8 @@ pub struct DesignUnknowns {
     pub free_sample: Affine,
     /// Fh, m x n: the gain.
     pub gain: Affine,
-    /// Nh, m x n: the anti-windup gain of the sector condition.
-    pub anti_windup: Affine,
-    /// S = M^-1, m x m, diagonal: the inverse sector weight.
-    pub sector: Affine,
+    /// The unknowns of the sector condition; `None` when the design never saturates in its set.
+    pub sector: Option<SectorUnknowns>,
     /// xi: the weight of the disturbance.
     pub disturbance_weight: Affine,
     /// gamma: the bound on the L-infinity gain.
@@ -46,7 +66,7 @@ pub struct DesignUnknowns {
 
 impl DesignUnknowns {
     /// Creates the unknowns for a model with the given numbers of states and inputs.
-    pub fn new(unknowns: &mut Unknowns, states: usize, inputs: usize) -> Self {
+    pub fn new(unknowns: &mut Unknowns, states: usize, inputs: usize, sector: Sector) -> Self {
         DesignUnknowns {
             lyapunov: unknowns.symmetric("Uh", states),
             integral_weight: unknowns.symmetric("Yh", states),
@@ -55,8 +75,13 @@ impl DesignUnknowns {
             free_state: unknowns.general("L1h", states, states),
             free_sample: unknowns.general("L2h", states, states),
             gain: unknowns.general("Fh", inputs, states),
-            anti_windup: unknowns.general("Nh", inputs, states),
-            sector: unknowns.diagonal("S", inputs),
+            sector: match sector {
+                Sector::Unsaturated => None,
+                Sector::Unknown => Some(SectorUnknowns {
+                    anti_windup: unknowns.general("Nh", inputs, states),
+                    weight: unknowns.diagonal("S", inputs),
+                }),
+            },
             disturbance_weight: unknowns.scalar("xi"),
             gain_bound: unknowns.scalar("gamma"),
         }

@@ -47,10 +47,14 @@ pub fn recover(
         0.5 * (&full + full.transpose())
     };
     let gain = |hatted: DMatrix<f64>| &to_input * hatted * multiplier.transpose() * &to_state;
-    let sector = unknowns.sector.value(values).diagonal();
-    let sector_weight = DVector::from_fn(sector.len(), |s, _| {
-        1.0 / (sector[s] * scaling.input[s] * scaling.input[s])
-    });
+    let (states, inputs) = (to_state.nrows(), to_input.nrows());
+    let (anti_windup, sector_weight) = match &unknowns.sector {
+        None => (DMatrix::zeros(inputs, states), DVector::zeros(inputs)),
+        Some(sector) => (
+            gain(sector.anti_windup.value(values)),
+            sector_weights(&sector.weight.value(values), scaling),
+        ),
+    };
     let c = scaling.disturbance;
     let xi = unknowns.disturbance_weight.value(values)[(0, 0)] / (c * c);
     let mut certificate = Certificate {
@@ -61,16 +65,63 @@ pub fn recover(
         multiplier: descriptor_multiplier(&model.plant, &to_state * &multiplier * &to_state),
         free_state: weight(unknowns.free_state.value(values)),
         free_sample: weight(unknowns.free_sample.value(values)),
-        anti_windup: gain(unknowns.anti_windup.value(values)),
+        anti_windup,
         sector_weight,
         disturbance_weight: xi,
         gain_bound: unknowns.gain_bound.value(values)[(0, 0)],
         guaranteed_gain: 0.0,
         certified_vector_part: None,
     };
+    if unknowns.sector.is_none() {
+        certificate.sector_weight = large_sector_weights(model, &certificate);
+    }
     require_finite(&certificate)?;
     add_claims(model, &mut certificate)?;
     Ok(certificate)
+}
+
+/// M = S^-1 in SI units.
+fn sector_weights(inverse: &DMatrix<f64>, scaling: &Scaling) -> DVector<f64> {
+    DVector::from_fn(inverse.nrows(), |s, _| {
+        1.0 / (inverse[(s, s)] * scaling.input[s] * scaling.input[s])
+    })
+}
+
+/// How far the dead-zone rows of (18) stay below what they could spoil, after scaling to a unit
+/// diagonal.
+const SECTOR_ROOM: f64 = 1e9;
+
+/// Sector weights M so large that the dead zone does not matter in (18): its Schur complement there is
+/// Q B M^-1 B' Q' / 2, compared with the diagonal blocks of x and x'. Any M > 0 large enough will do,
+/// because with N = 0 nothing else depends on it.
+fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64> {
+    let specs = &model.file.specs;
+    let input = match &model.plant {
+        Plant::Vertices(system) => system.input_matrix.clone(),
+        Plant::Spacecraft(_) => DMatrix::identity(6, 3),
+    };
+    let descriptor = match &model.plant {
+        Plant::Vertices(_) => DMatrix::identity(input.nrows(), input.nrows()),
+        Plant::Spacecraft(craft) => inertia_descriptor(craft),
+    };
+    let column = &certificate.multiplier * input;
+    let rate = (&certificate.multiplier * descriptor).diagonal() * (2.0 * specs.eps[1]);
+    DVector::from_fn(column.ncols(), |s, _| {
+        let shares = (0..column.nrows()).map(|row| {
+            let entry = column[(row, s)];
+            let state_diagonal = specs.phi_per_s * certificate.lyapunov[(row, row)];
+            let sampled = certificate.free_sample[(row, row)].abs();
+            let smallest = rate[row].abs().min(state_diagonal).min(sampled.max(state_diagonal));
+            entry * entry / smallest.max(f64::MIN_POSITIVE)
+        });
+        (SECTOR_ROOM * shares.fold(0.0, f64::max)).max(f64::MIN_POSITIVE)
+    })
+}
+
+fn inertia_descriptor(craft: &crate::fuzzy::ExactSpacecraft) -> DMatrix<f64> {
+    let mut descriptor = DMatrix::identity(6, 6);
+    descriptor.view_mut((0, 0), (3, 3)).copy_from(&craft.inertia);
+    descriptor
 }
 
 /// The multiplier of the equation in descriptor form: Q diag(J^-1, I) for a spacecraft.
@@ -78,11 +129,7 @@ fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64
     match plant {
         Plant::Vertices(_) => multiplier,
         Plant::Spacecraft(craft) => {
-            let mut descriptor = DMatrix::identity(6, 6);
-            descriptor
-                .view_mut((0, 0), (3, 3))
-                .copy_from(&craft.inertia);
-            match descriptor.try_inverse() {
+            match inertia_descriptor(craft).try_inverse() {
                 Some(inverse) => multiplier * inverse,
                 None => multiplier,
             }

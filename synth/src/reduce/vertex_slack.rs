@@ -22,10 +22,11 @@ const DISTURBANCE: usize = 5;
 const INTEGRAL: usize = 6;
 
 /// The reduced coordinates' block sizes for one end of the interval.
-pub fn block_sizes(task: &Task, interval: Interval) -> Vec<usize> {
+pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: Interval) -> Vec<usize> {
     let system = &task.system;
     let n = system.states();
-    let mut sizes = vec![n, n, n, n, system.inputs(), system.disturbance.ncols()];
+    let m = design.sector.as_ref().map_or(0, |sector| sector.weight.nrows());
+    let mut sizes = vec![n, n, n, n, m, system.disturbance.ncols()];
     if interval == Interval::End {
         sizes.push(n);
     }
@@ -33,8 +34,8 @@ pub fn block_sizes(task: &Task, interval: Interval) -> Vec<usize> {
 }
 
 /// The quantities of (18) in the reduced coordinates: x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
-pub fn coordinates(task: &Task, interval: Interval) -> Coordinates {
-    let sizes = block_sizes(task, interval);
+pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: Interval) -> Coordinates {
+    let sizes = block_sizes(task, design, interval);
     let total: usize = sizes.iter().sum();
     let select = |block: usize| {
         let offset: usize = sizes[..block].iter().sum();
@@ -61,18 +62,19 @@ pub fn coordinates(task: &Task, interval: Interval) -> Coordinates {
     }
 }
 
-/// The cliques {v, tau}, {v, w, p}, {v, xk, w}, {x, xk, s} and the root {x, v, xk}.
-fn splits(interval: Interval) -> Vec<Split> {
+/// The cliques {v, tau}, {v, w, p} (with sector unknowns), {v, xk, w}, {x, xk, s} (for r = 2) and the
+/// root {x, v, xk}.
+fn splits(design: &DesignUnknowns, interval: Interval) -> Vec<Split> {
     let split = |name, residual, separator| Split {
         name,
         residual,
         separator,
     };
-    let mut out = vec![
-        split("disturbance", vec![DISTURBANCE], vec![MULTIPLIED]),
-        split("dead zone", vec![DEAD_ZONE], vec![MULTIPLIED, HELD]),
-        split("held state", vec![HELD], vec![MULTIPLIED, SAMPLE]),
-    ];
+    let mut out = vec![split("disturbance", vec![DISTURBANCE], vec![MULTIPLIED])];
+    if design.sector.is_some() {
+        out.push(split("dead zone", vec![DEAD_ZONE], vec![MULTIPLIED, HELD]));
+    }
+    out.push(split("held state", vec![HELD], vec![MULTIPLIED, SAMPLE]));
     if interval == Interval::End {
         out.push(split("integral", vec![INTEGRAL], vec![STATE, SAMPLE]));
     }
@@ -118,12 +120,13 @@ pub fn conditions(
     for interval in Interval::BOTH {
         let r = interval.index();
         let slack = unknowns.symmetric(&format!("Z{r}"), 2 * n);
-        let at = coordinates(task, interval);
+        let at = coordinates(task, design, interval);
         let mut lhs = decrease_form(task, interval, design, &at);
         lhs.add_block(0, 0, &slack);
         let strict = strictness.positive_against("", -lhs, &margin_weight(&at));
-        let sizes = block_sizes(task, interval);
-        let parts = cliques::split(strict.expression(), &sizes, &splits(interval), unknowns)
+        let sizes = block_sizes(task, design, interval);
+        let order = splits(design, interval);
+        let parts = cliques::split(strict.expression(), &sizes, &order, unknowns)
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {
             out.push(Condition::semidefinite(format!("decrease r={r} clique {clique}"), part));

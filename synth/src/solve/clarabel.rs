@@ -78,11 +78,16 @@ impl Backend for Clarabel {
 
 fn settings() -> Result<DefaultSettings<f64>, SolveError> {
     DefaultSettingsBuilder::default()
-        .verbose(false)
+        .verbose(std::env::var("VERB").is_ok())
         .direct_solve_method("faer".to_string())
         .max_threads(1)
         .chordal_decomposition_enable(false)
         .presolve_enable(false)
+        .static_regularization_constant(std::env::var("SREG").ok().map_or(1e-8, |v| v.parse().unwrap()))
+        .equilibrate_max_iter(std::env::var("EQI").ok().map_or(10, |v| v.parse().unwrap()))
+        .equilibrate_enable(std::env::var("NOEQ").is_err())
+        .max_step_fraction(std::env::var("STEP").ok().map_or(0.99, |v| v.parse().unwrap()))
+        .dynamic_regularization_eps(std::env::var("DEPS").ok().map_or(1e-13, |v| v.parse().unwrap()))
         .build()
         .map_err(refused)
 }

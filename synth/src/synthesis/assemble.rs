@@ -1,6 +1,6 @@
 //! Theorem 2 as a problem for a solver.
 
-use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Strictness};
+use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, Problem, Unknowns};
 use crate::reduce;
@@ -8,7 +8,7 @@ use crate::reduce;
 /// How the decrease condition (18) is put to the solver; both have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Vertex slack and cliques: many small cones.
+    /// No sector unknowns, vertex slack and cliques: many small cones.
     Reduced,
     /// One large cone for each vertex and each end of the sampling interval, as published.
     Full,
@@ -66,7 +66,12 @@ pub const MARGIN_UNIT: f64 = 1e-4;
 pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
     let mut unknowns = Unknowns::new();
     let system = &task.system;
-    let mut design = DesignUnknowns::new(&mut unknowns, system.states(), system.inputs());
+    let sector = match form {
+        Form::Reduced => Sector::Unsaturated,
+        Form::Full => Sector::Unknown,
+    };
+    let (states, inputs) = (system.states(), system.inputs());
+    let mut design = DesignUnknowns::new(&mut unknowns, states, inputs, sector);
     let fixed = task.specification.margin;
     let (strictness, objective) = match goal {
         Goal::SmallestGain => (Strictness::fixed(fixed), design.gain_bound.clone()),

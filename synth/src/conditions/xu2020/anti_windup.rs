@@ -13,7 +13,10 @@ pub(super) fn anti_windup<'a>(
     let level = task.invariant_level();
     let limits = task.system.input_limit.iter().enumerate();
     limits.map(move |(input, limit)| {
-        let difference = &unknowns.gain - &unknowns.anti_windup;
+        let difference = match &unknowns.sector {
+            Some(sector) => &unknowns.gain - &sector.anti_windup,
+            None => unknowns.gain.clone(),
+        };
         let mut lhs = SymmetricBlocks::new(&[task.system.states(), 1]);
         lhs.add(0, 0, &(limit * limit / level * &unknowns.lyapunov));
         lhs.add(0, 1, &difference.row(input).transposed());
@@ -27,8 +30,10 @@ pub(super) fn sector_positive<'a>(
     unknowns: &'a DesignUnknowns,
     strictness: &'a Strictness,
 ) -> impl Iterator<Item = Condition> + 'a {
-    (0..unknowns.sector.nrows()).map(move |input| {
-        let entry = unknowns.sector.view(input, input, 1, 1);
-        strictness.positive(format!("sector weight input {}", input + 1), entry)
+    unknowns.sector.iter().flat_map(move |sector| {
+        (0..sector.weight.nrows()).map(move |input| {
+            let entry = sector.weight.view(input, input, 1, 1);
+            strictness.positive(format!("sector weight input {}", input + 1), entry)
+        })
     })
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, Strictness};
+use super::{DesignUnknowns, SectorUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks};
 
@@ -40,6 +40,7 @@ const INTEGRAL: usize = 6;
 
 /// The matrix Xi + Omega_r of (18) at one vertex, block by block as printed (corrected terms: Xi_12
 /// carries Uh and no L; Xi_45 and Xi_55 as derived for the held state and S = M^-1).
+/// Without sector unknowns the dead-zone row is left out.
 /// Side 4n + m + d for r = 1 and 5n + m + d for r = 2. It must be negative definite.
 pub fn decrease(
     task: &Task,
@@ -55,8 +56,6 @@ pub fn decrease(
         free_state: l1h,
         free_sample: l2h,
         gain: fh,
-        anti_windup: nh,
-        sector: s,
         disturbance_weight: xi,
         ..
     } = unknowns;
@@ -69,8 +68,8 @@ pub fn decrease(
     let a_qt = a * &qh.transposed(); // A Qh'
     let q_at = a_qt.transposed(); // Qh A'
     let bf = b * fh;
-    let bs = b * s;
 
+    let m = if unknowns.sector.is_some() { m } else { 0 };
     let mut sizes = vec![n, n, n, n, m, d];
     if interval == Interval::End {
         sizes.push(n);
@@ -80,21 +79,24 @@ pub fn decrease(
     out.add(STATE, RATE, &(uh - &(e1 * qh.transposed()) + e2 * &q_at));
     out.add(STATE, SAMPLE, &(e1 * &bf + e3 * &q_at - l1h.clone() + l2h.transposed()));
     out.add(STATE, ERROR, &(-e1 * &bf));
-    out.add(STATE, DEAD_ZONE, &(-e1 * &bs));
     out.add(STATE, DISTURBANCE, &Affine::constant(&(e1 * bw)));
     out.add(RATE, RATE, &(-e2 * qh.symmetrised()));
     out.add(RATE, SAMPLE, &(-e3 * qh + e2 * &bf));
     out.add(RATE, ERROR, &(-e2 * &bf));
-    out.add(RATE, DEAD_ZONE, &(-e2 * &bs));
     out.add(RATE, DISTURBANCE, &Affine::constant(&(e2 * bw)));
     out.add(SAMPLE, SAMPLE, &(-l2h.symmetrised() + nu * wh + (e3 * &bf).symmetrised()));
     out.add(SAMPLE, ERROR, &(-e3 * &bf - nu * wh));
-    out.add(SAMPLE, DEAD_ZONE, &(-e3 * &bs + nh.transposed()));
     out.add(SAMPLE, DISTURBANCE, &Affine::constant(&(e3 * bw)));
     out.add(ERROR, ERROR, &((nu - 1.0) * wh));
-    out.add(ERROR, DEAD_ZONE, &-nh.transposed());
-    out.add(DEAD_ZONE, DEAD_ZONE, &(-2.0 * s));
     out.add(DISTURBANCE, DISTURBANCE, &-xi.times_matrix(&DMatrix::identity(d, d)));
+    if let Some(SectorUnknowns { anti_windup, weight }) = &unknowns.sector {
+        let bs = b * weight;
+        out.add(STATE, DEAD_ZONE, &(-e1 * &bs));
+        out.add(RATE, DEAD_ZONE, &(-e2 * &bs));
+        out.add(SAMPLE, DEAD_ZONE, &(-e3 * &bs + anti_windup.transposed()));
+        out.add(ERROR, DEAD_ZONE, &-anti_windup.transposed());
+        out.add(DEAD_ZONE, DEAD_ZONE, &(-2.0 * weight));
+    }
     match interval {
         Interval::Start => {
             out.add(RATE, RATE, &(specification.sampling_interval_max * yh));
@@ -147,7 +149,7 @@ pub struct Coordinates {
     pub held: DMatrix<f64>,
     /// The multiplied combination v = eps1 x + eps2 x' + eps3 x(t_k^l), n rows.
     pub multiplied: DMatrix<f64>,
-    /// The dead zone of the command, m rows.
+    /// The dead zone of the command, m rows (none without sector unknowns).
     pub dead_zone: DMatrix<f64>,
     /// The disturbance, d rows.
     pub disturbance: DMatrix<f64>,
@@ -187,8 +189,10 @@ pub fn decrease_form(
     } = unknowns;
 
     // (24): 2 v' (B F w - B dead zone + B_w tau - x')
-    let plant = b * &unknowns.gain * w - b * &unknowns.sector * p + Affine::constant(&(bw * tau))
-        - qh.transposed() * dx;
+    let mut plant = b * &unknowns.gain * w + Affine::constant(&(bw * tau)) - qh.transposed() * dx;
+    if let Some(sector) = &unknowns.sector {
+        plant = plant - b * &sector.weight * p;
+    }
     // (23): 2 (x' L1 + xk' L2) (x - xk)
     let path = x.transpose() * (&unknowns.free_state)
         + xk.transpose() * (&unknowns.free_sample);
@@ -198,9 +202,11 @@ pub fn decrease_form(
         + (&path * &(x - xk)).symmetrised()
         + nu * wh.congruence(w)
         - wh.congruence(&error)
-        - 2.0 * unknowns.sector.congruence(p)
-        + (p.transpose() * &unknowns.anti_windup * w).symmetrised()
         - unknowns.disturbance_weight.times_matrix(&(tau.transpose() * tau));
+    if let Some(sector) = &unknowns.sector {
+        out += &(-2.0 * sector.weight.congruence(p));
+        out += &(p.transpose() * &sector.anti_windup * w).symmetrised();
+    }
     match interval {
         Interval::Start => {
             out += &(specification.sampling_interval_max * yh.congruence(dx));

@@ -19,7 +19,8 @@ unsafe fn vectors(option: *const c_char) -> Option<Vectors> {
 }
 
 /// The larger of a documented workspace length and the one the kernel wants, both in entries.
-fn workspace_length(documented: i64, wanted: usize) -> f64 {
+fn workspace_length(documented: i64, wanted: impl FnOnce() -> usize) -> f64 {
+    let wanted = contained(wanted).unwrap_or(0);
     (documented as f64).max(wanted as f64).max(1.0)
 }
 
@@ -76,11 +77,13 @@ pub unsafe extern "C" fn dsyevr_(
             *info = -position;
             return;
         }
+        let optimum = workspace_length(least, || {
+            spectral::eigen_workspace(n as usize, with_vectors)
+        });
         *info = 0;
+        *work = optimum;
+        *iwork = c_int::try_from(least_integers).unwrap_or(c_int::MAX);
         if query {
-            let wanted = spectral::eigen_workspace(n as usize, with_vectors);
-            *work = workspace_length(least, wanted);
-            *iwork = c_int::try_from(least_integers).unwrap_or(c_int::MAX);
             return;
         }
         *m = n;
@@ -92,12 +95,13 @@ pub unsafe extern "C" fn dsyevr_(
             a = a.transpose_mut();
         }
         let z = with_vectors.then(|| matrix_mut(z, n, n, ldz));
-        let work = array(work.cast::<MaybeUninit<f64>>(), lwork);
+        let scratch = array(work.cast::<MaybeUninit<f64>>(), lwork);
         for i in 0..n as isize * 2 * isize::from(with_vectors) {
             isuppz.offset(i).write(if i % 2 == 0 { 1 } else { n });
         }
         w.write_bytes(0, n as usize);
-        let outcome = contained(|| spectral::eigen(a, array(w, n), z, work));
+        let outcome = contained(|| spectral::eigen(a, array(w, n), z, scratch));
+        *work = optimum;
         *info = spectral_info(outcome, 5);
     }
 }
@@ -158,9 +162,11 @@ impl SingularRequest {
         let (m, n, size) = (self.m, self.n, self.m.min(self.n));
         // SAFETY: the arguments are legal, and the module's contract.
         unsafe {
+            let optimum = workspace_length(least, || {
+                spectral::singular_workspace(m as usize, n as usize, left, right)
+            });
+            *self.work = optimum;
             if self.lwork == -1 {
-                let wanted = spectral::singular_workspace(m as usize, n as usize, left, right);
-                *self.work = workspace_length(least, wanted);
                 return 0;
             }
             if size == 0 {
@@ -180,6 +186,7 @@ impl SingularRequest {
             let work = array(self.work.cast::<MaybeUninit<f64>>(), self.lwork);
             self.s.write_bytes(0, size as usize);
             let outcome = contained(|| spectral::singular(a, array(self.s, size), vectors, work));
+            *self.work = optimum;
             spectral_info(outcome, self.options as c_int + 3)
         }
     }

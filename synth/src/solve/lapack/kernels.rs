@@ -4,4 +4,5 @@
 pub(super) mod blas;
 pub(super) mod factor;
 pub(super) mod spectral;
+mod tridiagonal;
 mod workspace;

@@ -1,7 +1,5 @@
 //! Cholesky and LU factorizations and the solves that use them.
 
-use core::mem::MaybeUninit;
-
 use faer::linalg::cholesky::llt::factor::{
     cholesky_in_place, cholesky_in_place_scratch, LltError, LltRegularization,
 };
@@ -11,7 +9,7 @@ use faer::linalg::triangular_solve::{
 use faer::linalg::{temp_mat_scratch, temp_mat_zeroed};
 use faer::mat::AsMatMut;
 use faer::reborrow::*;
-use faer::{MatMut, MatRef, Par};
+use faer::{ColMut, ColRef, MatMut, MatRef, Par};
 
 use super::workspace::{with_stack, OutOfMemory};
 
@@ -29,19 +27,58 @@ impl From<OutOfMemory> for FactorError {
     }
 }
 
-/// Entries of the workspace on the stack: enough for a Cholesky factorization of order 36.
-const LOCAL_WORKSPACE: usize = 1600;
+/// Up to this order, a factorization by columns is faster than the blocked kernel and its copy.
+const SMALL_ORDER: usize = 64;
 
 /// Factors `A = L L'` in place; only the lower triangle is read or written.
 ///
-/// A pivot that is not positive, or not a number, is reported. The kernel writes above the diagonal too,
-/// hence the copy.
-pub fn cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
+/// A pivot that is not positive, or not finite, is reported.
+pub fn cholesky(a: MatMut<'_, f64>) -> Result<(), FactorError> {
+    if a.nrows() <= SMALL_ORDER && a.row_stride() == 1 {
+        small_cholesky(a)
+    } else {
+        blocked_cholesky(a)
+    }
+}
+
+fn small_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
+    let n = a.nrows();
+    for j in 0..n {
+        let (factor, rest) = a.rb_mut().split_at_col_mut(j);
+        let mut column = rest.col_mut(0).subrows_mut(j, n - j);
+        for earlier in factor.rb().subrows(j, n - j).col_iter() {
+            eliminate(earlier, column.rb_mut());
+        }
+        let pivot = column[0];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return Err(FactorError::Pivot(j + 1));
+        }
+        let root = pivot.sqrt();
+        column.rb_mut().iter_mut().for_each(|entry| *entry /= root);
+        column[0] = root;
+    }
+    Ok(())
+}
+
+/// Subtracts from a column what an earlier column of the factor contributes to it.
+fn eliminate(earlier: ColRef<'_, f64>, column: ColMut<'_, f64>) {
+    let (Some(earlier), Some(column)) = (earlier.try_as_col_major(), column.try_as_col_major_mut())
+    else {
+        unreachable!("columns of a column-major matrix");
+    };
+    let (earlier, column) = (earlier.as_slice(), column.as_slice_mut());
+    let weight = earlier[0];
+    for (entry, factor) in column.iter_mut().zip(earlier) {
+        *entry -= weight * factor;
+    }
+}
+
+/// The kernel writes above the diagonal too, hence the copy.
+fn blocked_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
     let n = a.nrows();
     let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default())
         .and(temp_mat_scratch::<f64>(n, n));
-    let mut local = [MaybeUninit::uninit(); LOCAL_WORKSPACE];
-    let outcome = with_stack(scratch, &mut local, |stack| {
+    let outcome = with_stack(scratch, &mut [], |stack| {
         let (mut copy, stack) = temp_mat_zeroed::<f64, _, _>(n, n, stack);
         let mut copy = copy.as_mat_mut();
         copy.copy_from_triangular_lower(a.rb());

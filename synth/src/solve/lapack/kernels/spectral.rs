@@ -7,9 +7,10 @@ use faer::dyn_stack::StackReq;
 use faer::linalg::evd::{self, self_adjoint_evd, self_adjoint_evd_scratch, ComputeEigenvectors};
 use faer::linalg::svd::{svd, svd_scratch, ComputeSvdVectors};
 use faer::reborrow::*;
-use faer::{ColMut, MatMut, Par};
+use faer::{ColMut, MatMut, MatRef, Par};
 
 use super::blas::{for_each, Part};
+use super::tridiagonal;
 use super::workspace::{entries, with_stack, OutOfMemory};
 
 /// Why a decomposition has no result.
@@ -67,13 +68,23 @@ fn scale_to_safe_range(mut a: MatMut<'_, f64>, part: Part) -> Result<f64, Spectr
     Ok(factor)
 }
 
+/// Up to this order, eigenvalues without vectors are found by the kernel for small matrices.
+const SMALL_ORDER: usize = 64;
+
 fn eigen_scratch(n: usize, vectors: bool) -> StackReq {
+    if !vectors && n <= SMALL_ORDER {
+        return StackReq::new::<f64>(n * (n + 1));
+    }
+    blocked_eigen_scratch(n.max(1), vectors)
+}
+
+fn blocked_eigen_scratch(n: usize, vectors: bool) -> StackReq {
     let compute = if vectors {
         ComputeEigenvectors::Yes
     } else {
         ComputeEigenvectors::No
     };
-    self_adjoint_evd_scratch::<f64>(n.max(1), compute, Par::Seq, Default::default())
+    self_adjoint_evd_scratch::<f64>(n, compute, Par::Seq, Default::default())
 }
 
 /// Number of workspace entries with which [`eigen`] allocates nothing.
@@ -91,10 +102,43 @@ pub fn eigen(
     work: &mut [MaybeUninit<f64>],
 ) -> Result<(), SpectralError> {
     let factor = scale_to_safe_range(a.rb_mut(), Part::Lower)?;
-    let scratch = eigen_scratch(a.nrows(), vectors.is_some());
+    let small = vectors.is_none() && a.nrows() <= SMALL_ORDER;
+    if !(small && small_eigenvalues(a.rb(), values, work)?) {
+        blocked_eigen(a.rb(), values, vectors, work)?;
+    }
+    unscale(values, factor);
+    Ok(())
+}
+
+/// `false` tells that the iteration did not converge.
+fn small_eigenvalues(
+    a: MatRef<'_, f64>,
+    values: &mut [f64],
+    work: &mut [MaybeUninit<f64>],
+) -> Result<bool, OutOfMemory> {
+    let n = a.nrows();
+    with_stack(eigen_scratch(n, false), work, |stack| {
+        let (mut scratch, _) = stack.make_with(n * (n + 1), |_| 0.0);
+        let (copy, off_diagonal) = scratch.split_at_mut(n * n);
+        for j in 0..n {
+            for i in j..n {
+                copy[i + j * n] = a[(i, j)];
+            }
+        }
+        tridiagonal::eigenvalues(copy, values, off_diagonal)
+    })
+}
+
+fn blocked_eigen(
+    a: MatRef<'_, f64>,
+    values: &mut [f64],
+    vectors: Option<MatMut<'_, f64>>,
+    work: &mut [MaybeUninit<f64>],
+) -> Result<(), SpectralError> {
+    let scratch = blocked_eigen_scratch(a.nrows(), vectors.is_some());
     with_stack(scratch, work, |stack| {
         self_adjoint_evd(
-            a.rb(),
+            a,
             diagonal(values),
             vectors,
             Par::Seq,
@@ -102,9 +146,7 @@ pub fn eigen(
             Default::default(),
         )
     })?
-    .map_err(|evd::EvdError::NoConvergence| SpectralError::NoConvergence)?;
-    unscale(values, factor);
-    Ok(())
+    .map_err(|evd::EvdError::NoConvergence| SpectralError::NoConvergence)
 }
 
 fn singular_scratch(nrows: usize, ncols: usize, left: Vectors, right: Vectors) -> StackReq {
