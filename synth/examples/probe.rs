@@ -26,23 +26,23 @@ fn main() {
             disturbance_weight_max: 1.0,
             must_contain: vec![],
             containment_weight: 1.0,
-            margin: 1e-6,
+            margin: std::env::var("MARG").map_or(1e-6, |v| v.parse().unwrap()),
         },
     );
-    let scaling = Scaling::automatic(&task.system, 0.5);
+    let scaling = Scaling::automatic(&task.system, std::env::var("FRAC").map_or(0.5, |v| v.parse().unwrap()));
     println!("{scaling:?}");
     let scaled = scaling.apply(&task);
     let form = if full { Form::Full } else { Form::Reduced };
-    let backend = Clarabel { padding: if nopad { Padding::None } else { Padding::WholeColumns } };
+    let backend = Clarabel { padding: if nopad { Padding::None } else { Padding::default() } };
     let mut goal = Goal::SmallestGain;
-    for _ in 0..2 {
+    for _i in 0..2 {
         let t = Instant::now();
         let a = assemble(&scaled, form, goal);
-        let low = a.problem.lower();
+        let mut low = a.problem.lower(); let k: f64 = std::env::var("OBJ").map_or(1.0, |v| v.parse().unwrap()); if _i==0 { for c in &mut low.cost { *c *= k; } }
         println!("unknowns {} cones {} assemble {:?}", low.cost.len(), low.cones.len(), t.elapsed());
         if let Some(i)=args.iter().position(|a| a=="sdpa"){ std::fs::write(&args[i+1], low.to_sdpa("probe")).unwrap(); return; }
         let t = Instant::now();
-        let s = backend.solve(&low, None).unwrap();
+        let mut s = backend.solve(&low, goal.relative_gap(), None).unwrap(); if _i==0 { s.objective /= k; }
         println!("{} obj {} it {} {:?}", s.status_text, s.objective, s.iterations, t.elapsed());
         goal = Goal::LargestMargin { gain_bound: s.objective * 1.001 };
         let q = a.design.multiplier.value(&s.values);

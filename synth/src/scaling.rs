@@ -26,15 +26,17 @@ fn power_of_two(value: f64) -> f64 {
 
 impl Scaling {
     /// Units from the model: a state's unit is `fraction` of the smallest extent of the region along
-    /// it; the inputs' and the disturbance's make the scaled columns of B about 1 and of B_w about 1/3.
+    /// it; an input's is half its limit, or less where that keeps the scaled column of B below 1; the
+    /// disturbance's makes the largest scaled column of B_w about 1/3.
     pub fn automatic(system: &TakagiSugeno, fraction: f64) -> Self {
         let state = state_units(system, fraction);
         let largest = |column: nalgebra::DVectorView<f64>| -> f64 {
             let scaled = column.component_div(&state);
             scaled.norm().max(f64::MIN_POSITIVE)
         };
-        let inputs = system.input.column_iter().map(|column| {
-            power_of_two(1.0 / largest(column))
+        let inputs = system.input.column_iter().zip(system.input_limit.iter());
+        let inputs = inputs.map(|(column, limit)| {
+            power_of_two((0.5 * limit).min(1.0 / largest(column)))
         });
         let disturbance = system
             .disturbance

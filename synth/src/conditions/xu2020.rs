@@ -17,6 +17,10 @@ use nalgebra::DMatrix;
 use super::Task;
 use crate::lmi::{Affine, Condition, Unknowns};
 
+/// Unit of the dead-zone row of (18). The best S tends to zero; in this unit its margin costs nothing
+/// that shows in gamma.
+pub const DEAD_ZONE_UNIT: f64 = 1024.0;
+
 /// The unknowns of the sector condition (17). Shapes: n states, m inputs.
 #[derive(Debug, Clone)]
 pub struct SectorUnknowns {
@@ -24,6 +28,13 @@ pub struct SectorUnknowns {
     pub anti_windup: Affine,
     /// S = M^-1, m x m, diagonal: the inverse sector weight.
     pub weight: Affine,
+}
+
+impl SectorUnknowns {
+    /// S in units of the dead-zone row.
+    fn weight_in_row_units(&self) -> Affine {
+        DEAD_ZONE_UNIT.powi(2) * &self.weight
+    }
 }
 
 /// Whether the sector condition has unknowns of its own.
@@ -78,8 +89,8 @@ impl DesignUnknowns {
             sector: match sector {
                 Sector::Unsaturated => None,
                 Sector::Unknown => Some(SectorUnknowns {
-                    anti_windup: unknowns.general("Nh", inputs, states),
-                    weight: unknowns.diagonal("S", inputs),
+                    anti_windup: (1.0 / DEAD_ZONE_UNIT) * unknowns.general("Nh", inputs, states),
+                    weight: DEAD_ZONE_UNIT.powi(-2) * unknowns.diagonal("S", inputs),
                 }),
             },
             disturbance_weight: unknowns.scalar("xi"),

@@ -8,7 +8,9 @@
 use nalgebra::DMatrix;
 
 use super::cliques::{self, Split};
-use crate::conditions::xu2020::{decrease_form, Coordinates, DesignUnknowns, Interval, Strictness};
+use crate::conditions::xu2020::{
+    decrease_form, Coordinates, DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT,
+};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
@@ -50,7 +52,7 @@ pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: Interval) -> 
     Coordinates {
         rate,
         held: select(HELD),
-        dead_zone: select(DEAD_ZONE),
+        dead_zone: DEAD_ZONE_UNIT * select(DEAD_ZONE),
         disturbance: select(DISTURBANCE),
         integral: match interval {
             Interval::Start => DMatrix::zeros(task.system.states(), total),
@@ -84,12 +86,13 @@ fn splits(design: &DesignUnknowns, interval: Interval) -> Vec<Split> {
 /// The weight of the margin that equals the identity in the coordinates of the full condition.
 fn margin_weight(at: &Coordinates) -> DMatrix<f64> {
     let error = &at.sample - &at.held;
+    let dead_zone = &at.dead_zone / DEAD_ZONE_UNIT;
     [
         &at.state,
         &at.rate,
         &at.sample,
         &error,
-        &at.dead_zone,
+        &dead_zone,
         &at.disturbance,
         &at.integral,
     ]

@@ -9,19 +9,39 @@ use clarabel::solver::{
 use super::{Backend, Observer, Progress, Solution, SolveError, Status};
 use crate::lmi::{svec_index, Cone, Semidefinite};
 
-/// Whether explicit zeros are stored so that every column that touches a cone touches all its rows.
+/// In which cones explicit zeros are stored, so that every column that touches such a cone touches
+/// all its rows.
 ///
 /// Clarabel orders its factorization by minimum degree. Sparse columns go first and couple all the
-/// cones they touch; full columns make the cones go first, each on its own. With many cones that is
-/// several times faster; a single cone gains nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// cones they touch; full columns make the cones go first, each on its own. For wide cones that
+/// share many unknowns that is several times faster; narrow ones are better left sparse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Padding {
     /// Entries as they are.
     None,
-    /// Whole columns within each cone.
-    #[default]
-    WholeColumns,
+    /// Whole columns in cones of at least this side.
+    FromSide(usize),
 }
+
+impl Default for Padding {
+    /// From side 13: the cliques of (18) for a spacecraft (18), not its vertex blocks (12).
+    fn default() -> Self {
+        Padding::FromSide(13)
+    }
+}
+
+impl Padding {
+    fn covers(self, cone: &Cone) -> bool {
+        match self {
+            Padding::None => false,
+            Padding::FromSide(side) => cone.side >= side,
+        }
+    }
+}
+
+/// Factor on the objective. Clarabel's tolerance on the gap is absolute for objectives below 1, and
+/// gains are often far below.
+const OBJECTIVE_FACTOR: f64 = 64.0;
 
 /// Clarabel with its faer factorization.
 #[derive(Debug, Clone, Default)]
@@ -42,6 +62,7 @@ impl Backend for Clarabel {
     fn solve(
         &self,
         problem: &Semidefinite,
+        relative_gap: f64,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError> {
         check_finite(problem)?;
@@ -49,15 +70,17 @@ impl Backend for Clarabel {
         let (matrix, rhs, cones) = conic_form(problem, self.padding);
         let unknowns = problem.cost.len();
         let quadratic = CscMatrix::zeros((unknowns, unknowns));
-        let settings = settings()?;
+        let settings = settings(relative_gap)?;
+        let cost: Vec<f64> = problem.cost.iter().map(|cost| cost * OBJECTIVE_FACTOR).collect();
+        let offset = problem.offset;
         let mut solver =
-            DefaultSolver::new(&quadratic, &problem.cost, &matrix, &rhs, &cones, settings)
+            DefaultSolver::new(&quadratic, &cost, &matrix, &rhs, &cones, settings)
                 .map_err(refused)?;
         if let Some(observer) = observer {
             solver.set_termination_callback(move |info: &DefaultInfo<f64>| {
                 !observer(&Progress {
                     iteration: info.iterations,
-                    objective: info.cost_primal,
+                    objective: info.cost_primal / OBJECTIVE_FACTOR + offset,
                     relative_gap: info.gap_rel,
                 })
             });
@@ -68,26 +91,23 @@ impl Backend for Clarabel {
             status: status(found.status),
             status_text: format!("{:?}", found.status),
             values: found.x.clone(),
-            duals: split_duals(problem, &found.z),
-            objective: found.obj_val + problem.offset,
+            duals: split_duals(problem, &found.z, 1.0 / OBJECTIVE_FACTOR),
+            objective: found.obj_val / OBJECTIVE_FACTOR + offset,
             iterations: found.iterations,
             seconds: found.solve_time,
         })
     }
 }
 
-fn settings() -> Result<DefaultSettings<f64>, SolveError> {
+fn settings(relative_gap: f64) -> Result<DefaultSettings<f64>, SolveError> {
     DefaultSettingsBuilder::default()
-        .verbose(std::env::var("VERB").is_ok())
+        .verbose(false)
         .direct_solve_method("faer".to_string())
         .max_threads(1)
         .chordal_decomposition_enable(false)
         .presolve_enable(false)
-        .static_regularization_constant(std::env::var("SREG").ok().map_or(1e-8, |v| v.parse().unwrap()))
-        .equilibrate_max_iter(std::env::var("EQI").ok().map_or(10, |v| v.parse().unwrap()))
-        .equilibrate_enable(std::env::var("NOEQ").is_err())
-        .max_step_fraction(std::env::var("STEP").ok().map_or(0.99, |v| v.parse().unwrap()))
-        .dynamic_regularization_eps(std::env::var("DEPS").ok().map_or(1e-13, |v| v.parse().unwrap()))
+        .tol_gap_rel(relative_gap)
+        .tol_gap_abs(relative_gap)
         .build()
         .map_err(refused)
 }
@@ -153,7 +173,7 @@ fn conic_form(
             let column = &mut columns[*unknown];
             let start = column.len();
             column.extend(stacked);
-            if padding == Padding::WholeColumns {
+            if padding.covers(cone) {
                 pad(column, start, base, height(cone));
             }
         }
@@ -189,11 +209,12 @@ fn compressed(rows: usize, columns: Vec<Vec<(usize, f64)>>) -> CscMatrix<f64> {
     CscMatrix::new(rows, count, starts, row_indices, values)
 }
 
-fn split_duals(problem: &Semidefinite, stacked: &[f64]) -> Vec<Vec<f64>> {
+fn split_duals(problem: &Semidefinite, stacked: &[f64], factor: f64) -> Vec<Vec<f64>> {
     let mut base = 0;
     let mut out = Vec::with_capacity(problem.cones.len());
     for cone in &problem.cones {
         let mut dual = stacked[base..base + height(cone)].to_vec();
+        dual.iter_mut().for_each(|entry| *entry *= factor);
         for column in 0..cone.side {
             for row in 0..column {
                 dual[svec_index(row, column)] /= weight(row, column);

@@ -153,3 +153,29 @@ unsafe fn array<'a, T>(a: *mut T, len: c_int) -> &'a mut [T] {
     // SAFETY: the array has `len` entries and overlaps no other one (module contract).
     unsafe { core::slice::from_raw_parts_mut(a, len as usize) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_in_a_product_fills_its_part_with_nan() {
+        let mut entries = [1.0; 9];
+        let c = MatMut::from_column_major_slice_mut(&mut entries, 3, 3);
+        contained_product(c, Part::Lower, |mut c| {
+            c[(2, 0)] = 5.0;
+            panic!("kernel");
+        });
+        let is_nan = entries.map(f64::is_nan);
+        assert_eq!(
+            is_nan,
+            [true, true, true, false, true, true, false, false, true]
+        );
+    }
+
+    #[test]
+    fn a_panic_in_a_factorization_is_an_error() {
+        let outcome = contained(|| -> Result<(), ()> { panic!("kernel") });
+        assert_eq!(outcome, None);
+    }
+}

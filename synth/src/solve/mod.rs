@@ -89,10 +89,12 @@ pub trait Backend {
     /// Name and version, for the provenance of a design.
     fn name(&self) -> String;
 
-    /// Minimises the objective of `problem`; the observer is called between iterations.
+    /// Minimises the objective of `problem` until the duality gap is below `relative_gap`; the
+    /// observer is called between iterations.
     fn solve(
         &self,
         problem: &Semidefinite,
+        relative_gap: f64,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError>;
 }

@@ -39,6 +39,15 @@ pub enum Goal {
 }
 
 impl Goal {
+    /// The duality gap at which a solver may stop. The margin need not be the largest: any point well
+    /// inside will do, and the check decides.
+    pub fn relative_gap(self) -> f64 {
+        match self {
+            Goal::SmallestGain | Goal::SmallestSlack => 1e-8,
+            Goal::LargestMargin { .. } => 1e-2,
+        }
+    }
+
     /// Its name in files and reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -56,6 +56,30 @@ fn known_spectra_are_found() {
     }
 }
 
+#[test]
+fn eigenvalues_do_not_depend_on_whether_vectors_are_wanted() {
+    let mut random = Random(15);
+    for n in [2, 4, 12, 36, 64, 65] {
+        let vector = Padded::random(n, 1, &mut random);
+        let rank_one = Padded::from_fn(n, n, |i, j| vector.at(i, 0) * vector.at(j, 0));
+        let graded = Padded::from_fn(n, n, |i, j| {
+            10f64.powi(-((i + j) as i32)) * if i == j { 3.0 } else { 1.0 }
+        });
+        let reversed = Padded::from_fn(n, n, |i, j| graded.at(n - 1 - i, n - 1 - j));
+        let exchange = Padded::from_fn(n, n, |i, j| if i + j + 1 == n { 1.0 } else { 0.0 });
+        let diagonal = Padded::from_fn(n, n, |i, j| if i == j { vector.at(i, 0) } else { 0.0 });
+        let zero = Padded::from_fn(n, n, |_, _| 0.0);
+        for a in [rank_one, graded, reversed, exchange, diagonal, zero] {
+            let with = syevr([b'V', b'A', b'U'], &a, Workspace::Queried);
+            let without = syevr([b'N', b'A', b'U'], &a, Workspace::Queried);
+            assert_eq!((with.info, without.info), (0, 0));
+            for (one, other) in with.values.iter().zip(&without.values) {
+                assert!((one - other).abs() <= 1e-14 * n as f64, "{one} {other}");
+            }
+        }
+    }
+}
+
 /// Length of the `l`-th left vector times `A`, or of `A` times the `l`-th right vector.
 fn image_length(a: &Padded, vectors: &Padded, left: bool, l: usize) -> f64 {
     let (outer, inner) = if left {

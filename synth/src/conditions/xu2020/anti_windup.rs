@@ -31,8 +31,9 @@ pub(super) fn sector_positive<'a>(
     strictness: &'a Strictness,
 ) -> impl Iterator<Item = Condition> + 'a {
     unknowns.sector.iter().flat_map(move |sector| {
-        (0..sector.weight.nrows()).map(move |input| {
-            let entry = sector.weight.view(input, input, 1, 1);
+        let weight = sector.weight_in_row_units();
+        (0..weight.nrows()).map(move |input| {
+            let entry = weight.view(input, input, 1, 1);
             strictness.positive(format!("sector weight input {}", input + 1), entry)
         })
     })

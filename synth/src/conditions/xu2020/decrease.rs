@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, SectorUnknowns, Strictness};
+use super::{DesignUnknowns, SectorUnknowns, Strictness, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks};
 
@@ -40,7 +40,8 @@ const INTEGRAL: usize = 6;
 
 /// The matrix Xi + Omega_r of (18) at one vertex, block by block as printed (corrected terms: Xi_12
 /// carries Uh and no L; Xi_45 and Xi_55 as derived for the held state and S = M^-1).
-/// Without sector unknowns the dead-zone row is left out.
+/// Without sector unknowns the dead-zone row is left out; with them it is in units of
+/// [`DEAD_ZONE_UNIT`].
 /// Side 4n + m + d for r = 1 and 5n + m + d for r = 2. It must be negative definite.
 pub fn decrease(
     task: &Task,
@@ -90,12 +91,14 @@ pub fn decrease(
     out.add(ERROR, ERROR, &((nu - 1.0) * wh));
     out.add(DISTURBANCE, DISTURBANCE, &-xi.times_matrix(&DMatrix::identity(d, d)));
     if let Some(SectorUnknowns { anti_windup, weight }) = &unknowns.sector {
-        let bs = b * weight;
+        let unit = DEAD_ZONE_UNIT;
+        let bs = unit * (b * weight);
+        let nt = unit * anti_windup.transposed();
         out.add(STATE, DEAD_ZONE, &(-e1 * &bs));
         out.add(RATE, DEAD_ZONE, &(-e2 * &bs));
-        out.add(SAMPLE, DEAD_ZONE, &(-e3 * &bs + anti_windup.transposed()));
-        out.add(ERROR, DEAD_ZONE, &-anti_windup.transposed());
-        out.add(DEAD_ZONE, DEAD_ZONE, &(-2.0 * weight));
+        out.add(SAMPLE, DEAD_ZONE, &(-e3 * &bs + nt.clone()));
+        out.add(ERROR, DEAD_ZONE, &-nt);
+        out.add(DEAD_ZONE, DEAD_ZONE, &(-2.0 * unit * unit * weight));
     }
     match interval {
         Interval::Start => {

@@ -9,7 +9,7 @@ use faer::linalg::triangular_solve::{
 use faer::linalg::{temp_mat_scratch, temp_mat_zeroed};
 use faer::mat::AsMatMut;
 use faer::reborrow::*;
-use faer::{ColMut, ColRef, MatMut, MatRef, Par};
+use faer::{unzip, zip, ColMut, ColRef, MatMut, MatRef, Par};
 
 use super::workspace::{with_stack, OutOfMemory};
 
@@ -62,15 +62,8 @@ fn small_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
 
 /// Subtracts from a column what an earlier column of the factor contributes to it.
 fn eliminate(earlier: ColRef<'_, f64>, column: ColMut<'_, f64>) {
-    let (Some(earlier), Some(column)) = (earlier.try_as_col_major(), column.try_as_col_major_mut())
-    else {
-        unreachable!("columns of a column-major matrix");
-    };
-    let (earlier, column) = (earlier.as_slice(), column.as_slice_mut());
     let weight = earlier[0];
-    for (entry, factor) in column.iter_mut().zip(earlier) {
-        *entry -= weight * factor;
-    }
+    zip!(column, earlier).for_each(|unzip!(entry, factor)| *entry -= weight * factor);
 }
 
 /// The kernel writes above the diagonal too, hence the copy.

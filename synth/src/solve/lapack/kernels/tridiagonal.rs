@@ -130,3 +130,32 @@ fn step(first: usize, last: usize, diagonal: &mut [f64], off_diagonal: &mut [f64
     off_diagonal[first] = bulge;
     off_diagonal[last] = 0.0;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vectors_without_a_tail_need_no_reflection() {
+        for (n, tiny) in [(1, 0.0), (2, 0.0), (5, 0.0), (5, 1e-160), (5, 1e-320)] {
+            let mut a = vec![tiny; n * n];
+            for i in 0..n {
+                a[i + i * n] = (n - i) as f64;
+            }
+            let (mut diagonal, mut off_diagonal) = (vec![0.0; n], vec![0.0; n]);
+            assert!(eigenvalues(&mut a, &mut diagonal, &mut off_diagonal));
+            for (i, value) in diagonal.iter().enumerate() {
+                assert!((value - (i + 1) as f64).abs() < 1e-14);
+            }
+            let mut zero = vec![0.0; n * n];
+            assert!(eigenvalues(&mut zero, &mut diagonal, &mut off_diagonal));
+            assert_eq!(diagonal, vec![0.0; n]);
+        }
+    }
+
+    #[test]
+    fn a_value_that_is_not_a_number_ends_the_iteration() {
+        let mut a = vec![f64::NAN; 16];
+        assert!(!eigenvalues(&mut a, &mut [0.0; 4], &mut [0.0; 4]));
+    }
+}
