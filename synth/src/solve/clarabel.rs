@@ -6,7 +6,7 @@ use clarabel::solver::{
     SupportedConeT,
 };
 
-use super::{Backend, Observer, Progress, Solution, SolveError, Status};
+use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
 use crate::lmi::{svec_index, Cone, Semidefinite};
 
 /// In which cones explicit zeros are stored, so that every column that touches such a cone touches
@@ -39,9 +39,6 @@ impl Padding {
     }
 }
 
-/// Factor on the objective. Clarabel's tolerance on the gap is absolute for objectives below 1, and
-/// gains are often far below.
-const OBJECTIVE_FACTOR: f64 = 64.0;
 
 /// Clarabel with its faer factorization.
 #[derive(Debug, Clone, Default)]
@@ -62,7 +59,7 @@ impl Backend for Clarabel {
     fn solve(
         &self,
         problem: &Semidefinite,
-        relative_gap: f64,
+        accuracy: Accuracy,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError> {
         check_finite(problem)?;
@@ -70,8 +67,10 @@ impl Backend for Clarabel {
         let (matrix, rhs, cones) = conic_form(problem, self.padding);
         let unknowns = problem.cost.len();
         let quadratic = CscMatrix::zeros((unknowns, unknowns));
-        let settings = settings(relative_gap)?;
-        let cost: Vec<f64> = problem.cost.iter().map(|cost| cost * OBJECTIVE_FACTOR).collect();
+        let settings = settings(accuracy.relative_gap)?;
+        // The tolerance on the gap is absolute for objectives below 1.
+        let unit = accuracy.objective_unit;
+        let cost: Vec<f64> = problem.cost.iter().map(|cost| cost / unit).collect();
         let offset = problem.offset;
         let mut solver =
             DefaultSolver::new(&quadratic, &cost, &matrix, &rhs, &cones, settings)
@@ -80,7 +79,7 @@ impl Backend for Clarabel {
             solver.set_termination_callback(move |info: &DefaultInfo<f64>| {
                 !observer(&Progress {
                     iteration: info.iterations,
-                    objective: info.cost_primal / OBJECTIVE_FACTOR + offset,
+                    objective: info.cost_primal * unit + offset,
                     relative_gap: info.gap_rel,
                 })
             });
@@ -91,8 +90,8 @@ impl Backend for Clarabel {
             status: status(found.status),
             status_text: format!("{:?}", found.status),
             values: found.x.clone(),
-            duals: split_duals(problem, &found.z, 1.0 / OBJECTIVE_FACTOR),
-            objective: found.obj_val / OBJECTIVE_FACTOR + offset,
+            duals: split_duals(problem, &found.z, unit),
+            objective: found.obj_val * unit + offset,
             iterations: found.iterations,
             seconds: found.solve_time,
         })

@@ -84,17 +84,26 @@ pub enum SolveError {
     },
 }
 
+/// When a solver may stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Duality gap relative to the objective, or to `objective_unit` where that is larger.
+    pub relative_gap: f64,
+    /// A size that the objective is expected to have or exceed; above 0.
+    pub objective_unit: f64,
+}
+
 /// A semidefinite programming solver.
 pub trait Backend {
     /// Name and version, for the provenance of a design.
     fn name(&self) -> String;
 
-    /// Minimises the objective of `problem` until the duality gap is below `relative_gap`; the
-    /// observer is called between iterations.
+    /// Minimises the objective of `problem` to the accuracy asked for; the observer is called between
+    /// iterations.
     fn solve(
         &self,
         problem: &Semidefinite,
-        relative_gap: f64,
+        accuracy: Accuracy,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError>;
 }

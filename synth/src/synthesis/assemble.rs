@@ -4,6 +4,7 @@ use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictne
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, Problem, Unknowns};
 use crate::reduce;
+use crate::solve::Accuracy;
 
 /// How the decrease condition (18) is put to the solver; both have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,12 +40,17 @@ pub enum Goal {
 }
 
 impl Goal {
-    /// The duality gap at which a solver may stop. The margin need not be the largest: any point well
+    /// When a solver may stop. The margin need not be the largest: any point well
     /// inside will do, and the check decides.
-    pub fn relative_gap(self) -> f64 {
-        match self {
-            Goal::SmallestGain | Goal::SmallestSlack => 1e-8,
-            Goal::LargestMargin { .. } => 1e-2,
+    pub fn accuracy(self) -> Accuracy {
+        let (relative_gap, objective_unit) = match self {
+            Goal::SmallestGain => (1e-8, GAIN_UNIT),
+            Goal::LargestMargin { .. } => (1e-2, 1.0),
+            Goal::SmallestSlack => (1e-8, SLACK_UNIT),
+        };
+        Accuracy {
+            relative_gap,
+            objective_unit,
         }
     }
 
@@ -70,6 +76,12 @@ pub struct Assembled {
 /// Unit of the margin that [`Goal::LargestMargin`] maximises, so that its optimum is of the order
 /// of one and a solver's relative tolerance means something.
 pub const MARGIN_UNIT: f64 = 1e-4;
+
+/// Gains are resolved down to about this size [gain].
+const GAIN_UNIT: f64 = 0.015625;
+
+/// Slacks are resolved down to about this size, in scaled units.
+const SLACK_UNIT: f64 = 1e-3;
 
 /// States Theorem 2 for a task in scaled units.
 pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {

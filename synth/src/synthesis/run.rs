@@ -209,7 +209,7 @@ impl Run<'_> {
             })
         });
         let start = Instant::now();
-        let solution = self.backend.solve(&assembled.problem.lower(), goal.relative_gap(), observer)?;
+        let solution = self.backend.solve(&assembled.problem.lower(), goal.accuracy(), observer)?;
         if cancelled.load(Ordering::Relaxed) {
             return Err(Cancelled.into());
         }

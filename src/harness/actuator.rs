@@ -1,0 +1,170 @@
+//! Actuators: from the command to the torque that acts, with delay, dead band, saturation and faults.
+
+use std::collections::VecDeque;
+
+use nalgebra::SVector;
+
+/// A fault of one axis in a window of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Axis, from zero.
+    pub axis: usize,
+    /// Start of the window, s.
+    pub from_s: f64,
+    /// End of the window, s.
+    pub until_s: f64,
+    /// Share of the commanded torque that acts: 1 is healthy, 0 is dead.
+    pub effectiveness: f64,
+    /// Torque that acts on top, N m.
+    pub additive: f64,
+}
+
+/// Actuators of `M` axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActuatorData<const M: usize> {
+    /// Largest torque of each axis, N m; infinite for none.
+    pub limit: SVector<f64, M>,
+    /// Commands below this magnitude give no torque, N m.
+    pub dead_band: SVector<f64, M>,
+    /// Time from command to torque, s.
+    pub delay_s: f64,
+    /// Faults.
+    pub faults: Vec<Fault>,
+}
+
+impl<const M: usize> ActuatorData<M> {
+    /// Actuators that do what they are told.
+    pub fn ideal() -> Self {
+        Self {
+            limit: SVector::repeat(f64::INFINITY),
+            dead_band: SVector::zeros(),
+            delay_s: 0.0,
+            faults: Vec::new(),
+        }
+    }
+
+    /// Times at which a fault begins or ends, s.
+    pub fn fault_edges_s(&self) -> Vec<f64> {
+        let edges = self.faults.iter();
+        edges.flat_map(|fault| [fault.from_s, fault.until_s]).collect()
+    }
+}
+
+/// Actuators during a run.
+#[derive(Clone, Debug)]
+pub struct Actuators<'a, const M: usize> {
+    data: &'a ActuatorData<M>,
+    pending: VecDeque<(f64, SVector<f64, M>)>,
+    commanded: SVector<f64, M>,
+    last_command: SVector<f64, M>,
+}
+
+impl<'a, const M: usize> Actuators<'a, M> {
+    /// Actuators at rest.
+    pub fn new(data: &'a ActuatorData<M>) -> Self {
+        Self {
+            data,
+            pending: VecDeque::new(),
+            commanded: SVector::zeros(),
+            last_command: SVector::zeros(),
+        }
+    }
+
+    /// Takes a command at `time_s` seconds.
+    #[inline]
+    pub fn command(&mut self, time_s: f64, torque: &SVector<f64, M>) {
+        if self.data.delay_s == 0.0 {
+            self.commanded = *torque;
+        } else if *torque != self.last_command {
+            self.pending.push_back((time_s + self.data.delay_s, *torque));
+        }
+        self.last_command = *torque;
+    }
+
+    /// When the next delayed command arrives, s; infinite when there is none.
+    #[inline]
+    pub fn next_change_s(&self) -> f64 {
+        self.pending.front().map_or(f64::INFINITY, |(time, _)| *time)
+    }
+
+    /// The torque that acts from `time_s` on, N m.
+    #[inline]
+    pub fn torque(&mut self, time_s: f64) -> SVector<f64, M> {
+        while let Some((_, torque)) = self.pending.front().filter(|(due, _)| *due <= time_s) {
+            self.commanded = *torque;
+            self.pending.pop_front();
+        }
+        let data = self.data;
+        let mut torque = SVector::from_fn(|axis, _| {
+            let value: f64 = self.commanded[axis];
+            if value.abs() < data.dead_band[axis] {
+                0.0
+            } else {
+                value.clamp(-data.limit[axis], data.limit[axis])
+            }
+        });
+        for fault in &data.faults {
+            if (fault.from_s..fault.until_s).contains(&time_s) {
+                torque[fault.axis] = fault.effectiveness * torque[fault.axis] + fault.additive;
+            }
+        }
+        torque
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+
+    #[test]
+    fn torque_is_limited_per_axis_and_zero_inside_the_dead_band() {
+        let data = ActuatorData {
+            limit: Vector2::new(1.0, 2.0),
+            dead_band: Vector2::new(0.1, 0.0),
+            ..ActuatorData::ideal()
+        };
+        let mut actuators = Actuators::new(&data);
+        actuators.command(0.0, &Vector2::new(-3.0, 1.5));
+        assert_eq!(actuators.torque(0.0), Vector2::new(-1.0, 1.5));
+        actuators.command(1.0, &Vector2::new(0.09, 5.0));
+        assert_eq!(actuators.torque(1.0), Vector2::new(0.0, 2.0));
+    }
+
+    #[test]
+    fn a_delayed_command_acts_when_it_arrives() {
+        let data = ActuatorData {
+            delay_s: 0.5,
+            ..ActuatorData::ideal()
+        };
+        let mut actuators = Actuators::new(&data);
+        let (first, second) = (Vector2::new(1.0, 0.0), Vector2::new(2.0, 0.0));
+        actuators.command(0.0, &first);
+        actuators.command(0.25, &second);
+        assert_eq!(actuators.torque(0.25), Vector2::zeros());
+        assert_eq!(actuators.next_change_s(), 0.5);
+        assert_eq!(actuators.torque(0.5), first);
+        assert_eq!(actuators.torque(0.75), second);
+        assert_eq!(actuators.next_change_s(), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_fault_acts_inside_its_window_only() {
+        let data = ActuatorData {
+            faults: vec![Fault {
+                axis: 1,
+                from_s: 1.0,
+                until_s: 2.0,
+                effectiveness: 0.5,
+                additive: 0.25,
+            }],
+            ..ActuatorData::ideal()
+        };
+        let mut actuators = Actuators::new(&data);
+        actuators.command(0.0, &Vector2::new(1.0, 1.0));
+        let second = |actuators: &mut Actuators<2>, time| actuators.torque(time).y;
+        assert_eq!(second(&mut actuators, 0.999), 1.0);
+        assert_eq!(second(&mut actuators, 1.0), 0.75);
+        assert_eq!(second(&mut actuators, 2.0), 1.0);
+    }
+}

@@ -1,0 +1,100 @@
+//! When the sensor is sampled.
+
+use super::random::{Purpose, Random};
+
+/// The rule that gives the sampling instants. The first is at time zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instants {
+    /// At multiples of an interval, each shifted by a uniform jitter.
+    Periodic {
+        /// Interval, s.
+        interval_s: f64,
+        /// Largest shift either way, s, less than half of the interval.
+        jitter_s: f64,
+    },
+    /// At intervals uniform between two bounds: Xu and Huang 2020, (9).
+    Aperiodic {
+        /// Shortest interval, s.
+        shortest_s: f64,
+        /// Longest interval, s.
+        longest_s: f64,
+    },
+    /// No sampling: the trigger is watched continuously, and the sample is taken where it fires, found
+    /// to `resolution_s` seconds.
+    Continuous {
+        /// Width of the time interval in which the event is known to lie, s.
+        resolution_s: f64,
+    },
+}
+
+impl Instants {
+    /// Longest interval between two samples that are not lost; `None` when there is no bound.
+    pub fn longest_interval_s(&self) -> Option<f64> {
+        match *self {
+            Instants::Periodic {
+                interval_s,
+                jitter_s,
+            } => Some(interval_s + 2.0 * jitter_s),
+            Instants::Aperiodic { longest_s, .. } => Some(longest_s),
+            Instants::Continuous { .. } => None,
+        }
+    }
+}
+
+/// Sampling instants and lost samples of one run.
+#[derive(Clone, Debug)]
+pub struct Sampling {
+    instants: Instants,
+    dropout_probability: f64,
+    index: u64,
+    instants_random: Random,
+    dropout_random: Random,
+}
+
+impl Sampling {
+    /// The sequence for a scenario's seed. The probability that a sample is lost is in [0, 1).
+    pub fn new(instants: Instants, dropout_probability: f64, seed: u64) -> Self {
+        Self {
+            instants,
+            dropout_probability,
+            index: 0,
+            instants_random: Random::new(seed, Purpose::Sampling),
+            dropout_random: Random::new(seed, Purpose::Dropout),
+        }
+    }
+
+    /// The rule.
+    pub fn instants(&self) -> &Instants {
+        &self.instants
+    }
+
+    /// The instant after the one at `time_s`, s; infinite when the trigger is watched continuously.
+    #[inline]
+    pub fn after(&mut self, time_s: f64) -> f64 {
+        self.index += 1;
+        match self.instants {
+            Instants::Periodic {
+                interval_s,
+                jitter_s,
+            } => {
+                let shift = if jitter_s > 0.0 {
+                    jitter_s * (2.0 * self.instants_random.uniform() - 1.0)
+                } else {
+                    0.0
+                };
+                self.index as f64 * interval_s + shift
+            }
+            Instants::Aperiodic {
+                shortest_s,
+                longest_s,
+            } => time_s + shortest_s + (longest_s - shortest_s) * self.instants_random.uniform(),
+            Instants::Continuous { .. } => f64::INFINITY,
+        }
+    }
+
+    /// Whether the sample at hand is lost.
+    #[inline]
+    pub fn lost(&mut self) -> bool {
+        self.dropout_probability > 0.0 && self.dropout_random.uniform() < self.dropout_probability
+    }
+}
