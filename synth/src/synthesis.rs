@@ -4,4 +4,4 @@ mod assemble;
 mod run;
 
 pub use assemble::{assemble, Assembled, Form, Goal};
-pub use run::{synthesize, Cancelled, Failure, Outcome, SynthesisError, Synthesized};
+pub use run::{scaled_task, synthesize, FIRST_UNITS, Cancelled, Failure, Outcome, SynthesisError, Synthesized};

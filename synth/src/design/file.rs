@@ -100,8 +100,20 @@ pub struct Provenance {
     pub date: String,
     /// Form of the decrease condition: reduced or full.
     pub form: String,
+    /// Units of the scaled problem that was solved.
+    pub problem: ProblemUnits,
     /// The solver's runs, in order. Their statuses are the solver's opinion and prove nothing.
     pub solver_runs: Vec<SolverRun>,
+}
+
+/// What fixes the units of a scaled problem; enough to state the very problem again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProblemUnits {
+    /// The unit of the state, as a fraction of the smallest extent of the model's region.
+    pub state_fraction: f64,
+    /// The weight rho of the containment condition, in scaled units.
+    pub containment_weight: f64,
 }
 
 /// One run of a solver.

@@ -10,11 +10,10 @@ pub use file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
     ThresholdUpdate, VerticesPlant, MODEL_SCHEMA_VERSION,
 };
-pub use read::{read_text, write_atomically, MAX_FILE_BYTES};
+pub use read::{kind_of, parse, read_text, write_atomically, MAX_FILE_BYTES};
 pub use validate::Model;
 
-pub(crate) use read::parse;
-pub(crate) use validate::{check_matrix, check_positive, finite};
+pub use validate::{check_matrix, check_positive, finite};
 
 use crate::fuzzy::{ExactSpacecraft, TakagiSugeno, VertexSystem};
 

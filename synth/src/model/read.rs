@@ -65,7 +65,7 @@ fn make_readable(_path: &Path) -> std::io::Result<()> {
 }
 
 /// Parses JSON into `T`; errors name the field.
-pub(crate) fn parse<T: DeserializeOwned>(text: &str, expected: Kind) -> Result<T, FileError> {
+pub fn parse<T: DeserializeOwned>(text: &str, expected: Kind) -> Result<T, FileError> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let parsed = serde_path_to_error::deserialize(&mut deserializer);
     let value: T = parsed.map_err(|error| explain(text, expected, error))?;
@@ -103,8 +103,8 @@ fn explain(
     }
 }
 
-/// What a file is, told by keys that only its kind has.
-fn kind_of(text: &str) -> Option<Kind> {
+/// What a file is, told by keys that only its kind has; `None` when it is none of them.
+pub fn kind_of(text: &str) -> Option<Kind> {
     let value: serde_json::Value = serde_json::from_str(text).ok()?;
     let keys = value.as_object()?;
     if keys.contains_key("certificate") {

@@ -87,14 +87,14 @@ fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), Model
 }
 
 /// Refuses numbers that are not finite or so large or small that squares overflow or vanish.
-pub(crate) fn finite(field: &str, value: f64) -> Result<(), ModelError> {
+pub fn finite(field: &str, value: f64) -> Result<(), ModelError> {
     let allowed = "0 or a number of magnitude 1e-30 to 1e30";
     let magnitude = value.abs();
     let ok = value == 0.0 || (1e-30..=1e30).contains(&magnitude);
     require(ok, field, value, allowed)
 }
 
-pub(crate) fn check_positive(field: &str, value: f64) -> Result<(), ModelError> {
+pub fn check_positive(field: &str, value: f64) -> Result<(), ModelError> {
     require(value > 0.0, field, value, "above 0")?;
     finite(field, value)
 }
@@ -105,7 +105,7 @@ fn check_not_negative(field: &str, value: f64) -> Result<(), ModelError> {
 }
 
 /// Rows of equal length, all finite, of the given size (`None`: any above 0).
-pub(crate) fn check_matrix(
+pub fn check_matrix(
     field: &str,
     rows: &[Vec<f64>],
     expected: (Option<usize>, Option<usize>),

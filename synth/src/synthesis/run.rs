@@ -12,7 +12,7 @@ use super::{assemble, Assembled, Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
 use crate::design::{
-    recover, CertificateFile, DesignFile, Provenance, RecoverError, SolverRun, VerdictFile,
+    recover, CertificateFile, DesignFile, ProblemUnits, Provenance, RecoverError, SolverRun, VerdictFile,
     DESIGN_SCHEMA_VERSION,
 };
 use crate::model::{Model, ModelError};
@@ -27,6 +27,21 @@ const STATE_UNITS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
 
 /// Weights rho of the containment condition tried when the model has must-contain states.
 const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
+
+/// The units tried first.
+pub const FIRST_UNITS: ProblemUnits = ProblemUnits {
+    state_fraction: STATE_UNITS[0],
+    containment_weight: CONTAINMENT_WEIGHTS[0],
+};
+
+/// The model's task in the given units.
+pub fn scaled_task(model: &Model, units: ProblemUnits) -> (Scaling, Task) {
+    let mut task = model.task();
+    task.specification.containment_weight = units.containment_weight;
+    let scaling = Scaling::automatic(&task.system, units.state_fraction);
+    let scaled = scaling.apply(&task);
+    (scaling, scaled)
+}
 
 /// A design and how it was found.
 #[derive(Debug, Clone)]
@@ -123,9 +138,13 @@ pub fn synthesize(
         false => &CONTAINMENT_WEIGHTS,
     };
     let mut best: Option<Box<Synthesized>> = None;
-    for &weight in weights {
-        for fraction in STATE_UNITS {
-            match run.attempt(fraction, weight)? {
+    for &containment_weight in weights {
+        for state_fraction in STATE_UNITS {
+            let units = ProblemUnits {
+                state_fraction,
+                containment_weight,
+            };
+            match run.attempt(units)? {
                 Attempt::Designed(design) if design.report.verdict == Verdict::Proved => {
                     best = Some(better(best, design));
                     break;
@@ -162,8 +181,8 @@ fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthe
 }
 
 impl Run<'_> {
-    fn attempt(&mut self, fraction: f64, weight: f64) -> Result<Attempt, SynthesisError> {
-        let (scaling, task) = self.scaled_task(fraction, weight);
+    fn attempt(&mut self, units: ProblemUnits) -> Result<Attempt, SynthesisError> {
+        let (scaling, task) = scaled_task(self.model, units);
         let (_, smallest) = self.solve(&task, Goal::SmallestGain)?;
         match smallest.status {
             Status::Solved | Status::Inaccurate => {}
@@ -179,20 +198,12 @@ impl Run<'_> {
         match recovered {
             Ok(certificate) => {
                 let (controller, certificate) = CertificateFile::split(&certificate);
-                Ok(Attempt::Designed(self.finish(controller, certificate)?))
+                Ok(Attempt::Designed(self.finish(controller, certificate, units)?))
             }
             Err(RecoverError::Singular { .. } | RecoverError::NotFinite { .. }) => {
                 Ok(Attempt::Stuck)
             }
         }
-    }
-
-    fn scaled_task(&self, fraction: f64, weight: f64) -> (Scaling, Task) {
-        let mut task = self.model.task();
-        task.specification.containment_weight = weight;
-        let scaling = Scaling::automatic(&task.system, fraction);
-        let scaled = scaling.apply(&task);
-        (scaling, scaled)
     }
 
     fn solve(&mut self, task: &Task, goal: Goal) -> Result<(Assembled, Solution), SynthesisError> {
@@ -229,6 +240,7 @@ impl Run<'_> {
         &self,
         controller: crate::design::ControllerFile,
         certificate: CertificateFile,
+        units: ProblemUnits,
     ) -> Result<Box<Synthesized>, SynthesisError> {
         let mut file = DesignFile {
             schema_version: DESIGN_SCHEMA_VERSION,
@@ -241,7 +253,7 @@ impl Run<'_> {
                 conditions: Vec::new(),
                 not_covered: Vec::new(),
             },
-            provenance: self.provenance(),
+            provenance: self.provenance(units),
         };
         let report = file.verify(self.model)?;
         file.verdict = VerdictFile::new(&report);
@@ -252,7 +264,7 @@ impl Run<'_> {
         }))
     }
 
-    fn provenance(&self) -> Provenance {
+    fn provenance(&self, problem: ProblemUnits) -> Provenance {
         let now = OffsetDateTime::now_utc().replace_nanosecond(0);
         let date = now.ok().and_then(|now| now.format(&Rfc3339).ok());
         Provenance {
@@ -260,13 +272,14 @@ impl Run<'_> {
             model_sha256: hex(&Sha256::digest(self.model_text.as_bytes())),
             date: date.unwrap_or_default(),
             form: self.form.name().to_string(),
+            problem,
             solver_runs: Vec::new(),
         }
     }
 
     /// The smallest slack and the conditions that hold it up.
     fn explain(&mut self) -> Result<Failure, SynthesisError> {
-        let (_, task) = self.scaled_task(STATE_UNITS[0], CONTAINMENT_WEIGHTS[0]);
+        let (_, task) = scaled_task(self.model, FIRST_UNITS);
         let (assembled, solution) = self.solve(&task, Goal::SmallestSlack)?;
         let trusted = matches!(solution.status, Status::Solved | Status::Inaccurate);
         Ok(Failure {

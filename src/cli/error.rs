@@ -1,0 +1,55 @@
+//! What the command line says when it cannot go on.
+
+use std::path::{Path, PathBuf};
+
+use synth::model::{FileError, ModelError};
+
+/// One clear sentence; the exit status is 1.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// A file cannot be used.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: FileError,
+    },
+    /// A file cannot be used, for a reason of its own.
+    #[error("{}: {reason}", path.display())]
+    Unsuitable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Synthesis could not run.
+    #[error(transparent)]
+    Synthesis(#[from] synth::synthesis::SynthesisError),
+    /// Stopped by the user.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+}
+
+impl CliError {
+    /// A problem with a file.
+    pub fn file(path: &Path, problem: impl Into<FileError>) -> Self {
+        CliError::File {
+            path: path.to_path_buf(),
+            problem: problem.into(),
+        }
+    }
+
+    /// A value of a file that is not allowed.
+    pub fn value(path: &Path, problem: ModelError) -> Self {
+        CliError::file(path, problem)
+    }
+
+    /// A file that is valid but not suitable here.
+    pub fn unsuitable(path: &Path, reason: impl std::fmt::Display) -> Self {
+        CliError::Unsuitable {
+            path: path.to_path_buf(),
+            reason: reason.to_string(),
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Progress of a solver on a terminal, and its cancellation by Ctrl-C.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use synth::solve::{Observer, Progress};
+
+/// A spinner on standard error when that is a terminal, nothing otherwise.
+pub struct SolverProgress {
+    bar: ProgressBar,
+    interrupted: Arc<AtomicBool>,
+}
+
+/// Set by Ctrl-C, for the whole process: a signal handler can be installed once only.
+static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+fn interrupted() -> Arc<AtomicBool> {
+    let install = || {
+        let flag = Arc::new(AtomicBool::new(false));
+        let seen = Arc::clone(&flag);
+        // Without a handler Ctrl-C ends the process at once, which is safe too.
+        let _ = ctrlc::set_handler(move || seen.store(true, Ordering::Relaxed));
+        flag
+    };
+    Arc::clone(INTERRUPTED.get_or_init(install))
+}
+
+impl SolverProgress {
+    /// Starts showing.
+    pub fn start(what: &str) -> Self {
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_string());
+        bar.enable_steady_tick(Duration::from_millis(100));
+        SolverProgress {
+            bar,
+            interrupted: interrupted(),
+        }
+    }
+
+    /// To be called by a solver between iterations.
+    pub fn observer(&self) -> Observer {
+        let bar = self.bar.clone();
+        let interrupted = Arc::clone(&self.interrupted);
+        Arc::new(move |progress: &Progress| {
+            bar.set_message(format!(
+                "iteration {}, objective {:.6e}, gap {:.1e}",
+                progress.iteration, progress.objective, progress.relative_gap
+            ));
+            !interrupted.load(Ordering::Relaxed)
+        })
+    }
+}
+
+impl Drop for SolverProgress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,37 @@
+//! `steadfast schema KIND`
+
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use schemars::schema_for;
+use synth::design::DesignFile;
+use synth::model::ModelFile;
+
+use super::{print, CliError};
+
+/// Arguments of `schema`.
+#[derive(clap::Args)]
+pub struct SchemaArgs {
+    /// Kind of file
+    kind: KindArg,
+}
+
+/// Kinds of files.
+#[derive(Clone, Copy, ValueEnum)]
+enum KindArg {
+    /// What an engineer writes
+    Model,
+    /// What synthesize writes
+    Design,
+}
+
+/// Prints the JSON Schema (draft 2020-12) of a kind of file.
+pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
+    let schema = match args.kind {
+        KindArg::Model => schema_for!(ModelFile),
+        KindArg::Design => schema_for!(DesignFile),
+    };
+    // A schema is a JSON value already.
+    print(&serde_json::to_string_pretty(&schema).unwrap_or_default());
+    Ok(ExitCode::SUCCESS)
+}

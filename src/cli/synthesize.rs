@@ -1,0 +1,184 @@
+//! `steadfast synthesize MODEL.json`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use serde_json::{json, Value};
+use synth::model::Model;
+use synth::solve::Clarabel;
+use synth::synthesis::{self, Failure, Outcome, SynthesisError, Synthesized};
+
+use super::progress::SolverProgress;
+use super::verify::{certified_angle_deg, describe, exit_code};
+use super::{files, print, CliError, EXIT_NO, EXIT_SOLVER};
+
+/// Arguments of `synthesize`.
+#[derive(clap::Args)]
+pub struct SynthesizeArgs {
+    /// Model file
+    model: PathBuf,
+    /// Design file to write
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// What to optimise, in place of the model's own objective
+    #[arg(long)]
+    objective: Option<ObjectiveArg>,
+    /// Form of the decrease condition
+    #[arg(long, default_value = "reduced")]
+    form: FormArg,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// What to optimise.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum ObjectiveArg {
+    /// The smallest L-infinity gain bound
+    Gain,
+}
+
+/// Form of the decrease condition.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormArg {
+    /// Small cones, exactly equivalent
+    Reduced,
+    /// Large cones, as published
+    Full,
+}
+
+impl From<FormArg> for synthesis::Form {
+    fn from(form: FormArg) -> Self {
+        match form {
+            FormArg::Reduced => synthesis::Form::Reduced,
+            FormArg::Full => synthesis::Form::Full,
+        }
+    }
+}
+
+/// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
+pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
+    let (text, mut model) = files::model(&args.model)?;
+    if let Some(ObjectiveArg::Gain) = args.objective {
+        model.file.specs.objective = synth::model::Objective::Gain;
+    }
+    if let Some(output) = &args.output {
+        files::check_folder(output)?;
+    }
+    match solve(args, &model, &text)? {
+        Outcome::Solved(design) => finish(args, &model, *design),
+        Outcome::Infeasible(failure) => {
+            tell_failure(args, &failure, "infeasible");
+            Ok(ExitCode::from(EXIT_NO))
+        }
+        Outcome::SolverFailed(failure) => {
+            tell_failure(args, &failure, "failed");
+            Ok(ExitCode::from(EXIT_SOLVER))
+        }
+    }
+}
+
+fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
+    let progress = SolverProgress::start("assembling the conditions");
+    let observer = Some(progress.observer());
+    let backend = Clarabel::default();
+    match synthesis::synthesize(model, text, args.form.into(), &backend, observer) {
+        Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
+        other => Ok(other?),
+    }
+}
+
+fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<ExitCode, CliError> {
+    let mut report = design.report.clone();
+    if let Some(path) = &args.output {
+        files::write(path, &design.file.to_json())?;
+        // What counts is what a reader of the file gets.
+        let (file, model) = files::design(path)?;
+        report = file.verify(&model).map_err(|problem| CliError::value(path, problem))?;
+    }
+    let part = &design.file.certificate;
+    let vertices = model.task().system.vertices.len();
+    let angle = certified_angle_deg(part.certified_vector_part);
+    if args.json {
+        print(
+            &json!({
+                "status": "solved",
+                "verdict": report.verdict,
+                "gamma": part.gamma,
+                "guaranteed_gain": part.guaranteed_gain,
+                "xi": part.xi,
+                "form": design.file.provenance.form,
+                "vertices": vertices,
+                "solve_seconds": design.solve_seconds,
+                "certified_angle_deg": angle,
+                "worst": report.worst(),
+                "conditions": report.conditions,
+                "not_covered": report.not_covered,
+                "solver_runs": design.file.provenance.solver_runs,
+            })
+            .to_string(),
+        );
+        return Ok(exit_code(report.verdict));
+    }
+    print(&format!("model: {} ({vertices} vertices)", design.file.name));
+    for run in &design.file.provenance.solver_runs {
+        print(&format!(
+            "solver: {}, {}: {} after {} iterations, {:.2} s (its own opinion)",
+            run.solver, run.goal, run.status, run.iterations, run.seconds
+        ));
+    }
+    print(&format!("gamma: {:.6}", part.gamma));
+    print(&format!("guaranteed gain: {:.6} (sup|y| / sup|tau| from rest)", part.guaranteed_gain));
+    if let Some(angle) = angle {
+        print(&format!("certified set: every attitude at rest up to {angle:.3} deg"));
+    }
+    print(&describe(&report));
+    match &args.output {
+        Some(path) => print(&format!("written: {}", path.display())),
+        None => print("nothing written; give -o DESIGN.json to keep the design"),
+    }
+    Ok(exit_code(report.verdict))
+}
+
+fn tell_failure(args: &SynthesizeArgs, failure: &Failure, status: &str) {
+    let blocking: Vec<Value> = failure
+        .blocking
+        .iter()
+        .map(|(name, share)| json!({ "name": name, "share": share }))
+        .collect();
+    if args.json {
+        print(
+            &json!({
+                "status": status,
+                "verdict": "not_proved",
+                "form": synthesis::Form::from(args.form).name(),
+                "slack": failure.slack,
+                "blocking": blocking,
+                "solve_seconds": failure.solve_seconds,
+                "solver_runs": failure.runs,
+            })
+            .to_string(),
+        );
+        return;
+    }
+    print(&headline(&args.model, status));
+    match failure.slack {
+        Some(slack) => print(&format!(
+            "smallest slack t with which every condition holds: {slack:.4e} (scaled units; above 0: they cannot hold)"
+        )),
+        None => print("the smallest slack could not be computed either"),
+    }
+    print("conditions that block (share of the dual solution):");
+    for (name, share) in failure.blocking.iter().take(12) {
+        print(&format!("  {:5.1} %  {name}", 100.0 * share));
+    }
+    print("nothing written");
+}
+
+fn headline(model: &Path, status: &str) -> String {
+    match status {
+        "infeasible" => format!("{}: no design exists, says the solver (not proved)", model.display()),
+        _ => format!("{}: the solver failed numerically", model.display()),
+    }
+}

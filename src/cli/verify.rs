@@ -1,0 +1,87 @@
+//! `steadfast verify DESIGN.json`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use serde_json::json;
+use synth::certify::{ConditionMargin, Report, Verdict};
+
+use super::{files, print, CliError, EXIT_NO};
+
+/// Arguments of `verify`.
+#[derive(clap::Args)]
+pub struct VerifyArgs {
+    /// Design file
+    design: PathBuf,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Proves a design from its file alone. 0: proved; 2: not proved.
+pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
+    let (design, model) = files::design(&args.design)?;
+    let report = design
+        .verify(&model)
+        .map_err(|problem| CliError::value(&args.design, problem))?;
+    if args.json {
+        let worst = report.worst();
+        print(
+            &json!({
+                "verdict": report.verdict,
+                "worst": worst,
+                "gamma": design.certificate.gamma,
+                "guaranteed_gain": design.certificate.guaranteed_gain,
+                "xi": design.certificate.xi,
+                "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
+                "conditions": report.conditions,
+                "not_covered": report.not_covered,
+            })
+            .to_string(),
+        );
+    } else {
+        print(&format!("design: {} ({})", design.name, args.design.display()));
+        print(&describe(&report));
+        print(&format!("gamma: {}", design.certificate.gamma));
+    }
+    Ok(exit_code(report.verdict))
+}
+
+/// 0 for proved, 2 for not proved.
+pub fn exit_code(verdict: Verdict) -> ExitCode {
+    match verdict {
+        Verdict::Proved => ExitCode::SUCCESS,
+        Verdict::NotProved => ExitCode::from(EXIT_NO),
+    }
+}
+
+/// Angle of the largest rotation at rest that is in the certified set, about any axis.
+pub fn certified_angle_deg(vector_part: Option<f64>) -> Option<f64> {
+    vector_part.map(|radius| (2.0 * radius.clamp(0.0, 1.0).asin()).to_degrees())
+}
+
+/// The verdict in words.
+pub fn describe(report: &Report) -> String {
+    let mut out = String::new();
+    match report.verdict {
+        Verdict::Proved => out.push_str("verdict: PROVED\n"),
+        Verdict::NotProved => out.push_str("verdict: NOT PROVED\n"),
+    }
+    if let Some(worst) = report.worst() {
+        out.push_str(&format!("worst condition: {}\n", describe_margin(worst)));
+    }
+    let failed = report.conditions.iter().filter(|condition| condition.margin <= 0.0);
+    for condition in failed {
+        out.push_str(&format!("  not proved: {}\n", describe_margin(condition)));
+    }
+    out.push_str(&format!("{} conditions checked\n", report.conditions.len()));
+    out.push_str("the proof assumes:");
+    for item in &report.not_covered {
+        out.push_str(&format!("\n  - {item}"));
+    }
+    out
+}
+
+fn describe_margin(condition: &ConditionMargin) -> String {
+    format!("{}, margin {:.3e}", condition.name, condition.margin)
+}
