@@ -32,6 +32,14 @@ pub enum CliError {
 }
 
 impl CliError {
+    /// Exit status: 3 when the solver's point cannot be used, 1 otherwise.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            CliError::Synthesis(synth::synthesis::SynthesisError::Invalid(_)) => super::EXIT_SOLVER,
+            _ => 1,
+        }
+    }
+
     /// A problem with a file.
     pub fn file(path: &Path, problem: impl Into<FileError>) -> Self {
         CliError::File {

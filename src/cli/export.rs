@@ -38,7 +38,7 @@ enum FormatArg {
 /// Writes the semidefinite program of a model or of a design's model.
 pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
-        files::check_folder(output)?;
+        files::check_output(output, &args.file)?;
     }
     let (model, units, own_form) = source(args)?;
     let form = args.form.map_or(own_form, Form::from);

@@ -23,8 +23,8 @@ pub fn design(path: &Path) -> Result<(DesignFile, Model), CliError> {
     read().map_err(|problem| CliError::file(path, problem))
 }
 
-/// Refuses an output path whose folder does not exist, before any long work.
-pub fn check_folder(path: &Path) -> Result<(), CliError> {
+/// Refuses an output path that cannot be written or that is the input, before any long work.
+pub fn check_output(path: &Path, input: &Path) -> Result<(), CliError> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -32,10 +32,17 @@ pub fn check_folder(path: &Path) -> Result<(), CliError> {
     if path.is_dir() {
         return Err(CliError::unsuitable(path, "this is a folder; a file name is needed"));
     }
-    if folder.is_dir() {
-        return Ok(());
+    if !folder.is_dir() {
+        return Err(CliError::unsuitable(path, "cannot be written: its folder does not exist"));
     }
-    Err(CliError::unsuitable(path, "cannot be written: its folder does not exist"))
+    if path.exists() && !path.is_file() {
+        return Err(CliError::unsuitable(path, "cannot be written: it is not an ordinary file"));
+    }
+    let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+    if same(path, input) == Some(true) {
+        return Err(CliError::unsuitable(path, "this is the input; it would be overwritten"));
+    }
+    Ok(())
 }
 
 /// Writes a result file whole or not at all.

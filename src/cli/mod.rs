@@ -5,13 +5,16 @@ mod error;
 mod export;
 mod files;
 mod progress;
+mod report;
 mod schema;
+mod simulate;
 mod synthesize;
 mod verify;
 
 pub use error::CliError;
 
 use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -38,6 +41,10 @@ enum Verb {
     Synthesize(synthesize::SynthesizeArgs),
     /// Prove a design file from its numbers alone
     Verify(verify::VerifyArgs),
+    /// Run a scenario: a controller on the real plant
+    Simulate(simulate::SimulateArgs),
+    /// Build the report page of a run again from its files
+    Report(report::ReportArgs),
     /// Read a model, design or scenario file and say whether it is valid
     Check(check::CheckArgs),
     /// Print the JSON Schema of a kind of file
@@ -60,18 +67,39 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let outcome = match &cli.verb {
         Verb::Synthesize(args) => synthesize::run(args),
         Verb::Verify(args) => verify::run(args),
+        Verb::Simulate(args) => simulate::run(args),
+        Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),
         Verb::Export(args) => export::run(args),
     };
     outcome.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
-        ExitCode::from(1)
+        complain(&error.to_string());
+        ExitCode::from(error.exit_status())
     })
 }
 
-/// Prints to standard output; a closed pipe is not an error worth a panic.
+/// Prints to standard output. A reader that closed its end has seen enough; any other failure, such as
+/// a full disk, ends the program, because what it was asked for is not there.
 fn print(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{text}");
+    let mut out = std::io::stdout().lock();
+    let printed = writeln!(out, "{text}").and_then(|()| out.flush());
+    if let Err(error) = printed {
+        if error.kind() != std::io::ErrorKind::BrokenPipe {
+            complain(&format!("standard output cannot be written: {error}"));
+            std::process::exit(1);
+        }
+    }
+}
+
+/// Prints one error line; names from files and paths cannot break it.
+fn complain(text: &str) {
+    let shown = |c: char| -> String {
+        match c.is_control() {
+            true => c.escape_default().collect(),
+            false => c.to_string(),
+        }
+    };
+    let line: String = text.chars().map(shown).collect();
+    let _ = writeln!(std::io::stderr(), "error: {line}");
 }

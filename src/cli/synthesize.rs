@@ -5,8 +5,9 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use serde_json::{json, Value};
+use synth::certify::Verdict;
 use synth::model::Model;
-use synth::solve::Clarabel;
+use synth::solve::{Clarabel, SolveError};
 use synth::synthesis::{self, Failure, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
@@ -64,16 +65,16 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         model.file.specs.objective = synth::model::Objective::Gain;
     }
     if let Some(output) = &args.output {
-        files::check_folder(output)?;
+        files::check_output(output, &args.model)?;
     }
     match solve(args, &model, &text)? {
         Outcome::Solved(design) => finish(args, &model, *design),
         Outcome::Infeasible(failure) => {
-            tell_failure(args, &failure, "infeasible");
+            tell_failure(args, &model, &failure, "infeasible");
             Ok(ExitCode::from(EXIT_NO))
         }
         Outcome::SolverFailed(failure) => {
-            tell_failure(args, &failure, "failed");
+            tell_failure(args, &model, &failure, "failed");
             Ok(ExitCode::from(EXIT_SOLVER))
         }
     }
@@ -85,13 +86,19 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
     let backend = Clarabel::default();
     match synthesis::synthesize(model, text, args.form.into(), &backend, observer) {
         Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
+        // The numbers overflow on the way from the model to the solver.
+        Err(SynthesisError::Solve(problem @ SolveError::NotFinite { .. })) => {
+            let reason = format!("{problem}; the model's numbers are too far apart");
+            Err(CliError::unsuitable(&args.model, reason))
+        }
         other => Ok(other?),
     }
 }
 
 fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<ExitCode, CliError> {
     let mut report = design.report.clone();
-    if let Some(path) = &args.output {
+    let kept = args.output.as_ref().filter(|_| report.verdict == Verdict::Proved);
+    if let Some(path) = kept {
         files::write(path, &design.file.to_json())?;
         // What counts is what a reader of the file gets.
         let (file, model) = files::design(path)?;
@@ -124,8 +131,8 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
     print(&format!("model: {} ({vertices} vertices)", design.file.name));
     for run in &design.file.provenance.solver_runs {
         print(&format!(
-            "solver: {}, {}: {} after {} iterations, {:.2} s (its own opinion)",
-            run.solver, run.goal, run.status, run.iterations, run.seconds
+            "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
+            run.solver, run.goal, run.vertices, run.status, run.iterations, run.seconds
         ));
     }
     print(&format!("gamma: {:.6}", part.gamma));
@@ -134,14 +141,15 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
         print(&format!("certified set: every attitude at rest up to {angle:.3} deg"));
     }
     print(&describe(&report));
-    match &args.output {
-        Some(path) => print(&format!("written: {}", path.display())),
-        None => print("nothing written; give -o DESIGN.json to keep the design"),
+    match (kept, report.verdict) {
+        (Some(path), _) => print(&format!("written: {}", path.display())),
+        (None, Verdict::NotProved) => print("nothing written"),
+        (None, Verdict::Proved) => print("nothing written; give -o DESIGN.json to keep the design"),
     }
     Ok(exit_code(report.verdict))
 }
 
-fn tell_failure(args: &SynthesizeArgs, failure: &Failure, status: &str) {
+fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status: &str) {
     let blocking: Vec<Value> = failure
         .blocking
         .iter()
@@ -152,7 +160,13 @@ fn tell_failure(args: &SynthesizeArgs, failure: &Failure, status: &str) {
             &json!({
                 "status": status,
                 "verdict": "not_proved",
+                "gamma": null,
+                "guaranteed_gain": null,
+                "xi": null,
                 "form": synthesis::Form::from(args.form).name(),
+                "vertices": model.task().system.vertices.len(),
+                "conditions": [],
+                "certified_angle_deg": null,
                 "slack": failure.slack,
                 "blocking": blocking,
                 "solve_seconds": failure.solve_seconds,

@@ -70,7 +70,7 @@ pub fn describe(report: &Report) -> String {
     if let Some(worst) = report.worst() {
         out.push_str(&format!("worst condition: {}\n", describe_margin(worst)));
     }
-    let failed = report.conditions.iter().filter(|condition| condition.margin <= 0.0);
+    let failed = report.conditions.iter().filter(|condition| condition.margin < 0.0);
     for condition in failed {
         out.push_str(&format!("  not proved: {}\n", describe_margin(condition)));
     }

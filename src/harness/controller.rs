@@ -101,7 +101,7 @@ impl<const N: usize, const M: usize> XuState<N, M> {
             gains: [*gain],
             membership: runtime::membership::ConstantGain,
             trigger_weight: *weight,
-            threshold_update: super::fit::threshold_update(&design.model.specs),
+            threshold_update: super::design::threshold_update(&design.model.specs),
             torque_limit: *limit,
             longest_interval_s: Some(design.model.specs.hbar_s),
         })?;

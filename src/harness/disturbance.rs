@@ -71,6 +71,24 @@ impl<const D: usize> Disturbance<D> {
         value
     }
 
+    /// The same disturbance with more or fewer components; what is new is zero.
+    pub fn resized<const E: usize>(&self) -> Disturbance<E> {
+        let resize = |value: &SVector<f64, D>| super::padding::vector(value.as_slice());
+        let harmonics = self.harmonics.iter().map(|harmonic| Harmonic {
+            frequency_rad_s: harmonic.frequency_rad_s,
+            sine: resize(&harmonic.sine),
+            cosine: resize(&harmonic.cosine),
+        });
+        Disturbance {
+            bias: resize(&self.bias),
+            harmonics: harmonics.collect(),
+            table: self.table.as_ref().map(|table| Table {
+                times_s: table.times_s.clone(),
+                values: table.values.iter().map(resize).collect(),
+            }),
+        }
+    }
+
     /// Times at which the slope jumps.
     pub fn kinks_s(&self) -> &[f64] {
         self.table.as_ref().map_or(&[], |table| &table.times_s)

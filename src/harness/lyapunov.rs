@@ -26,9 +26,6 @@ pub struct Claims<const N: usize> {
     pub vector_part_bound: Option<f64>,
     /// C, padded.
     pub output: SMatrix<f64, N, N>,
-    /// True when the bound is proved for this run, so that breaking it means that the proof or the
-    /// program is wrong.
-    pub enforced: bool,
 }
 
 impl<const N: usize> Claims<N> {
@@ -205,7 +202,6 @@ mod tests {
             bounds: vec![(Vector2::new(1.0, 0.0), 0.4)],
             vector_part_bound: None,
             output: Matrix2::identity(),
-            enforced: true,
         }
     }
 

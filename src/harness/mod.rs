@@ -1,1 +1,29 @@
-//! The validation harness.
+//! The validation harness: runs a controller on a plant and judges the run.
+//!
+//! A [`scenario`] names everything; [`simulation::simulate`] turns it into a
+//! [`closed loop`](closed_loop) of a [`plant`], a [`sensor`], a [`controller`] and its [`actuator`]s,
+//! runs it and returns the [`summary`], the trajectory and, for a proved [`design`], whether its
+//! claims held.
+
+pub mod actuator;
+pub mod closed_loop;
+pub mod controller;
+pub mod design;
+pub mod disturbance;
+pub mod effort;
+pub mod events;
+pub mod integrator;
+pub mod lyapunov;
+pub mod output;
+pub mod padding;
+pub mod plant;
+pub mod pointing;
+pub mod random;
+pub mod recorder;
+pub mod reference;
+pub mod report;
+pub mod sampling;
+pub mod scenario;
+pub mod sensor;
+pub mod simulation;
+pub mod summary;

@@ -61,6 +61,7 @@ pub fn body_rate(state: &RigidBodyState) -> Vector3<f64> {
 }
 
 impl Plant<7, 3, 3> for RigidBody {
+    /// Written out in components: this is the innermost loop of every run.
     #[inline(always)]
     fn derivative(
         &self,
@@ -69,18 +70,22 @@ impl Plant<7, 3, 3> for RigidBody {
         input: &Vector3<f64>,
         disturbance: &Vector3<f64>,
     ) -> RigidBodyState {
-        let rate = body_rate(state);
-        let torque = input + disturbance - rate.cross(&(self.inertia * rate));
-        let acceleration = self.inverse * torque;
-        let turn = attitude(state).derivative(&rate);
+        let [[w1, w2, w3, q0, q1, q2, q3]] = state.data.0;
+        let [h1, h2, h3] = product(&self.inertia, [w1, w2, w3]);
+        let torque = [
+            input.x + disturbance.x - (w2 * h3 - w3 * h2),
+            input.y + disturbance.y - (w3 * h1 - w1 * h3),
+            input.z + disturbance.z - (w1 * h2 - w2 * h1),
+        ];
+        let [a1, a2, a3] = product(&self.inverse, torque);
         RigidBodyState::from([
-            acceleration.x,
-            acceleration.y,
-            acceleration.z,
-            turn.scalar,
-            turn.vector.x,
-            turn.vector.y,
-            turn.vector.z,
+            a1,
+            a2,
+            a3,
+            -0.5 * (q1 * w1 + q2 * w2 + q3 * w3),
+            0.5 * (q0 * w1 + (q2 * w3 - q3 * w2)),
+            0.5 * (q0 * w2 + (q3 * w1 - q1 * w3)),
+            0.5 * (q0 * w3 + (q1 * w2 - q2 * w1)),
         ])
     }
 
@@ -94,6 +99,12 @@ impl Plant<7, 3, 3> for RigidBody {
             state[component] *= scale;
         }
     }
+}
+
+#[inline(always)]
+fn product(matrix: &Matrix3<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let [c1, c2, c3] = &matrix.data.0;
+    std::array::from_fn(|row| c1[row] * x + c2[row] * y + c3[row] * z)
 }
 
 /// How the vertex systems of a Takagi-Sugeno plant are weighted in time.
@@ -163,4 +174,46 @@ impl<const N: usize, const M: usize> Plant<N, M, N> for TakagiSugenoPlant<N, M> 
     }
 
     fn project(&self, _state: &mut SVector<f64, N>) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_written_out_equations_are_those_of_the_attitude_algebra() {
+        let inertia = Matrix3::new(350.0, 3.0, 4.0, 3.0, 270.0, 10.0, 4.0, 10.0, 190.0);
+        let body = RigidBody::new(inertia).unwrap();
+        let attitude = Quaternion::from_euler_321(0.4, -0.3, 1.2);
+        let rate = Vector3::new(0.3, -0.5, 0.7);
+        let (input, disturbance) = (Vector3::new(1.0, 2.0, -3.0), Vector3::new(0.1, 0.0, 0.2));
+        let state = rigid_body_state(&attitude, &rate);
+        let slope = body.derivative(0.0, &state, &input, &disturbance);
+        let acceleration = inertia.try_inverse().unwrap()
+            * (input + disturbance - rate.cross(&(inertia * rate)));
+        let turn = attitude.derivative(&rate);
+        let expected = rigid_body_state(&turn, &acceleration);
+        assert!((slope - expected).amax() < 1e-15);
+    }
+
+    #[test]
+    fn a_cycle_visits_each_vertex_and_comes_back() {
+        let vertex = |rate: f64| nalgebra::DMatrix::from_element(1, 1, rate);
+        let system = synth::fuzzy::VertexSystem {
+            state_matrices: vec![vertex(1.0), vertex(2.0), vertex(4.0)],
+            input_matrix: vertex(1.0),
+            disturbance_matrix: vertex(1.0),
+            output_matrix: vertex(1.0),
+            input_limit: nalgebra::DVector::from_element(1, 1.0),
+            disturbance_bound: 0.0,
+            box_rows: nalgebra::DMatrix::zeros(0, 1),
+            box_bounds: nalgebra::DVector::zeros(0),
+        };
+        let plant = TakagiSugenoPlant::<2, 1>::new(&system, Mixing::Cycle { dwell_s: 10.0 });
+        let one = SVector::from([1.0, 0.0]);
+        let cases = [(0.0, 1.0), (5.0, 1.5), (10.0, 2.0), (20.0, 4.0), (25.0, 2.5), (30.0, 1.0)];
+        for (time, slope) in cases {
+            assert!((plant.drift(time, &one).x - slope).abs() < 1e-12, "at {time} s");
+        }
+    }
 }

@@ -42,7 +42,7 @@ fn main() {
         println!("unknowns {} cones {} assemble {:?}", low.cost.len(), low.cones.len(), t.elapsed());
         if let Some(i)=args.iter().position(|a| a=="sdpa"){ std::fs::write(&args[i+1], low.to_sdpa("probe")).unwrap(); return; }
         let t = Instant::now();
-        let mut s = backend.solve(&low, goal.accuracy(), None).unwrap(); if _i==0 { s.objective /= k; }
+        let mut s = backend.solve(&low, goal.accuracy(&scaled), None).unwrap(); if _i==0 { s.objective /= k; }
         println!("{} obj {} it {} {:?}", s.status_text, s.objective, s.iterations, t.elapsed());
         goal = Goal::LargestMargin { gain_bound: s.objective * 1.001 };
         let q = a.design.multiplier.value(&s.values);

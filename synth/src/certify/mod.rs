@@ -34,8 +34,8 @@ pub enum Verdict {
 pub struct ConditionMargin {
     /// Name of the condition.
     pub name: String,
-    /// Smallest eigenvalue after scaling the diagonal to about 1: a proved lower bound when
-    /// positive, an estimate otherwise.
+    /// Smallest eigenvalue after scaling the diagonal to about 1: a proved lower bound when the
+    /// condition is proved (0 or above), an estimate below 0 when it is not.
     pub margin: f64,
 }
 
@@ -83,8 +83,8 @@ fn judge(statement: &Statement<Interval>) -> (bool, f64) {
     let symmetric = IntervalMatrix::from_upper(matrix.nrows(), |r, c| *matrix.at(r, c));
     match prove_positive_definite(&symmetric) {
         Ok(margin) => (true, margin.proved),
-        // "Not proved" must never look positive.
-        Err(reason) => (false, reason.estimate.min(0.0).max(f64::MIN)),
+        // "Not proved" must never look proved, whatever the estimate says.
+        Err(reason) => (false, reason.estimate.clamp(f64::MIN, -f64::MIN_POSITIVE)),
     }
 }
 

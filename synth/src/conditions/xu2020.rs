@@ -10,7 +10,9 @@ mod peak_gain;
 mod region;
 mod start;
 
-pub use decrease::{condition_name, decrease, decrease_form, full_condition, Coordinates, Interval};
+pub use decrease::{
+    condition_name, decrease, decrease_form, full_condition, vertex_term, Coordinates, Interval,
+};
 
 use nalgebra::DMatrix;
 
@@ -71,13 +73,14 @@ pub struct DesignUnknowns {
     pub sector: Option<SectorUnknowns>,
     /// xi: the weight of the disturbance.
     pub disturbance_weight: Affine,
-    /// gamma: the bound on the L-infinity gain.
+    /// gamma: the bound on the L-infinity gain, in SI units whatever those of the task.
     pub gain_bound: Affine,
 }
 
 impl DesignUnknowns {
-    /// Creates the unknowns for a model with the given numbers of states and inputs.
-    pub fn new(unknowns: &mut Unknowns, states: usize, inputs: usize, sector: Sector) -> Self {
+    /// Creates the unknowns for a task.
+    pub fn new(unknowns: &mut Unknowns, task: &Task, sector: Sector) -> Self {
+        let (states, inputs) = (task.system.states(), task.system.inputs());
         DesignUnknowns {
             lyapunov: unknowns.symmetric("Uh", states),
             integral_weight: unknowns.symmetric("Yh", states),
@@ -94,7 +97,7 @@ impl DesignUnknowns {
                 }),
             },
             disturbance_weight: unknowns.scalar("xi"),
-            gain_bound: unknowns.scalar("gamma"),
+            gain_bound: task.disturbance_weight_unit * unknowns.scalar("gamma"),
         }
     }
 }

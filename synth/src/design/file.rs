@@ -122,6 +122,8 @@ pub struct ProblemUnits {
 pub struct SolverRun {
     /// What was sought.
     pub goal: String,
+    /// Number of vertices whose decrease condition was given to the solver.
+    pub vertices: usize,
     /// Solver and version.
     pub solver: String,
     /// Its own status.

@@ -35,9 +35,9 @@ pub enum FileError {
         source: std::io::Error,
     },
     /// The file is larger than any sensible input.
-    #[error("the file has {bytes} bytes; at most {limit} bytes are read")]
+    #[error("the file has {bytes} bytes or more; at most {limit} bytes are read")]
     TooLarge {
-        /// Size of the file.
+        /// Size of the file, as far as it is known.
         bytes: u64,
         /// Largest size.
         limit: u64,
@@ -48,6 +48,9 @@ pub enum FileError {
         /// Where it stops being text.
         position: usize,
     },
+    /// The file starts with a byte order mark.
+    #[error("the file starts with a byte order mark; it must be UTF-8 text without one")]
+    ByteOrderMark,
     /// The file is not JSON.
     #[error("not JSON: {reason}")]
     NotJson {
@@ -79,7 +82,7 @@ pub enum FileError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ModelError {
     /// A number is outside its range.
-    #[error("field '{field}': the value {value} is not allowed; it must be {allowed}")]
+    #[error("field '{field}': the value {} is not allowed; it must be {allowed}", readable(*value))]
     OutOfRange {
         /// Path of the field.
         field: String,
@@ -125,6 +128,19 @@ pub enum ModelError {
         field: String,
         /// Its smallest eigenvalue.
         smallest: f64,
+    },
+    /// A text holds a character that it must not.
+    #[error(
+        "field '{field}': character {position} is the control character {character:?}; the text \
+         must be on one line and hold none"
+    )]
+    ControlCharacter {
+        /// Path of the field.
+        field: String,
+        /// Its position, from 1.
+        position: usize,
+        /// The character.
+        character: char,
     },
     /// The format version is unknown.
     #[error("field 'schema_version': the value {found} is not allowed; it must be {expected}")]
@@ -178,7 +194,26 @@ impl ModelError {
                     smallest,
                 }
             }
+            ModelError::ControlCharacter {
+                field,
+                position,
+                character,
+            } => ModelError::ControlCharacter {
+                field: nested(field),
+                position,
+                character,
+            },
             ModelError::SchemaVersion { .. } => self,
         }
+    }
+}
+
+/// A number in few characters that reads back as the same number.
+fn readable(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || (1e-4..1e9).contains(&magnitude) || !value.is_finite() {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }

@@ -1,6 +1,7 @@
 //! Model files: what an engineer writes.
 
 mod error;
+mod explain;
 mod file;
 mod read;
 mod validate;

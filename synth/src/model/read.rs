@@ -1,15 +1,17 @@
 //! Reading and writing files safely.
 
 use std::fs;
-use std::io::Write;
-use std::path::Path;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
+use serde::Serialize;
 
+use super::explain::{explain, list_for_object};
 use super::{FileError, Kind};
 
 /// The largest file that is read [bytes].
-pub const MAX_FILE_BYTES: u64 = 64 << 20;
+pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
 /// Reads a whole text file of at most [`MAX_FILE_BYTES`].
 pub fn read_text(path: &Path) -> Result<String, FileError> {
@@ -17,29 +19,37 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         action: "cannot be read",
         source,
     };
-    let information = fs::metadata(path).map_err(failed)?;
+    let file = fs::File::open(path).map_err(failed)?;
+    let information = file.metadata().map_err(failed)?;
     if information.is_dir() {
         return Err(failed(std::io::ErrorKind::IsADirectory.into()));
     }
+    let too_large = |bytes| FileError::TooLarge {
+        bytes,
+        limit: MAX_FILE_BYTES,
+    };
     if information.len() > MAX_FILE_BYTES {
-        return Err(FileError::TooLarge {
-            bytes: information.len(),
-            limit: MAX_FILE_BYTES,
-        });
+        return Err(too_large(information.len()));
     }
-    let bytes = fs::read(path).map_err(failed)?;
+    // A pipe or a device does not say its length.
+    let mut bytes = Vec::new();
+    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(too_large(MAX_FILE_BYTES + 1));
+    }
     String::from_utf8(bytes).map_err(|error| FileError::NotText {
         position: error.utf8_error().valid_up_to(),
     })
 }
 
 /// Writes a file under a temporary name beside it and renames it, so that it is either the old one
-/// or the complete new one.
+/// or the complete new one. A link is followed; devices and pipes are refused.
 pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), FileError> {
     let failed = |source| FileError::Io {
         action: "cannot be written",
         source,
     };
+    let path = ordinary_file(path).map_err(failed)?;
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -48,7 +58,7 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), FileError> {
     file.write_all(contents).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
     make_readable(file.path()).map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
+    file.persist(&path).map_err(|error| failed(error.error))?;
     Ok(())
 }
 
@@ -64,42 +74,42 @@ fn make_readable(_path: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
+/// The file that a path stands for: itself, or where its link leads. Renaming over a device such as
+/// `/dev/null` would replace it.
+fn ordinary_file(path: &Path) -> std::io::Result<PathBuf> {
+    let Ok(information) = fs::symlink_metadata(path) else {
+        return Ok(path.to_path_buf());
+    };
+    let target = match information.is_symlink() {
+        true => fs::canonicalize(path)?,
+        false => path.to_path_buf(),
+    };
+    if fs::metadata(&target)?.is_file() {
+        return Ok(target);
+    }
+    Err(std::io::Error::other("it is not an ordinary file"))
+}
+
 /// Parses JSON into `T`; errors name the field.
-pub fn parse<T: DeserializeOwned>(text: &str, expected: Kind) -> Result<T, FileError> {
+pub fn parse<T: DeserializeOwned + Serialize>(
+    text: &str,
+    expected: Kind,
+) -> Result<T, FileError> {
+    if text.starts_with('\u{feff}') {
+        return Err(FileError::ByteOrderMark);
+    }
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let parsed = serde_path_to_error::deserialize(&mut deserializer);
     let value: T = parsed.map_err(|error| explain(text, expected, error))?;
     deserializer.end().map_err(|error| FileError::NotJson {
         reason: error.to_string(),
     })?;
-    Ok(value)
-}
-
-fn explain(
-    text: &str,
-    expected: Kind,
-    error: serde_path_to_error::Error<serde_json::Error>,
-) -> FileError {
-    let field = error.path().to_string();
-    let inner = error.into_inner();
-    if let Some(found) = kind_of(text).filter(|found| *found != expected) {
-        return FileError::WrongKind { found, expected };
-    }
-    match (inner.classify(), field.as_str()) {
-        (serde_json::error::Category::Data, "." | "") => FileError::Field {
-            field: "(top level)".to_string(),
-            reason: inner.to_string(),
-        },
-        (serde_json::error::Category::Data, _) => FileError::Field {
+    match list_for_object(text, &value) {
+        Some(field) => Err(FileError::Field {
             field,
-            reason: inner.to_string(),
-        },
-        (_, "." | "") => FileError::NotJson {
-            reason: inner.to_string(),
-        },
-        _ => FileError::NotJson {
-            reason: format!("{inner}, in field '{field}' (numbers must be finite decimals)"),
-        },
+            reason: "found a list, expected an object with named fields".to_string(),
+        }),
+        None => Ok(value),
     }
 }
 

@@ -10,6 +10,8 @@ use crate::fuzzy::{ExactSpacecraft, VertexSystem};
 /// Limits that keep a mistyped file from filling the memory.
 const MAX_STATES: usize = 24;
 const MAX_VERTICES: usize = 4096;
+const MAX_COLUMNS: usize = 24;
+const MAX_BOUNDS: usize = 256;
 
 /// A checked model.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +36,7 @@ impl Model {
                 expected: MODEL_SCHEMA_VERSION,
             });
         }
+        check_line("name", &file.name)?;
         let plant = match &file.plant {
             PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
             PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
@@ -104,6 +107,29 @@ fn check_not_negative(field: &str, value: f64) -> Result<(), ModelError> {
     finite(field, value)
 }
 
+/// Refuses what would break the lines of a report.
+fn check_line(field: &str, text: &str) -> Result<(), ModelError> {
+    match text.chars().position(char::is_control) {
+        Some(position) => Err(ModelError::ControlCharacter {
+            field: field.to_string(),
+            position: position + 1,
+            character: text.chars().nth(position).unwrap_or_default(),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Result<(), ModelError> {
+    if count <= limit {
+        return Ok(());
+    }
+    Err(ModelError::WrongShape {
+        field: field.to_string(),
+        found: format!("{count} {what}"),
+        expected: format!("at most {limit} {what}"),
+    })
+}
+
 /// Rows of equal length, all finite, of the given size (`None`: any above 0).
 pub fn check_matrix(
     field: &str,
@@ -121,7 +147,7 @@ pub fn check_matrix(
     }
     if let Some(position) = rows.iter().position(|row| row.len() != columns) {
         let length = rows[position].len();
-        return Err(wrong(format!("{length} in row {}", position + 1)));
+        return Err(wrong(format!("{length} entries in row {}", position + 1)));
     }
     for (r, row) in rows.iter().enumerate() {
         for (c, &value) in row.iter().enumerate() {
@@ -218,6 +244,13 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
         }
         None => DMatrix::identity(states, states),
     };
+    for (field, count) in [
+        ("plant.vertices.input_matrix", input.ncols()),
+        ("plant.vertices.disturbance_matrix", disturbance.ncols()),
+    ] {
+        check_count(field, "columns", count, MAX_COLUMNS)?;
+    }
+    check_count("plant.vertices.output_matrix", "rows", output.nrows(), MAX_COLUMNS)?;
     if file.input_limit.len() != input.ncols() {
         let found = format!("{} entries", file.input_limit.len());
         return Err(wrong("input_limit", found, format!("{} entries", input.ncols())));
@@ -244,6 +277,7 @@ fn linear_bounds(
     states: usize,
 ) -> Result<(DMatrix<f64>, DVector<f64>), ModelError> {
     let count = file.region.len();
+    check_count("plant.vertices.box", "bounds", count, MAX_BOUNDS)?;
     let mut rows = DMatrix::zeros(count, states);
     let mut bounds = DVector::zeros(count);
     for (i, bound) in file.region.iter().enumerate() {
@@ -283,6 +317,7 @@ fn check_specs(specs: &Specs, states: usize) -> Result<(), ModelError> {
     check_positive("specs.xi_max", specs.xi_max)?;
     let margin = specs.margin;
     require(margin > 0.0 && margin <= 0.01, "specs.margin", margin, "in (0, 0.01]")?;
+    check_count("specs.must_contain", "states", specs.must_contain.len(), MAX_BOUNDS)?;
     for (i, state) in specs.must_contain.iter().enumerate() {
         let field = format!("specs.must_contain[{i}]");
         check_matrix(&field, std::slice::from_ref(state), (Some(1), Some(states)))?;

@@ -13,12 +13,13 @@ use crate::conditions::xu2020::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Condition, Unknowns};
 
-/// (18) for every vertex and both ends of the sampling interval, reduced.
+/// (18) for the chosen vertices and both ends of the sampling interval, reduced.
 pub fn decrease_conditions(
     task: &Task,
+    chosen: &[usize],
     unknowns: &mut Unknowns,
     design: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Vec<Condition> {
-    vertex_slack::conditions(task, unknowns, design, strictness)
+    vertex_slack::conditions(task, chosen, unknowns, design, strictness)
 }

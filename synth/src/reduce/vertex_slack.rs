@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::cliques::{self, Split};
 use crate::conditions::xu2020::{
-    decrease_form, Coordinates, DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT,
+    condition_name, decrease_form, Coordinates, DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
@@ -111,9 +111,10 @@ fn vertex_block(task: &Task, vertex: usize, design: &DesignUnknowns, slack: &Aff
     slack - &block.finish()
 }
 
-/// (18) for every vertex in `task.system.vertices` and both ends of the interval.
+/// (18) for the chosen vertices (indices into the model's) and both ends of the interval.
 pub fn conditions(
     task: &Task,
+    chosen: &[usize],
     unknowns: &mut Unknowns,
     design: &DesignUnknowns,
     strictness: &Strictness,
@@ -134,10 +135,9 @@ pub fn conditions(
         for (clique, part) in parts {
             out.push(Condition::semidefinite(format!("decrease r={r} clique {clique}"), part));
         }
-        for vertex in 0..task.system.vertices.len() {
+        for &vertex in chosen {
             let part = vertex_block(task, vertex, design, &slack);
-            let name = format!("decrease r={r} vertex {}", vertex + 1);
-            out.push(Condition::semidefinite(name, part));
+            out.push(Condition::semidefinite(condition_name(interval, vertex), part));
         }
     }
     out

@@ -42,9 +42,9 @@ pub enum Goal {
 impl Goal {
     /// When a solver may stop. The margin need not be the largest: any point well
     /// inside will do, and the check decides.
-    pub fn accuracy(self) -> Accuracy {
+    pub fn accuracy(self, task: &Task) -> Accuracy {
         let (relative_gap, objective_unit) = match self {
-            Goal::SmallestGain => (1e-8, GAIN_UNIT),
+            Goal::SmallestGain => (1e-8, GAIN_UNIT * task.disturbance_weight_unit),
             Goal::LargestMargin { .. } => (1e-2, 1.0),
             Goal::SmallestSlack => (1e-8, SLACK_UNIT),
         };
@@ -77,22 +77,26 @@ pub struct Assembled {
 /// of one and a solver's relative tolerance means something.
 pub const MARGIN_UNIT: f64 = 1e-4;
 
-/// Gains are resolved down to about this size [gain].
-const GAIN_UNIT: f64 = 0.015625;
+/// Gains are resolved down to about this size, in units of the scaled xi.
+const GAIN_UNIT: f64 = 0.25;
 
 /// Slacks are resolved down to about this size, in scaled units.
 const SLACK_UNIT: f64 = 1e-3;
 
-/// States Theorem 2 for a task in scaled units.
+/// States Theorem 2 for a task in scaled units, with (18) at every vertex.
 pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
+    let all: Vec<usize> = (0..task.system.vertices.len()).collect();
+    assemble_at(task, form, goal, &all)
+}
+
+/// States Theorem 2 with (18) at the chosen vertices only: a relaxation.
+pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Assembled {
     let mut unknowns = Unknowns::new();
-    let system = &task.system;
     let sector = match form {
         Form::Reduced => Sector::Unsaturated,
         Form::Full => Sector::Unknown,
     };
-    let (states, inputs) = (system.states(), system.inputs());
-    let mut design = DesignUnknowns::new(&mut unknowns, states, inputs, sector);
+    let mut design = DesignUnknowns::new(&mut unknowns, task, sector);
     let fixed = task.specification.margin;
     let (strictness, objective) = match goal {
         Goal::SmallestGain => (Strictness::fixed(fixed), design.gain_bound.clone()),
@@ -109,8 +113,10 @@ pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
     };
     let mut conditions = xu2020::side_conditions(task, &design, &strictness);
     conditions.extend(match form {
-        Form::Reduced => reduce::decrease_conditions(task, &mut unknowns, &design, &strictness),
-        Form::Full => full_decrease(task, &design, &strictness),
+        Form::Reduced => {
+            reduce::decrease_conditions(task, chosen, &mut unknowns, &design, &strictness)
+        }
+        Form::Full => full_decrease(task, chosen, &design, &strictness),
     });
     Assembled {
         problem: Problem {
@@ -122,10 +128,15 @@ pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
     }
 }
 
-fn full_decrease(task: &Task, design: &DesignUnknowns, strictness: &Strictness) -> Vec<Condition> {
+fn full_decrease(
+    task: &Task,
+    chosen: &[usize],
+    design: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
     let mut out = Vec::new();
     for interval in Interval::BOTH {
-        for vertex in 0..task.system.vertices.len() {
+        for &vertex in chosen {
             out.push(xu2020::full_condition(task, vertex, interval, design, strictness));
         }
     }

@@ -1,5 +1,6 @@
 //! Two solves and a check.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Instant;
@@ -8,13 +9,15 @@ use sha2::{Digest, Sha256};
 use time::format_description::well_known::Rfc3339;
 use time::OffsetDateTime;
 
-use super::{assemble, Assembled, Form, Goal};
+use super::active::{self, MANY_VERTICES};
+use super::{assemble_at, Assembled, Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
 use crate::design::{
     recover, CertificateFile, DesignFile, ProblemUnits, Provenance, RecoverError, SolverRun, VerdictFile,
     DESIGN_SCHEMA_VERSION,
 };
+use crate::lmi::svec_index;
 use crate::model::{Model, ModelError};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, SolveError, Status};
@@ -112,6 +115,8 @@ struct Run<'a> {
     backend: &'a dyn Backend,
     observer: Option<Observer>,
     runs: Vec<SolverRun>,
+    /// The vertices that mattered so far, where not all are used.
+    chosen: Vec<usize>,
 }
 
 /// Synthesizes a design for a model and checks it. `model_text` is the file's text (its hash goes
@@ -130,6 +135,7 @@ pub fn synthesize(
         backend,
         observer,
         runs: Vec::new(),
+        chosen: Vec::new(),
     };
     let mut unproved: Option<Box<Synthesized>> = None;
     let mut infeasible = 0;
@@ -151,8 +157,11 @@ pub fn synthesize(
                 }
                 Attempt::Designed(design) => unproved = Some(design),
                 Attempt::Infeasible => {
+                    // A second opinion in other units, then no more.
                     infeasible += 1;
-                    break;
+                    if infeasible > 1 {
+                        break;
+                    }
                 }
                 Attempt::Stuck => {}
             }
@@ -165,10 +174,11 @@ pub fn synthesize(
         return Ok(Outcome::Solved(design));
     }
     let failure = run.explain()?;
-    Ok(if infeasible > 0 || failure.slack.is_some_and(|slack| slack > 0.0) {
-        Outcome::Infeasible(failure)
-    } else {
-        Outcome::SolverFailed(failure)
+    Ok(match failure.slack {
+        Some(slack) if slack > 0.0 => Outcome::Infeasible(failure),
+        None if infeasible > 0 => Outcome::Infeasible(failure),
+        // The solver contradicts itself, or never got anywhere.
+        _ => Outcome::SolverFailed(failure),
     })
 }
 
@@ -206,8 +216,39 @@ impl Run<'_> {
         }
     }
 
+    /// Solves with all vertices, or, where there are many, with those that matter: vertices that the
+    /// solution violates are added until there are none, which makes the solution that of the whole.
     fn solve(&mut self, task: &Task, goal: Goal) -> Result<(Assembled, Solution), SynthesisError> {
-        let assembled = assemble(task, self.form, goal);
+        let all: Vec<usize> = (0..task.system.vertices.len()).collect();
+        if self.form == Form::Full || all.len() <= MANY_VERTICES {
+            return self.solve_at(task, goal, &all);
+        }
+        if self.chosen.is_empty() {
+            self.chosen = active::first_choice(&task.system.vertices);
+        }
+        loop {
+            let chosen = self.chosen.clone();
+            let (assembled, solution) = self.solve_at(task, goal, &chosen)?;
+            let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
+            let violated = match usable {
+                true => active::violated(task, goal, &assembled, &solution, &chosen),
+                // A relaxation that cannot be solved settles the whole.
+                false => Vec::new(),
+            };
+            if violated.is_empty() {
+                return Ok((assembled, solution));
+            }
+            self.chosen.extend(violated);
+        }
+    }
+
+    fn solve_at(
+        &mut self,
+        task: &Task,
+        goal: Goal,
+        chosen: &[usize],
+    ) -> Result<(Assembled, Solution), SynthesisError> {
+        let assembled = assemble_at(task, self.form, goal, chosen);
         let cancelled = Arc::new(AtomicBool::new(false));
         let observer = self.observer.clone().map(|observer| -> Observer {
             let cancelled = Arc::clone(&cancelled);
@@ -220,12 +261,13 @@ impl Run<'_> {
             })
         });
         let start = Instant::now();
-        let solution = self.backend.solve(&assembled.problem.lower(), goal.accuracy(), observer)?;
+        let solution = self.backend.solve(&assembled.problem.lower(), goal.accuracy(task), observer)?;
         if cancelled.load(Ordering::Relaxed) {
             return Err(Cancelled.into());
         }
         self.runs.push(SolverRun {
             goal: goal.name().to_string(),
+            vertices: chosen.len(),
             solver: self.backend.name(),
             status: solution.status_text.clone(),
             objective: finite_or_zero(solution.objective),
@@ -292,13 +334,21 @@ impl Run<'_> {
 }
 
 /// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
+/// The cliques of a reduced condition (18) count together, at all its vertices.
 fn blocking(assembled: &Assembled, solution: &Solution) -> Vec<(String, f64)> {
-    let conditions = assembled.problem.conditions.iter();
-    let traces = conditions.zip(&solution.duals).map(|(condition, dual)| {
-        let diagonal = (0..condition.side()).map(|k| dual[crate::lmi::svec_index(k, k)]);
-        (condition.name().to_string(), diagonal.sum::<f64>())
-    });
-    let mut shares: Vec<(String, f64)> = traces.filter(|(_, trace)| trace.is_finite()).collect();
+    let mut traces = BTreeMap::<String, f64>::new();
+    for (condition, dual) in assembled.problem.conditions.iter().zip(&solution.duals) {
+        let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
+        let trace: f64 = diagonal.sum();
+        let whole = match condition.name().split_once(" clique ") {
+            Some((whole, _)) => format!("{whole} all vertices"),
+            None => condition.name().to_string(),
+        };
+        if trace.is_finite() {
+            *traces.entry(whole).or_default() += trace;
+        }
+    }
+    let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
     let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
     shares.iter_mut().for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
     shares.retain(|(_, share)| *share >= 0.01);

@@ -133,6 +133,19 @@ pub fn full_condition(
     strictness.positive(condition_name(interval, index), -lhs)
 }
 
+/// The vertex term of (18), `2 v' A_i Qh' x` as a matrix on the rows x, x', x(t_k^l), for a numeric Qh:
+/// 3n x 3n. [`decrease`] at a vertex is [`decrease`] at A = 0 plus this.
+pub fn vertex_term(task: &Task, vertex: &DMatrix<f64>, multiplier: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = vertex.nrows();
+    let a_qt = vertex * multiplier.transpose();
+    let mut out = DMatrix::zeros(3 * n, 3 * n);
+    for (row, weight) in task.specification.multiplier_weights.iter().enumerate() {
+        let mut block = out.view_mut((row * n, 0), (n, n));
+        block.copy_from(&(*weight * &a_qt));
+    }
+    &out + out.transpose()
+}
+
 /// Name of (18) at one vertex, counted from 1 as in the paper.
 pub fn condition_name(interval: Interval, index: usize) -> String {
     format!("decrease r={} vertex {}", interval.index(), index + 1)

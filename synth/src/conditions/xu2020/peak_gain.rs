@@ -6,7 +6,8 @@ use super::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks};
 
-/// `[ phi Uh, Qh C' ; *, gamma I ] > 0`: y'y <= gamma phi x'Ux.
+/// `[ phi Uh, Qh C' ; *, gamma I ] > 0`: y'y <= gamma phi x'Ux. The second row is in units that make
+/// gamma comparable with the scaled xi.
 pub(super) fn peak_gain(
     task: &Task,
     unknowns: &DesignUnknowns,
@@ -16,13 +17,14 @@ pub(super) fn peak_gain(
     let outputs = output.nrows();
     let mut lhs = SymmetricBlocks::new(&[task.system.states(), outputs]);
     lhs.add(0, 0, &(task.specification.decay_rate * &unknowns.lyapunov));
-    lhs.add(0, 1, &(&unknowns.multiplier * &output.transpose()));
-    let identity = DMatrix::identity(outputs, outputs);
+    let output_unit = task.disturbance_weight_unit.sqrt();
+    lhs.add(0, 1, &(&unknowns.multiplier * &(output.transpose() / output_unit)));
+    let identity = DMatrix::identity(outputs, outputs) / task.disturbance_weight_unit;
     lhs.add(1, 1, &unknowns.gain_bound.times_matrix(&identity));
     strictness.positive("peak gain", lhs.finish())
 }
 
-/// gamma >= xi (in SI units) and xi <= xi_max (which [`Task::invariant_level`] relies on).
+/// gamma >= xi (in the units of xi) and xi <= xi_max (which [`Task::invariant_level`] relies on).
 pub(super) fn weight_bounds(
     task: &Task,
     unknowns: &DesignUnknowns,
@@ -33,7 +35,7 @@ pub(super) fn weight_bounds(
     [
         strictness.positive(
             "gain bound above disturbance weight",
-            &unknowns.gain_bound - &(task.disturbance_weight_unit * weight),
+            1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
         ),
         Condition::semidefinite("disturbance weight bound", &largest - weight),
     ]

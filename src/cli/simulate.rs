@@ -1,0 +1,172 @@
+//! `steadfast simulate SCENARIO.json`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use synth::model::read_text;
+
+use super::{print, CliError, EXIT_NO};
+use crate::harness::design::Design;
+use crate::harness::output::{summary_text, write_run};
+use crate::harness::scenario::{ControllerChoice, Scenario};
+use crate::harness::simulation::simulate;
+use crate::harness::summary::{CertificateOutcome, RunVerdict, Summary};
+
+/// Arguments of `simulate`.
+#[derive(clap::Args)]
+pub struct SimulateArgs {
+    /// Scenario file
+    scenario: PathBuf,
+    /// Design file, for scenarios whose controller is a design
+    #[arg(long)]
+    design: Option<PathBuf>,
+    /// Folder for trajectory.csv, summary.json and report.html
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
+/// was broken.
+pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
+    let text = read_text(&args.scenario).map_err(|e| CliError::file(&args.scenario, e))?;
+    let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
+    let design = match design_path(args, &scenario) {
+        Some(path) => Some(read_design(&path)?),
+        None => None,
+    };
+    if let Some(design) = &design {
+        announce(design);
+    }
+    let outcome = simulate(&scenario, design.as_ref(), args.output.is_some())
+        .map_err(|error| CliError::unsuitable(&args.scenario, error))?;
+    if let Some(folder) = &args.output {
+        write_run(folder, &outcome).map_err(|error| CliError::unsuitable(folder, error))?;
+        eprintln!("written: {}", folder.join("report.html").display());
+    }
+    let summary = &outcome.summary;
+    if args.json {
+        print(summary_text(summary).trim_end());
+    } else {
+        print(&describe(summary));
+    }
+    if summary.verdict == RunVerdict::ProofBroken {
+        eprintln!("{}", summary.verdict.sentence());
+    }
+    Ok(match summary.verdict {
+        RunVerdict::RequirementsMet => ExitCode::SUCCESS,
+        _ => ExitCode::from(EXIT_NO),
+    })
+}
+
+/// The command line's design, or the scenario's, whose path starts at the scenario's folder.
+fn design_path(args: &SimulateArgs, scenario: &Scenario) -> Option<PathBuf> {
+    if args.design.is_some() {
+        return args.design.clone();
+    }
+    match &scenario.controller {
+        ControllerChoice::Design(Some(file)) => {
+            let folder = args.scenario.parent().unwrap_or(Path::new("."));
+            Some(folder.join(file))
+        }
+        _ => None,
+    }
+}
+
+fn read_design(path: &Path) -> Result<Design, CliError> {
+    let text = read_text(path).map_err(|error| CliError::file(path, error))?;
+    Design::from_json(&text).map_err(|error| CliError::file(path, error))
+}
+
+/// Says on standard error whether the design is proved, before it is used.
+fn announce(design: &Design) {
+    let verdict = if design.proved() {
+        "PROVED"
+    } else {
+        "NOT PROVED"
+    };
+    match design.report.worst() {
+        Some(worst) => eprintln!(
+            "design '{}': {verdict}, smallest margin {:.3e} ({})",
+            design.file.name, worst.margin, worst.name
+        ),
+        None => eprintln!("design '{}': {verdict}", design.file.name),
+    }
+}
+
+fn describe(summary: &Summary) -> String {
+    let mut lines = vec![
+        format!("scenario: {}", summary.scenario),
+        format!("controller: {}", summary.controller),
+        format!("verdict: {}", summary.verdict.sentence()),
+        format!(
+            "messages: {} in {} samples, {} bytes; torque updates: {}",
+            summary.triggers, summary.samples, summary.bytes, summary.updates
+        ),
+    ];
+    let interval = (summary.shortest_interval_s, summary.mean_interval_s);
+    if let (Some(shortest), Some(mean)) = interval {
+        lines.push(format!("between messages: {shortest:.4} s shortest, {mean:.3} s mean"));
+    }
+    lines.push(match summary.settle_seconds {
+        Some(seconds) => format!("settled: from {seconds:.3} s on"),
+        None => "settled: no".to_string(),
+    });
+    let errors = [
+        ("final error", summary.final_error_deg, "deg"),
+        ("rms error over the tail", summary.rms_error_deg, "deg"),
+        ("norm of the final state", summary.final_state_norm, ""),
+        ("rms norm over the tail", summary.rms_state_norm, ""),
+        ("largest rate", summary.max_rate, "rad/s"),
+    ];
+    for (name, value, unit) in errors {
+        if let Some(value) = value {
+            lines.push(format!("{name}: {value:.5} {unit}").trim_end().to_string());
+        }
+    }
+    lines.push(format!(
+        "largest torque: {:.4} N m; impulse: {:.4} N m s",
+        summary.max_torque, summary.impulse
+    ));
+    if let Some(outcome) = &summary.certificate {
+        describe_certificate(outcome, &mut lines);
+    }
+    for requirement in &summary.requirements {
+        let met = if requirement.met { "met" } else { "MISSED" };
+        let value = requirement.value.map_or("none".to_string(), |value| value.to_string());
+        lines.push(format!(
+            "requirement {} {}: {value}, {met}",
+            requirement.name, requirement.limit
+        ));
+    }
+    lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
+    lines.join("\n")
+}
+
+fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
+    let proved = if outcome.proved {
+        "proved"
+    } else {
+        "NOT proved"
+    };
+    lines.push(format!("design: {proved}; x'Ux at the start {:.4}", outcome.start_level));
+    lines.push(format!(
+        "largest x'Ux over its bound: {:.6} at {:.3} s",
+        outcome.largest_lyapunov_ratio, outcome.largest_lyapunov_ratio_at_s
+    ));
+    if let Some(ratio) = outcome.peak_ratio.filter(|_| outcome.from_rest_in_origin) {
+        lines.push(format!(
+            "sup|y| / sup|tau| from rest: {ratio:.5}; guaranteed: {:.5}; gamma: {:.5}",
+            outcome.guaranteed_gain, outcome.gamma
+        ));
+    }
+    if outcome.covers_run {
+        lines.push("the proof covers this run".to_string());
+    } else {
+        lines.push("the proof does not cover this run:".to_string());
+        let reasons = outcome.not_covered.iter();
+        lines.extend(reasons.map(|reason| format!("  - {reason}")));
+    }
+}

@@ -1,0 +1,319 @@
+//! A design on a scenario: does it fit, and does its proof cover the run?
+
+use nalgebra::Matrix3;
+use runtime::trigger::{Adaptation, ThresholdUpdate};
+use synth::certify::theorem1::Certificate;
+use synth::certify::{Report, Verdict};
+use synth::design::DesignFile;
+use synth::model::{FileError, Model, Plant, Specs};
+
+use super::lyapunov::Claims;
+use super::padding;
+use super::plant::RigidBody;
+use super::reference::Reference;
+use super::sampling::Instants;
+use super::scenario::{RigidBodySystem, Scenario, System, TakagiSugenoSystem};
+
+/// A design file, checked.
+#[derive(Debug, Clone)]
+pub struct Design {
+    /// The file.
+    pub file: DesignFile,
+    /// The model inside it.
+    pub model: Model,
+    /// Its numbers.
+    pub certificate: Certificate,
+    /// The outcome of the check, made from the file's numbers.
+    pub report: Report,
+    /// SHA-256 of the file's text, in hexadecimal.
+    pub sha256: String,
+}
+
+/// Why a design cannot be used in a scenario.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Another kind of plant.
+    #[error("the design is for {design}; the scenario's system is {scenario}")]
+    Kind {
+        /// What the design controls.
+        design: String,
+        /// What the scenario has.
+        scenario: String,
+    },
+    /// Another size.
+    #[error(
+        "the design has {design_states} states and {design_inputs} inputs; the scenario's system \
+         has {states} states and {inputs} inputs"
+    )]
+    Size {
+        /// States of the design.
+        design_states: usize,
+        /// Inputs of the design.
+        design_inputs: usize,
+        /// States of the system.
+        states: usize,
+        /// Inputs of the system.
+        inputs: usize,
+    },
+    /// A body far from the model's.
+    #[error(
+        "the scenario's moments of inertia are {smallest:.4} to {largest:.4} times those of the \
+         design's model; a design is run on plants from {allowed_smallest} to {allowed_largest} times"
+    )]
+    Inertia {
+        /// Smallest ratio over all axes.
+        smallest: f64,
+        /// Largest ratio over all axes.
+        largest: f64,
+        /// Smallest ratio allowed.
+        allowed_smallest: f64,
+        /// Largest ratio allowed.
+        allowed_largest: f64,
+    },
+}
+
+/// Ratios of moments of inertia, plant to model, at which a design is still tried.
+const INERTIA_RATIOS: [f64; 2] = [0.5, 2.0];
+
+/// Ratio from which on the plant is another one than the model.
+const INERTIA_ROUNDING: f64 = 1e-12;
+
+impl Design {
+    /// Reads a design file and proves it from its numbers.
+    ///
+    /// # Errors
+    /// A file that is not a valid design.
+    pub fn from_json(text: &str) -> Result<Self, FileError> {
+        use sha2::{Digest, Sha256};
+        let (file, model) = DesignFile::from_json(text)?;
+        let certificate = file.certificate(&model)?;
+        let report = file.verify(&model)?;
+        let digest = Sha256::digest(text.as_bytes());
+        Ok(Self {
+            file,
+            model,
+            certificate,
+            report,
+            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+        })
+    }
+
+    /// True when every condition is proved.
+    pub fn proved(&self) -> bool {
+        self.report.verdict == Verdict::Proved
+    }
+
+    /// Refuses a design that is made for another plant.
+    ///
+    /// # Errors
+    /// The difference, with its numbers.
+    pub fn check_fit(&self, system: &System) -> Result<(), FitError> {
+        let (design_states, design_inputs, _, _) = self.model.plant.sizes();
+        match (&self.model.plant, system) {
+            (Plant::Spacecraft(craft), System::RigidBody(body)) => {
+                let [smallest, largest] = inertia_ratios(&body.body, &craft.inertia);
+                let [allowed_smallest, allowed_largest] = INERTIA_RATIOS;
+                if smallest >= allowed_smallest && largest <= allowed_largest {
+                    return Ok(());
+                }
+                Err(FitError::Inertia {
+                    smallest,
+                    largest,
+                    allowed_smallest,
+                    allowed_largest,
+                })
+            }
+            (Plant::Vertices(_), System::TakagiSugeno(model)) => {
+                let (states, inputs) = model.system.input_matrix.shape();
+                if (states, inputs) == (design_states, design_inputs) {
+                    return Ok(());
+                }
+                Err(FitError::Size {
+                    design_states,
+                    design_inputs,
+                    states,
+                    inputs,
+                })
+            }
+            (Plant::Spacecraft(_), System::TakagiSugeno(model)) => Err(FitError::Kind {
+                design: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
+                scenario: format!(
+                    "a Takagi-Sugeno model ({} states, {} inputs)",
+                    model.system.input_matrix.nrows(),
+                    model.system.input_matrix.ncols()
+                ),
+            }),
+            (Plant::Vertices(_), System::RigidBody(_)) => Err(FitError::Kind {
+                design: format!(
+                    "a Takagi-Sugeno model ({design_states} states, {design_inputs} inputs)"
+                ),
+                scenario: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
+            }),
+        }
+    }
+
+    /// What of the scenario the proof does not cover, known before the run. Empty when it covers all.
+    pub fn not_covered(&self, scenario: &Scenario) -> Vec<String> {
+        let mut out = Vec::new();
+        if !self.proved() {
+            out.push("the design is not proved".to_string());
+        }
+        let hbar = self.model.file.specs.hbar_s;
+        match scenario.instants {
+            Instants::Continuous { .. } => out.push(format!(
+                "the trigger is watched continuously; the proof is for samples at most {hbar} s apart"
+            )),
+            _ => {
+                if let Some(longest) = scenario.instants.longest_interval_s() {
+                    if longest > hbar {
+                        out.push(format!(
+                            "samples are up to {longest} s apart; the proof allows {hbar} s"
+                        ));
+                    }
+                }
+            }
+        }
+        if scenario.dropout_probability > 0.0 {
+            out.push(format!(
+                "samples are lost (probability {}), so gaps may exceed {hbar} s",
+                scenario.dropout_probability
+            ));
+        }
+        match (&self.model.plant, &scenario.system) {
+            (Plant::Spacecraft(craft), System::RigidBody(body)) => {
+                spacecraft_not_covered(craft, body, &mut out);
+            }
+            (Plant::Vertices(system), System::TakagiSugeno(model)) => {
+                vertices_not_covered(system, model, &mut out);
+            }
+            _ => out.push("the design is for another kind of plant".to_string()),
+        }
+        out
+    }
+
+    /// The certificate's claims, padded to `N` states.
+    pub fn claims<const N: usize>(&self) -> Claims<N> {
+        let plant = self.model.plant.takagi_sugeno();
+        let mut bounds = Vec::new();
+        let mut vector_part_bound = None;
+        for condition in &plant.region {
+            let bound = condition.bound_squared.sqrt();
+            if condition.rows.nrows() == 1 {
+                let row: Vec<f64> = condition.rows.iter().copied().collect();
+                bounds.push((padding::vector(&row), bound));
+            } else {
+                vector_part_bound = Some(bound);
+            }
+        }
+        Claims {
+            lyapunov: padding::matrix(&self.certificate.lyapunov),
+            decay_rate: self.model.file.specs.phi_per_s,
+            disturbance_weight: self.certificate.disturbance_weight,
+            disturbance_bound: plant.disturbance_bound,
+            bounds,
+            vector_part_bound,
+            output: padding::matrix(&plant.output),
+        }
+    }
+}
+
+/// The trigger's threshold as a model's specifications have it; never above the proved one.
+pub fn threshold_update(specs: &Specs) -> ThresholdUpdate {
+    match &specs.threshold_update {
+        None => ThresholdUpdate::Fixed {
+            threshold: specs.nu,
+        },
+        Some(update) => {
+            let [amplitude, slope, dead_band] = update.mu;
+            ThresholdUpdate::Clamped {
+                adaptation: Adaptation {
+                    amplitude,
+                    slope,
+                    dead_band,
+                },
+                minimum: specs.nu_min.unwrap_or(specs.nu),
+                maximum: specs.nu,
+            }
+        }
+    }
+}
+
+/// Smallest and largest ratio of the moments of inertia about one axis, over all axes: the
+/// generalised eigenvalues of the two matrices.
+fn inertia_ratios(body: &RigidBody, model: &Matrix3<f64>) -> [f64; 2] {
+    let Some(factor) = model.cholesky() else {
+        return [0.0, f64::INFINITY];
+    };
+    let Some(inverse) = factor.l().try_inverse() else {
+        return [0.0, f64::INFINITY];
+    };
+    let ratios = (inverse * body.inertia() * inverse.transpose()).symmetric_eigenvalues();
+    [ratios.min(), ratios.max()]
+}
+
+fn spacecraft_not_covered(
+    craft: &synth::fuzzy::ExactSpacecraft,
+    system: &RigidBodySystem,
+    out: &mut Vec<String>,
+) {
+    let [smallest, largest] = inertia_ratios(&system.body, &craft.inertia);
+    if smallest < 1.0 - INERTIA_ROUNDING || largest > 1.0 + INERTIA_ROUNDING {
+        out.push(format!(
+            "the plant's moments of inertia are {smallest:.4} to {largest:.4} times the model's"
+        ));
+    }
+    let actuators = &system.actuators;
+    for axis in 0..3 {
+        let (limit, model) = (actuators.limit[axis], craft.torque_limit[axis]);
+        if limit < model {
+            out.push(format!(
+                "the torque limit of axis {} is {limit} N m; the proof is for {model} N m",
+                axis + 1
+            ));
+        }
+    }
+    if actuators.dead_band.amax() > 0.0 {
+        out.push(format!("a dead band of up to {} N m", actuators.dead_band.amax()));
+    }
+    if actuators.delay_s > 0.0 {
+        out.push(format!("a delay of {} s from command to torque", actuators.delay_s));
+    }
+    if !actuators.faults.is_empty() {
+        out.push(format!("{} actuator faults", actuators.faults.len()));
+    }
+    if !matches!(system.reference, Reference::Fixed(_)) {
+        out.push("a reference that moves".to_string());
+    }
+    if !system.sensors.is_perfect() {
+        out.push("sensors with noise or quantisation".to_string());
+    }
+}
+
+fn vertices_not_covered(
+    design: &synth::fuzzy::VertexSystem,
+    scenario: &TakagiSugenoSystem,
+    out: &mut Vec<String>,
+) {
+    let plant = &scenario.system;
+    let same = plant.state_matrices == design.state_matrices
+        && plant.input_matrix == design.input_matrix
+        && plant.disturbance_matrix == design.disturbance_matrix;
+    if !same {
+        out.push("the plant's vertex systems are not the model's".to_string());
+    }
+    let limits = plant.input_limit.iter().zip(design.input_limit.iter());
+    for (input, (limit, model)) in limits.enumerate() {
+        if limit < model {
+            out.push(format!(
+                "the limit of input {} is {limit}; the proof is for {model}",
+                input + 1
+            ));
+        }
+    }
+    if scenario.state_noise > 0.0 {
+        out.push("a noisy measurement of the state".to_string());
+    }
+    if scenario.input_delay_s > 0.0 {
+        out.push(format!("a delay of {} s from command to input", scenario.input_delay_s));
+    }
+}

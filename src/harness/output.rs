@@ -1,0 +1,119 @@
+//! The files of a run: trajectory, summary, report.
+
+use std::path::{Path, PathBuf};
+
+use synth::model::{read_text, write_atomically, FileError};
+
+use super::recorder::{Table, TableError};
+use super::report;
+use super::simulation::Outcome;
+use super::summary::{Summary, SUMMARY_SCHEMA_VERSION};
+
+/// Name of the trajectory's file.
+pub const TRAJECTORY_FILE: &str = "trajectory.csv";
+/// Name of the summary's file.
+pub const SUMMARY_FILE: &str = "summary.json";
+/// Name of the report's file.
+pub const REPORT_FILE: &str = "report.html";
+
+/// Why a run's files cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// A file cannot be read or written.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: FileError,
+    },
+    /// A trajectory is no table.
+    #[error("{}: {problem}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: TableError,
+    },
+    /// A summary is not one.
+    #[error("{}: not a summary: {reason}", path.display())]
+    Summary {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A figure cannot be drawn.
+    #[error("the report's figures cannot be drawn: {0}")]
+    Figure(#[from] report::FigureError),
+}
+
+/// Creates the folder and writes every file of a run into it, each under a temporary name first.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_run(folder: &Path, outcome: &Outcome) -> Result<(), OutputError> {
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
+        path: folder.to_path_buf(),
+        problem: FileError::Io {
+            action: "cannot be created",
+            source,
+        },
+    })?;
+    let empty = Table::default();
+    let trajectory = outcome.trajectory.as_ref().unwrap_or(&empty);
+    let page = report::page(&outcome.summary, trajectory)?;
+    write(&folder.join(TRAJECTORY_FILE), &trajectory.to_csv())?;
+    write(&folder.join(SUMMARY_FILE), &summary_text(&outcome.summary))?;
+    write(&folder.join(REPORT_FILE), &page)
+}
+
+/// A summary as one JSON object.
+pub fn summary_text(summary: &Summary) -> String {
+    // A summary holds finite numbers, strings and lists only, so it can always be written.
+    serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"
+}
+
+/// Builds the report again from a run's files.
+///
+/// # Errors
+/// A file that is missing or not what it should be.
+pub fn rebuild_report(folder: &Path) -> Result<String, OutputError> {
+    let path = folder.join(SUMMARY_FILE);
+    let text = read(&path)?;
+    let summary: Summary = serde_json::from_str(&text).map_err(|error| OutputError::Summary {
+        path: path.clone(),
+        reason: error.to_string(),
+    })?;
+    if summary.schema_version != SUMMARY_SCHEMA_VERSION {
+        return Err(OutputError::Summary {
+            path,
+            reason: format!(
+                "schema_version is {}; this program reads {SUMMARY_SCHEMA_VERSION}",
+                summary.schema_version
+            ),
+        });
+    }
+    let path = folder.join(TRAJECTORY_FILE);
+    let trajectory = Table::from_csv(&read(&path)?)
+        .map_err(|problem| OutputError::Table { path, problem })?;
+    Ok(report::page(&summary, &trajectory)?)
+}
+
+fn read(path: &Path) -> Result<String, OutputError> {
+    read_text(path).map_err(|problem| OutputError::File {
+        path: path.to_path_buf(),
+        problem,
+    })
+}
+
+/// Writes a file whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(path: &Path, text: &str) -> Result<(), OutputError> {
+    write_atomically(path, text.as_bytes()).map_err(|problem| OutputError::File {
+        path: path.to_path_buf(),
+        problem,
+    })
+}

@@ -1,0 +1,8 @@
+//! The report page: one HTML file with its figures inside, readable offline.
+
+mod figures;
+mod page;
+mod series;
+
+pub use figures::FigureError;
+pub use page::page;

@@ -1,0 +1,213 @@
+//! From what was watched to the summary and its verdict.
+
+use crate::harness::closed_loop::End;
+use crate::harness::design::Design;
+use crate::harness::events::EventCount;
+use crate::harness::integrator::Method;
+use crate::harness::lyapunov::{LyapunovMonitor, ROUNDING};
+use crate::harness::scenario::{Scenario, XuChoice};
+use crate::harness::summary::{
+    CertificateOutcome, RunProvenance, RunVerdict, Scales, Summary, SUMMARY_SCHEMA_VERSION,
+};
+
+/// What every kind of plant measures.
+pub(super) struct Parts<'a> {
+    pub system: &'static str,
+    pub controller: String,
+    pub events: &'a EventCount,
+    /// Updates, largest torque (N m), impulse (N m s).
+    pub effort: (u64, f64, f64),
+    pub steps: u64,
+    pub settle_seconds: Option<f64>,
+    pub torque_limit: Vec<f64>,
+    pub settle_tolerance: f64,
+    pub notes: Vec<String>,
+    pub end: End,
+}
+
+/// The summary, not judged yet.
+pub(super) fn summary(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    parts: Parts,
+    certificate: Option<CertificateOutcome>,
+) -> Summary {
+    let events = parts.events;
+    let (updates, max_torque, impulse) = parts.effort;
+    let mut notes = parts.notes;
+    if let End::Diverged { time_s } = parts.end {
+        notes.push(format!("The state was no longer finite at {time_s} s; the run stopped there."));
+    }
+    let violations = certificate.as_ref().map_or(0, |outcome| {
+        outcome.outside_steps.max(outcome.bound_broken_steps)
+    });
+    Summary {
+        schema_version: SUMMARY_SCHEMA_VERSION,
+        scenario: scenario.name.clone(),
+        source: scenario.source.clone(),
+        system: parts.system.to_string(),
+        controller: parts.controller,
+        verdict: RunVerdict::RequirementsMissed,
+        triggers: events.triggers,
+        updates,
+        bits: 8 * events.bytes,
+        bytes: events.bytes,
+        settle_seconds: parts.settle_seconds,
+        final_error_deg: None,
+        rms_error_deg: None,
+        final_state_norm: None,
+        rms_state_norm: None,
+        max_rate: None,
+        max_torque,
+        impulse,
+        violations,
+        requirements: Vec::new(),
+        samples: events.samples,
+        steps: parts.steps,
+        shortest_interval_s: events.shortest_interval_s,
+        mean_interval_s: events.mean_interval_s(),
+        held_samples: events.held,
+        first_hold: events.first_hold.map(|reason| reason.to_string()),
+        samples_outside_box: events.outside_box,
+        late_samples: events.late,
+        largest_membership_mismatch: events.largest_mismatch,
+        certificate,
+        notes,
+        scales: Scales {
+            duration_s: scenario.duration_s,
+            torque_limit: parts.torque_limit,
+            settle_tolerance: parts.settle_tolerance,
+            tail_s: scenario.tail_s,
+        },
+        provenance: RunProvenance {
+            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            scenario_sha256: scenario.sha256.clone(),
+            design_sha256: design.map(|design| design.sha256.clone()),
+            random_generator: "chacha8".to_string(),
+            seed: scenario.seed,
+            integrator: integrator(&scenario.method),
+        },
+    }
+}
+
+fn integrator(method: &Method) -> String {
+    match method {
+        Method::RungeKutta4 { step_s } => format!("Runge-Kutta 4, steps of at most {step_s} s"),
+        Method::DormandPrince853 { tolerance } => {
+            format!("Dormand-Prince 8(5,3), tolerance {tolerance:e}")
+        }
+    }
+}
+
+/// What became of a design's claims.
+pub(super) fn certificate<const N: usize>(
+    scenario: &Scenario,
+    design: &Design,
+    monitor: &LyapunovMonitor<N>,
+    from_rest_in_origin: bool,
+) -> CertificateOutcome {
+    let mut not_covered = design.not_covered(scenario);
+    let start = monitor.start_level;
+    if !(start <= 1.0 + ROUNDING) {
+        not_covered.push(format!(
+            "the start is not in the certified set: x'Ux is {start:.4}, the set is x'Ux <= 1"
+        ));
+    }
+    let bound = monitor.claims().disturbance_bound;
+    let peak_disturbance = monitor.disturbance_squared.sqrt();
+    if !(peak_disturbance <= bound * (1.0 + ROUNDING)) {
+        not_covered.push(format!(
+            "the disturbance reaches {peak_disturbance:.3e}; the proof is for at most {bound:.3e}"
+        ));
+    }
+    let worst = design.report.worst();
+    let peak_output = monitor.output_squared.sqrt();
+    let ratio = peak_output / peak_disturbance;
+    CertificateOutcome {
+        proved: design.proved(),
+        worst_condition: worst.map(|condition| condition.name.clone()),
+        worst_margin: worst.map(|condition| condition.margin),
+        covers_run: not_covered.is_empty(),
+        not_covered,
+        start_level: start,
+        largest_lyapunov_ratio: monitor.largest_ratio,
+        largest_lyapunov_ratio_at_s: monitor.largest_ratio_s,
+        bound_broken_steps: monitor.bound_broken,
+        outside_steps: monitor.outside,
+        left_invariant_set_s: monitor.left_set_s,
+        left_box_s: monitor.left_region_s,
+        peak_output,
+        peak_disturbance,
+        peak_ratio: Some(ratio).filter(|ratio| ratio.is_finite()),
+        from_rest_in_origin,
+        gamma: design.certificate.gain_bound,
+        guaranteed_gain: design.certificate.guaranteed_gain,
+        ultimate_level: monitor.claims().ultimate_level(),
+    }
+}
+
+impl CertificateOutcome {
+    /// True when the proof covers the run and the run broke it.
+    pub fn broken(&self) -> bool {
+        let gain = self.from_rest_in_origin
+            && self.peak_ratio.is_some_and(|ratio| ratio > self.guaranteed_gain * (1.0 + ROUNDING));
+        self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
+    }
+}
+
+/// Judges the requirements and the proof.
+pub(super) fn conclude(scenario: &Scenario, summary: &mut Summary, end: End) {
+    let diverged = matches!(end, End::Diverged { .. });
+    let broken = summary.certificate.as_ref().is_some_and(CertificateOutcome::broken);
+    summary.judge(&scenario.requirements, diverged, broken);
+}
+
+/// What is to be said of gains that come from a paper.
+pub(super) fn published_notes(
+    choice: &XuChoice,
+    start_norm: f64,
+    events: &EventCount,
+    notes: &mut Vec<String>,
+) {
+    notes.push(
+        "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
+            .to_string(),
+    );
+    if choice.threshold.certifiable_maximum().is_none() {
+        notes.push(
+            "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
+        );
+    }
+    let Some(claim) = &choice.claim else {
+        return;
+    };
+    // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
+    let radius = (claim.gain_bound * claim.decay_rate_per_s).sqrt();
+    let place = if start_norm > radius {
+        "is not in the certified set"
+    } else {
+        "may be in the certified set"
+    };
+    notes.push(format!(
+        "The start {place}: |x| is {start_norm:.4}, and (20) with the claimed gamma = {} and \
+         phi = {} /s confines the set to |x| <= {radius:.4}.",
+        claim.gain_bound, claim.decay_rate_per_s
+    ));
+    notes.push(format!(
+        "The claimed gamma = {} is not confirmed: the conditions as printed do not prove it, and a run \
+         cannot.",
+        claim.gain_bound
+    ));
+    if let Some(mismatch) = events.largest_mismatch {
+        let relation = if mismatch > claim.membership_mismatch {
+            "does not hold"
+        } else {
+            "holds"
+        };
+        notes.push(format!(
+            "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
+             {mismatch:.4}.",
+            claim.membership_mismatch
+        ));
+    }
+}

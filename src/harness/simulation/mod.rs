@@ -1,0 +1,86 @@
+//! From a scenario (and a design) to the outcome of its run.
+
+mod attitude_log;
+mod judge;
+mod rigid_body;
+mod state_log;
+mod takagi_sugeno;
+
+pub use attitude_log::AttitudeLog;
+
+use runtime::error::ParameterError;
+
+use super::design::{Design, FitError};
+use super::recorder::Table;
+use super::scenario::{ControllerChoice, Scenario, System};
+use super::summary::Summary;
+
+/// What a run left.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Its summary.
+    pub summary: Summary,
+    /// Its trajectory, when asked for.
+    pub trajectory: Option<Table>,
+}
+
+/// Why a scenario cannot be run.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// The scenario needs a design.
+    #[error(
+        "field 'controller.design': no design file is given; name one with --design or in \
+         'controller.design.file'"
+    )]
+    NoDesign,
+    /// The scenario does not use the design.
+    #[error("field 'controller': a design is given, but the controller is not 'design'")]
+    UnusedDesign,
+    /// The design does not fit.
+    #[error("the design does not fit the scenario: {0}")]
+    Fit(#[from] FitError),
+    /// The flight code refuses the controller.
+    #[error("the flight code refuses the controller: {0}")]
+    Controller(ParameterError),
+}
+
+impl From<ParameterError> for SimulateError {
+    fn from(error: ParameterError) -> Self {
+        SimulateError::Controller(error)
+    }
+}
+
+/// Runs a scenario. `trajectory`: whether to keep it.
+///
+/// # Errors
+/// A design that is missing, not asked for or does not fit; parameters that the flight code refuses.
+pub fn simulate(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    trajectory: bool,
+) -> Result<Outcome, SimulateError> {
+    let design = match (&scenario.controller, design) {
+        (ControllerChoice::Design(_), None) => return Err(SimulateError::NoDesign),
+        (ControllerChoice::Design(_), Some(design)) => {
+            design.check_fit(&scenario.system)?;
+            Some(design)
+        }
+        (_, Some(_)) => return Err(SimulateError::UnusedDesign),
+        (_, None) => None,
+    };
+    match &scenario.system {
+        System::RigidBody(body) => rigid_body::run(scenario, body, design, trajectory),
+        System::TakagiSugeno(model) => {
+            let design = design.ok_or(SimulateError::NoDesign)?;
+            takagi_sugeno::run(scenario, model, design, trajectory)
+        }
+    }
+}
+
+/// Breakpoints in order, without those at the start or after the end.
+fn ordered(mut breakpoints_s: Vec<f64>, duration_s: f64) -> Vec<f64> {
+    breakpoints_s.retain(|&time| time > 0.0 && time < duration_s);
+    breakpoints_s.sort_by(f64::total_cmp);
+    breakpoints_s.dedup();
+    breakpoints_s
+}

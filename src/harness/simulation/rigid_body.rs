@@ -1,0 +1,186 @@
+//! Runs of the rigid body.
+
+use nalgebra::Vector3;
+use runtime::attitude::AttitudeMeasurement;
+use runtime::membership::{GaussianRules, RigidBodyBox};
+use runtime::{wu2018, xu2020};
+
+use super::attitude_log::AttitudeLog;
+use super::judge::{self, Parts};
+use super::{ordered, Outcome, SimulateError};
+use crate::harness::closed_loop::{ClosedLoop, End};
+use crate::harness::controller::{AnyController, Controller, XuAttitude};
+use crate::harness::design::{threshold_update, Design};
+use crate::harness::lyapunov::LyapunovMonitor;
+use crate::harness::padding;
+use crate::harness::plant::rigid_body_state;
+use crate::harness::sampling::Sampling;
+use crate::harness::scenario::{ControllerChoice, RigidBodySystem, Scenario, XuChoice};
+use crate::harness::sensor::AttitudeSensor;
+
+/// Runs a scenario on the rigid body.
+pub(super) fn run(
+    scenario: &Scenario,
+    system: &RigidBodySystem,
+    design: Option<&Design>,
+    trajectory: bool,
+) -> Result<Outcome, SimulateError> {
+    let monitor = design.map(|design| LyapunovMonitor::new(design.claims::<6>()));
+    let log = AttitudeLog::new(
+        system.reference,
+        scenario.settle_tolerance_rad,
+        scenario.duration_s - scenario.tail_s,
+        monitor,
+        trajectory.then_some(scenario.output_interval_s),
+    );
+    let (end, log, name, limit) = match (&scenario.controller, design) {
+        (ControllerChoice::Wu(parameters), _) => {
+            let controller = wu2018::Controller::new(*parameters)?;
+            let (end, log) = fly(scenario, system, controller, log);
+            (end, log, wu_name(parameters), parameters.torque_limit)
+        }
+        (ControllerChoice::Xu(choice), _) => {
+            let (end, log) = fly(scenario, system, fuzzy(choice)?, log);
+            let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
+            (end, log, name, choice.torque_limit)
+        }
+        (ControllerChoice::Design(_), Some(design)) => {
+            let (controller, limit) = designed(design)?;
+            let (end, log) = fly(scenario, system, controller, log);
+            let name = format!(
+                "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
+                design.file.name
+            );
+            (end, log, name, limit)
+        }
+        (ControllerChoice::Design(_), None) => return Err(SimulateError::NoDesign),
+    };
+    Ok(finish(scenario, design, end, log, (name, limit)))
+}
+
+/// The closed loop with a controller, watched by `log`.
+fn fly<C: Controller<AttitudeMeasurement, 3>>(
+    scenario: &Scenario,
+    system: &RigidBodySystem,
+    controller: C,
+    mut log: AttitudeLog,
+) -> (End, AttitudeLog) {
+    let mut breakpoints_s = system.actuators.fault_edges_s();
+    breakpoints_s.extend(system.reference.kinks_s());
+    breakpoints_s.extend(system.disturbance.kinks_s());
+    let closed_loop = ClosedLoop {
+        plant: &system.body,
+        disturbance: &system.disturbance,
+        sensor: AttitudeSensor::new(system.reference, system.sensors, scenario.seed),
+        controller,
+        sampling: Sampling::new(scenario.instants, scenario.dropout_probability, scenario.seed),
+        actuators: &system.actuators,
+        breakpoints_s: ordered(breakpoints_s, scenario.duration_s),
+        method: scenario.method,
+        duration_s: scenario.duration_s,
+    };
+    let initial = rigid_body_state(&system.attitude, &system.rate_rad_s);
+    let end = closed_loop.run(&initial, &mut log);
+    (end, log)
+}
+
+fn wu_name(parameters: &wu2018::Parameters) -> String {
+    match parameters.trigger {
+        wu2018::TriggerRule::Relative { .. } => "Wu, Shen and Cao 2018, law (6) and trigger (8)",
+        wu2018::TriggerRule::EverySample => "Wu, Shen and Cao 2018, law (6) at every sample",
+    }
+    .to_string()
+}
+
+type DesignedController = XuAttitude<RigidBodyBox, 1>;
+
+fn designed(design: &Design) -> Result<(DesignedController, Vector3<f64>), SimulateError> {
+    let synth::model::Plant::Spacecraft(craft) = &design.model.plant else {
+        return Err(SimulateError::NoDesign);
+    };
+    let specs = &design.model.file.specs;
+    let controller = xu2020::Controller::new(xu2020::Parameters {
+        gains: [padding::matrix(&design.certificate.gain)],
+        membership: RigidBodyBox::new(craft.rate_bound.into(), craft.scalar_part_min)?,
+        trigger_weight: padding::matrix(&design.certificate.trigger_weight),
+        threshold_update: threshold_update(specs),
+        torque_limit: craft.torque_limit,
+        longest_interval_s: Some(specs.hbar_s),
+    })?;
+    Ok((XuAttitude::new(controller), craft.torque_limit))
+}
+
+fn fuzzy(choice: &XuChoice) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
+    match choice.rules.len() {
+        1 => fuzzy_of::<1>(choice),
+        2 => fuzzy_of::<2>(choice),
+        3 => fuzzy_of::<3>(choice),
+        4 => fuzzy_of::<4>(choice),
+        5 => fuzzy_of::<5>(choice),
+        6 => fuzzy_of::<6>(choice),
+        7 => fuzzy_of::<7>(choice),
+        _ => fuzzy_of::<8>(choice),
+    }
+}
+
+/// The controller with exactly `R` rules; the caller has counted them.
+fn fuzzy_of<const R: usize>(
+    choice: &XuChoice,
+) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
+    let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
+    let controller = xu2020::Controller::new(xu2020::Parameters {
+        gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
+        membership: GaussianRules::new(
+            std::array::from_fn(|index| rule(index).0),
+            choice.widths,
+        )?,
+        trigger_weight: choice.trigger_weight,
+        threshold_update: choice.threshold,
+        torque_limit: choice.torque_limit,
+        longest_interval_s: choice.longest_interval_s,
+    })?;
+    Ok(Box::new(XuAttitude::new(controller)))
+}
+
+fn finish(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    end: End,
+    log: AttitudeLog,
+    (controller, limit): (String, Vector3<f64>),
+) -> Outcome {
+    let start_state = log.start.map(|start| start.rigid_body_state());
+    let from_rest = start_state.is_some_and(|state| state.norm() == 0.0);
+    let mut notes = Vec::new();
+    if let (ControllerChoice::Xu(choice), Some(state)) = (&scenario.controller, start_state) {
+        judge::published_notes(choice, state.norm(), &log.events, &mut notes);
+    }
+    let parts = Parts {
+        system: "rigid_body",
+        controller,
+        events: &log.events,
+        effort: (log.effort.updates, log.effort.max_torque, log.effort.impulse),
+        steps: log.steps,
+        settle_seconds: log.pointing.settle_seconds(),
+        torque_limit: limit.iter().copied().collect(),
+        settle_tolerance: scenario.settle_tolerance_rad.to_degrees(),
+        notes,
+        end,
+    };
+    let certificate = match (design, &log.lyapunov) {
+        (Some(design), Some(monitor)) => {
+            Some(judge::certificate(scenario, design, monitor, from_rest))
+        }
+        _ => None,
+    };
+    let mut summary = judge::summary(scenario, design, parts, certificate);
+    let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
+    summary.final_error_deg = log.last.and_then(|last| degrees(last.error.rotation_angle_rad()));
+    summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
+    summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
+    judge::conclude(scenario, &mut summary, end);
+    Outcome {
+        summary,
+        trajectory: log.into_table(),
+    }
+}
