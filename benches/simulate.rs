@@ -24,8 +24,16 @@ const SCIPY_DURATION_S: f64 = 100.0;
 fn main() {
     let wu = scenario("wu2018.json");
     let wu_seconds_per_step = report("Wu 2018", &wu, None);
-    report("Wu 2018, paper's noise", &scenario("wu2018-noise.json"), None);
-    report("Xu 2020, published, 7 rules", &scenario("xu2020-published.json"), None);
+    report(
+        "Wu 2018, paper's noise",
+        &scenario("wu2018-noise.json"),
+        None,
+    );
+    report(
+        "Xu 2020, published, 7 rules",
+        &scenario("xu2020-published.json"),
+        None,
+    );
     match design() {
         Some(design) => {
             let xu = scenario("xu2020-closed-loop.json");
@@ -59,7 +67,11 @@ fn design() -> Option<Design> {
 
 /// The best of a few runs; returns seconds per step.
 fn report(name: &str, scenario: &Scenario, design: Option<&Design>) -> f64 {
-    let run = || simulate(scenario, design, false).expect("the scenario runs").summary;
+    let run = || {
+        simulate(scenario, design, false)
+            .expect("the scenario runs")
+            .summary
+    };
     let summary = run();
     let steps = summary.steps as f64;
     let best = (0..REPEATS)
@@ -98,10 +110,13 @@ fn against_scipy(seconds_per_step: f64) {
         .arg(script)
         .arg(SCIPY_DURATION_S.to_string())
         .output();
-    let seconds = output.ok().filter(|output| output.status.success()).and_then(|output| {
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        text.trim().parse::<f64>().ok()
-    });
+    let seconds = output
+        .ok()
+        .filter(|output| output.status.success())
+        .and_then(|output| {
+            let text = String::from_utf8_lossy(&output.stdout).into_owned();
+            text.trim().parse::<f64>().ok()
+        });
     match seconds {
         None => println!("scipy solve_ivp: skipped, python3 has no scipy"),
         Some(per_segment) => println!(

@@ -34,7 +34,11 @@ fn a_design_is_recognised() {
 #[test]
 fn a_valid_file_is_described_in_words() {
     let run = steadfast([Path::new("check"), &shipped("xu2020.json")]).ends_with(0);
-    assert!(run.stdout.contains("valid model file: xu2020, 16 vertices, 6 states"), "{run:?}");
+    assert!(
+        run.stdout
+            .contains("valid model file: xu2020, 16 vertices, 6 states"),
+        "{run:?}"
+    );
 }
 
 #[test]
@@ -44,7 +48,10 @@ fn a_design_with_a_damaged_model_names_the_field_in_the_model() {
     set(&mut design, "/model/specs/nu", 1.5.into());
     let path = write(folder.path(), "design.json", design.to_string());
     let message = check(&path).refusal();
-    assert!(message.contains("'model.specs.nu': the value 1.5 is not allowed"), "{message}");
+    assert!(
+        message.contains("'model.specs.nu': the value 1.5 is not allowed"),
+        "{message}"
+    );
 }
 
 #[test]

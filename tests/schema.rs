@@ -11,7 +11,10 @@ use support::*;
 /// The kinds that the command knows, from its own message about an unknown one.
 fn kinds() -> Vec<String> {
     let message = steadfast(["schema", "unheard-of"]).ends_with(1).stderr;
-    let names = message.split("[possible values: ").nth(1).expect("the kinds");
+    let names = message
+        .split("[possible values: ")
+        .nth(1)
+        .expect("the kinds");
     let names = names.split(']').next().expect("the end of the kinds");
     names.split(", ").map(str::to_string).collect()
 }
@@ -36,7 +39,10 @@ fn the_checked_in_schemas_are_those_of_the_program() {
         let name = format!("{kind}.schema.json");
         let printed = steadfast(["schema", &kind]).ends_with(0).stdout;
         let same = text(&folder.join(&name)) == printed;
-        assert!(same, "docs/schema/{name} is out of date: run `steadfast schema {kind}`");
+        assert!(
+            same,
+            "docs/schema/{name} is out of date: run `steadfast schema {kind}`"
+        );
         expected.push(name);
     }
     expected.sort();

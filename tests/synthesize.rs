@@ -40,7 +40,11 @@ fn assert_has_keys(report: &Value, keys: &[&str]) {
 /// The spacecraft with a tenth of its torque: Xu & Huang's decay rate cannot be reached.
 fn weak_spacecraft(folder: &Path) -> std::path::PathBuf {
     let mut model = json(&shipped("xu2020.json"));
-    set(&mut model, "/plant/exact/torque_limit_nm", json!([0.2, 0.2, 0.2]));
+    set(
+        &mut model,
+        "/plant/exact/torque_limit_nm",
+        json!([0.2, 0.2, 0.2]),
+    );
     write(folder, "weak.json", model.to_string())
 }
 
@@ -48,7 +52,10 @@ fn weak_spacecraft(folder: &Path) -> std::path::PathBuf {
 fn the_spacecraft_of_xu2020_is_proved_with_a_smaller_gain_than_published() {
     let folder = folder();
     let design = folder.path().join("design.json");
-    let run = synthesize(&shipped("xu2020.json"), &["--json", "-o", design.to_str().unwrap()]);
+    let run = synthesize(
+        &shipped("xu2020.json"),
+        &["--json", "-o", design.to_str().unwrap()],
+    );
     let report = run.ends_with(0).json();
     assert_has_keys(&report, &PROMISED_KEYS);
     assert_eq!(report["status"], "solved");
@@ -84,7 +91,12 @@ fn the_gains_of_xu2020_have_the_size_that_an_independent_prototype_found() {
 #[test]
 fn the_double_integrator_is_proved_in_words() {
     let run = synthesize(&shipped("double-integrator.json"), &[]).ends_with(0);
-    for part in ["verdict: PROVED", "gamma: 1.99", "the proof assumes:", "nothing written"] {
+    for part in [
+        "verdict: PROVED",
+        "gamma: 1.99",
+        "the proof assumes:",
+        "nothing written",
+    ] {
         assert!(run.stdout.contains(part), "{part} in {}", run.stdout);
     }
 }
@@ -104,7 +116,10 @@ fn nothing_is_written_without_an_output_path() {
 #[test]
 fn both_forms_reach_the_same_gain() {
     let objective = |form: &str| {
-        let run = synthesize(&shipped("double-integrator.json"), &["--json", "--form", form]);
+        let run = synthesize(
+            &shipped("double-integrator.json"),
+            &["--json", "--form", form],
+        );
         let report = run.ends_with(0).json();
         assert_eq!(report["form"], form);
         number(&report, "/solver_runs/0/objective")
@@ -138,7 +153,12 @@ fn an_infeasible_model_names_what_blocks_and_writes_nothing() {
 fn an_infeasible_model_is_explained_in_words() {
     let folder = folder();
     let run = synthesize(&weak_spacecraft(folder.path()), &[]).ends_with(2);
-    for part in ["no design exists", "smallest slack", "conditions that block", "nothing written"] {
+    for part in [
+        "no design exists",
+        "smallest slack",
+        "conditions that block",
+        "nothing written",
+    ] {
         assert!(run.stdout.contains(part), "{part} in {}", run.stdout);
     }
 }
@@ -163,7 +183,11 @@ fn what_is_not_proved_is_not_written() {
         let design = folder.path().join("design.json");
         let run = synthesize(&path, &["--json", "-o", design.to_str().unwrap()]);
         assert!(matches!(run.status, Some(0 | 2 | 3)), "{run:?}");
-        assert_eq!(run.status == Some(0), design.exists(), "xi_max {xi_max}: {run:?}");
+        assert_eq!(
+            run.status == Some(0),
+            design.exists(),
+            "xi_max {xi_max}: {run:?}"
+        );
         if design.exists() {
             std::fs::remove_file(&design).unwrap();
         }
@@ -186,11 +210,15 @@ fn an_interrupted_run_leaves_nothing_half_written() {
         .expect("the command starts");
     std::thread::sleep(Duration::from_millis(500));
     let kill = format!("kill -INT {}", child.id());
-    assert!(std::process::Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    assert!(std::process::Command::new("sh")
+        .args(["-c", &kill])
+        .status()
+        .unwrap()
+        .success());
     let run = Run::new(child.wait_with_output().expect("the command ends"));
-    match run.status {
-        Some(_) => assert_eq!(run.refusal(), "interrupted; nothing was written"),
-        None => {} // stopped before it could listen
+    // Without a status it was stopped before it could listen.
+    if run.status.is_some() {
+        assert_eq!(run.refusal(), "interrupted; nothing was written");
     }
     assert_eq!(text(&output), "an older design");
     assert_eq!(names_in(folder.path()), ["design.json"]);
@@ -209,7 +237,10 @@ fn the_numbers_of_a_design_round_trip_exactly() {
 fn a_design_says_what_made_it() {
     let design = json(double_integrator_design());
     let model = std::fs::read(shipped("double-integrator.json")).unwrap();
-    let digest: String = Sha256::digest(model).iter().map(|byte| format!("{byte:02x}")).collect();
+    let digest: String = Sha256::digest(model)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
     let provenance = &design["provenance"];
     assert_eq!(provenance["model_sha256"], digest);
     let generator = concat!("steadfast ", env!("CARGO_PKG_VERSION"));

@@ -40,7 +40,12 @@ fn what_synthesize_wrote_is_proved() {
 #[test]
 fn the_proof_is_reported_in_words_with_what_it_assumes() {
     let run = steadfast([Path::new("verify"), double_integrator_design()]).ends_with(0);
-    for part in ["verdict: PROVED", "worst condition:", "the proof assumes:", "gamma: 1.99"] {
+    for part in [
+        "verdict: PROVED",
+        "worst condition:",
+        "the proof assumes:",
+        "gamma: 1.99",
+    ] {
         assert!(run.stdout.contains(part), "{part} in {}", run.stdout);
     }
 }
@@ -50,13 +55,33 @@ fn a_tampered_number_is_refused_and_the_condition_named() {
     let cases: [(&str, f64, &str); 9] = [
         ("/controller/gains/0/0/0", 0.5, "decrease"),
         ("/controller/trigger_weight/0/0", 1e3, "decrease"),
-        ("/certificate/integral_weight/0/0", -1.0, "integral weight positive"),
-        ("/certificate/sector_weight/0", -1.0, "sector weight input 1"),
+        (
+            "/certificate/integral_weight/0/0",
+            -1.0,
+            "integral weight positive",
+        ),
+        (
+            "/certificate/sector_weight/0",
+            -1.0,
+            "sector weight input 1",
+        ),
         ("/certificate/gamma", 0.5, "peak gain"),
-        ("/certificate/gamma", 0.5, "gain bound above disturbance weight"),
+        (
+            "/certificate/gamma",
+            0.5,
+            "gain bound above disturbance weight",
+        ),
         ("/certificate/guaranteed_gain", 0.5, "guaranteed gain"),
-        ("/certificate/certified_vector_part", 1.5, "certified attitudes"),
-        ("/model/plant/exact/torque_limit_nm/0", 0.5, "anti-windup input 1"),
+        (
+            "/certificate/certified_vector_part",
+            1.5,
+            "certified attitudes",
+        ),
+        (
+            "/model/plant/exact/torque_limit_nm/0",
+            0.5,
+            "anti-windup input 1",
+        ),
     ];
     for (pointer, factor, condition) in cases {
         let run = verify_edited(|design| scale(design, pointer, factor));
@@ -65,7 +90,9 @@ fn a_tampered_number_is_refused_and_the_condition_named() {
         assert!(number(&report, "/worst/margin") <= 0.0, "{pointer}");
         let failed = report["conditions"].as_array().unwrap().iter();
         let failed = failed.filter(|found| number(found, "/margin") <= 0.0);
-        let names: Vec<&str> = failed.map(|found| found["name"].as_str().unwrap()).collect();
+        let names: Vec<&str> = failed
+            .map(|found| found["name"].as_str().unwrap())
+            .collect();
         let named = names.iter().any(|name| name.starts_with(condition));
         assert!(named, "{pointer} times {factor}: {names:?}");
     }
@@ -79,7 +106,11 @@ fn a_refusal_in_words_names_the_condition() {
     let path = write(folder.path(), "design.json", design.to_string());
     let run = steadfast([Path::new("verify"), &path]).ends_with(2);
     assert!(run.stdout.contains("verdict: NOT PROVED"), "{}", run.stdout);
-    assert!(run.stdout.contains("not proved: certified attitudes"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("not proved: certified attitudes"),
+        "{}",
+        run.stdout
+    );
 }
 
 #[test]
@@ -96,7 +127,11 @@ fn the_verdict_in_the_file_is_not_trusted() {
 #[test]
 fn a_larger_plant_disturbance_than_designed_for_is_refused() {
     let run = verify_edited(|design| {
-        set(design, "/model/plant/exact/disturbance_bound_nm", json!(10.0));
+        set(
+            design,
+            "/model/plant/exact/disturbance_bound_nm",
+            json!(10.0),
+        );
     });
     assert_eq!(run.ends_with(2).json()["verdict"], "not_proved");
 }

@@ -7,6 +7,7 @@ use serde_json::json;
 use synth::model::{kind_of, read_text, Kind, Model};
 
 use super::{files, print, CliError};
+use crate::harness::scenario::Scenario;
 
 /// Arguments of `check`.
 #[derive(clap::Args)]
@@ -24,19 +25,28 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (kind, summary) = match kind_of(&text) {
         Some(Kind::Design) => {
             let (design, model) = files::design(&args.file)?;
-            (Kind::Design, format!("{}, {}", design.name, describe(&model)))
+            (
+                Kind::Design,
+                format!("{}, {}", design.name, describe(&model)),
+            )
         }
         Some(Kind::Scenario) => (Kind::Scenario, scenario(args, &text)?),
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {
             let (_, model) = files::model(&args.file)?;
-            (Kind::Model, format!("{}, {}", model.file.name, describe(&model)))
+            (
+                Kind::Model,
+                format!("{}, {}", model.file.name, describe(&model)),
+            )
         }
     };
     if args.json {
         print(&json!({ "valid": true, "kind": kind.to_string(), "summary": summary }).to_string());
     } else {
-        print(&format!("{}: valid {kind} file: {summary}", args.file.display()));
+        print(&format!(
+            "{}: valid {kind} file: {summary}",
+            args.file.display()
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -49,6 +59,8 @@ fn describe(model: &Model) -> String {
     )
 }
 
-fn scenario(args: &CheckArgs, _text: &str) -> Result<String, CliError> {
-    Err(CliError::unsuitable(&args.file, "scenario files are not read yet"))
+fn scenario(args: &CheckArgs, text: &str) -> Result<String, CliError> {
+    let scenario = Scenario::from_json(text);
+    let scenario = scenario.map_err(|problem| CliError::file(&args.file, problem))?;
+    Ok(format!("{}, {} s", scenario.name, scenario.duration_s))
 }

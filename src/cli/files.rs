@@ -30,17 +30,29 @@ pub fn check_output(path: &Path, input: &Path) -> Result<(), CliError> {
         _ => Path::new("."),
     };
     if path.is_dir() {
-        return Err(CliError::unsuitable(path, "this is a folder; a file name is needed"));
+        return Err(CliError::unsuitable(
+            path,
+            "this is a folder; a file name is needed",
+        ));
     }
     if !folder.is_dir() {
-        return Err(CliError::unsuitable(path, "cannot be written: its folder does not exist"));
+        return Err(CliError::unsuitable(
+            path,
+            "cannot be written: its folder does not exist",
+        ));
     }
     if path.exists() && !path.is_file() {
-        return Err(CliError::unsuitable(path, "cannot be written: it is not an ordinary file"));
+        return Err(CliError::unsuitable(
+            path,
+            "cannot be written: it is not an ordinary file",
+        ));
     }
     let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
     if same(path, input) == Some(true) {
-        return Err(CliError::unsuitable(path, "this is the input; it would be overwritten"));
+        return Err(CliError::unsuitable(
+            path,
+            "this is the input; it would be overwritten",
+        ));
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use synth::design::DesignFile;
 use synth::model::ModelFile;
 
 use super::{print, CliError};
+use crate::harness::scenario::ScenarioFile;
 
 /// Arguments of `schema`.
 #[derive(clap::Args)]
@@ -23,6 +24,8 @@ enum KindArg {
     Model,
     /// What synthesize writes
     Design,
+    /// What simulate runs
+    Scenario,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -30,6 +33,7 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
     let schema = match args.kind {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
+        KindArg::Scenario => schema_for!(ScenarioFile),
     };
     // A schema is a JSON value already.
     print(&serde_json::to_string_pretty(&schema).unwrap_or_default());

@@ -108,7 +108,9 @@ fn describe(summary: &Summary) -> String {
     ];
     let interval = (summary.shortest_interval_s, summary.mean_interval_s);
     if let (Some(shortest), Some(mean)) = interval {
-        lines.push(format!("between messages: {shortest:.4} s shortest, {mean:.3} s mean"));
+        lines.push(format!(
+            "between messages: {shortest:.4} s shortest, {mean:.3} s mean"
+        ));
     }
     lines.push(match summary.settle_seconds {
         Some(seconds) => format!("settled: from {seconds:.3} s on"),
@@ -135,7 +137,9 @@ fn describe(summary: &Summary) -> String {
     }
     for requirement in &summary.requirements {
         let met = if requirement.met { "met" } else { "MISSED" };
-        let value = requirement.value.map_or("none".to_string(), |value| value.to_string());
+        let value = requirement
+            .value
+            .map_or("none".to_string(), |value| value.to_string());
         lines.push(format!(
             "requirement {} {}: {value}, {met}",
             requirement.name, requirement.limit
@@ -151,7 +155,10 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
     } else {
         "NOT proved"
     };
-    lines.push(format!("design: {proved}; x'Ux at the start {:.4}", outcome.start_level));
+    lines.push(format!(
+        "design: {proved}; x'Ux at the start {:.4}",
+        outcome.start_level
+    ));
     lines.push(format!(
         "largest x'Ux over its bound: {:.6} at {:.3} s",
         outcome.largest_lyapunov_ratio, outcome.largest_lyapunov_ratio_at_s

@@ -97,12 +97,17 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
 
 fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<ExitCode, CliError> {
     let mut report = design.report.clone();
-    let kept = args.output.as_ref().filter(|_| report.verdict == Verdict::Proved);
+    let kept = args
+        .output
+        .as_ref()
+        .filter(|_| report.verdict == Verdict::Proved);
     if let Some(path) = kept {
         files::write(path, &design.file.to_json())?;
         // What counts is what a reader of the file gets.
         let (file, model) = files::design(path)?;
-        report = file.verify(&model).map_err(|problem| CliError::value(path, problem))?;
+        report = file
+            .verify(&model)
+            .map_err(|problem| CliError::value(path, problem))?;
     }
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
@@ -128,7 +133,10 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
         );
         return Ok(exit_code(report.verdict));
     }
-    print(&format!("model: {} ({vertices} vertices)", design.file.name));
+    print(&format!(
+        "model: {} ({vertices} vertices)",
+        design.file.name
+    ));
     for run in &design.file.provenance.solver_runs {
         print(&format!(
             "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
@@ -136,9 +144,14 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
         ));
     }
     print(&format!("gamma: {:.6}", part.gamma));
-    print(&format!("guaranteed gain: {:.6} (sup|y| / sup|tau| from rest)", part.guaranteed_gain));
+    print(&format!(
+        "guaranteed gain: {:.6} (sup|y| / sup|tau| from rest)",
+        part.guaranteed_gain
+    ));
     if let Some(angle) = angle {
-        print(&format!("certified set: every attitude at rest up to {angle:.3} deg"));
+        print(&format!(
+            "certified set: every attitude at rest up to {angle:.3} deg"
+        ));
     }
     print(&describe(&report));
     match (kept, report.verdict) {
@@ -192,7 +205,10 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
 
 fn headline(model: &Path, status: &str) -> String {
     match status {
-        "infeasible" => format!("{}: no design exists, says the solver (not proved)", model.display()),
+        "infeasible" => format!(
+            "{}: no design exists, says the solver (not proved)",
+            model.display()
+        ),
         _ => format!("{}: the solver failed numerically", model.display()),
     }
 }

@@ -40,7 +40,11 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
             .to_string(),
         );
     } else {
-        print(&format!("design: {} ({})", design.name, args.design.display()));
+        print(&format!(
+            "design: {} ({})",
+            design.name,
+            args.design.display()
+        ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
     }
@@ -70,7 +74,10 @@ pub fn describe(report: &Report) -> String {
     if let Some(worst) = report.worst() {
         out.push_str(&format!("worst condition: {}\n", describe_margin(worst)));
     }
-    let failed = report.conditions.iter().filter(|condition| condition.margin < 0.0);
+    let failed = report
+        .conditions
+        .iter()
+        .filter(|condition| condition.margin < 0.0);
     for condition in failed {
         out.push_str(&format!("  not proved: {}\n", describe_margin(condition)));
     }

@@ -46,7 +46,9 @@ impl<const M: usize> ActuatorData<M> {
     /// Times at which a fault begins or ends, s.
     pub fn fault_edges_s(&self) -> Vec<f64> {
         let edges = self.faults.iter();
-        edges.flat_map(|fault| [fault.from_s, fault.until_s]).collect()
+        edges
+            .flat_map(|fault| [fault.from_s, fault.until_s])
+            .collect()
     }
 }
 
@@ -54,6 +56,7 @@ impl<const M: usize> ActuatorData<M> {
 #[derive(Clone, Debug)]
 pub struct Actuators<'a, const M: usize> {
     data: &'a ActuatorData<M>,
+    ideal: bool,
     pending: VecDeque<(f64, SVector<f64, M>)>,
     commanded: SVector<f64, M>,
     last_command: SVector<f64, M>,
@@ -64,6 +67,7 @@ impl<'a, const M: usize> Actuators<'a, M> {
     pub fn new(data: &'a ActuatorData<M>) -> Self {
         Self {
             data,
+            ideal: *data == ActuatorData::ideal(),
             pending: VecDeque::new(),
             commanded: SVector::zeros(),
             last_command: SVector::zeros(),
@@ -76,7 +80,8 @@ impl<'a, const M: usize> Actuators<'a, M> {
         if self.data.delay_s == 0.0 {
             self.commanded = *torque;
         } else if *torque != self.last_command {
-            self.pending.push_back((time_s + self.data.delay_s, *torque));
+            self.pending
+                .push_back((time_s + self.data.delay_s, *torque));
         }
         self.last_command = *torque;
     }
@@ -84,12 +89,22 @@ impl<'a, const M: usize> Actuators<'a, M> {
     /// When the next delayed command arrives, s; infinite when there is none.
     #[inline]
     pub fn next_change_s(&self) -> f64 {
-        self.pending.front().map_or(f64::INFINITY, |(time, _)| *time)
+        self.pending
+            .front()
+            .map_or(f64::INFINITY, |(time, _)| *time)
     }
 
     /// The torque that acts from `time_s` on, N m.
     #[inline]
     pub fn torque(&mut self, time_s: f64) -> SVector<f64, M> {
+        if self.ideal {
+            return self.commanded;
+        }
+        self.limited_torque(time_s)
+    }
+
+    #[inline(never)]
+    fn limited_torque(&mut self, time_s: f64) -> SVector<f64, M> {
         while let Some((_, torque)) = self.pending.front().filter(|(due, _)| *due <= time_s) {
             self.commanded = *torque;
             self.pending.pop_front();

@@ -196,7 +196,8 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             return;
         };
         let from = at.time;
-        let count = ((event - from) / step_s - STEP_ROUNDING).ceil().max(1.0);
+        let steps = (event - from) / step_s - STEP_ROUNDING;
+        let count = if steps <= 1.0 { 1.0 } else { steps.ceil() };
         let step = (event - from) / count;
         let count = count as u64;
         for index in 1..=count {
@@ -248,8 +249,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             let middle = 0.5 * (silent + firing);
             let times = [start, start + 0.5 * middle, start + middle];
             let values = times.map(|time| self.disturbance.at(time));
-            let state =
-                runge_kutta::step(self.plant, start, &start_state, middle, torque, &values);
+            let state = runge_kutta::step(self.plant, start, &start_state, middle, torque, &values);
             if self.fires(start + middle, &state) {
                 firing = middle;
                 (at.time, at.state) = (start + middle, state);

@@ -1,6 +1,6 @@
 //! A design on a scenario: does it fit, and does its proof cover the run?
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SVector};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
@@ -195,12 +195,19 @@ impl Design {
     pub fn claims<const N: usize>(&self) -> Claims<N> {
         let plant = self.model.plant.takagi_sugeno();
         let mut bounds = Vec::new();
+        let mut component_bounds = SVector::repeat(f64::INFINITY);
         let mut vector_part_bound = None;
         for condition in &plant.region {
             let bound = condition.bound_squared.sqrt();
             if condition.rows.nrows() == 1 {
                 let row: Vec<f64> = condition.rows.iter().copied().collect();
-                bounds.push((padding::vector(&row), bound));
+                match unit_component(&row) {
+                    Some(component) => {
+                        let least: &mut f64 = &mut component_bounds[component];
+                        *least = least.min(bound);
+                    }
+                    None => bounds.push((padding::vector(&row), bound)),
+                }
             } else {
                 vector_part_bound = Some(bound);
             }
@@ -211,10 +218,18 @@ impl Design {
             disturbance_weight: self.certificate.disturbance_weight,
             disturbance_bound: plant.disturbance_bound,
             bounds,
+            component_bounds,
             vector_part_bound,
-            output: padding::matrix(&plant.output),
+            output: (!plant.output.is_identity(0.0)).then(|| padding::matrix(&plant.output)),
         }
     }
+}
+
+/// The component that a row picks out, when it is one of the identity's.
+fn unit_component(row: &[f64]) -> Option<usize> {
+    let component = row.iter().position(|&value| value != 0.0)?;
+    let rest = &row[component + 1..];
+    (row[component] == 1.0 && rest.iter().all(|&value| value == 0.0)).then_some(component)
 }
 
 /// The trigger's threshold as a model's specifications have it; never above the proved one.
@@ -273,10 +288,16 @@ fn spacecraft_not_covered(
         }
     }
     if actuators.dead_band.amax() > 0.0 {
-        out.push(format!("a dead band of up to {} N m", actuators.dead_band.amax()));
+        out.push(format!(
+            "a dead band of up to {} N m",
+            actuators.dead_band.amax()
+        ));
     }
     if actuators.delay_s > 0.0 {
-        out.push(format!("a delay of {} s from command to torque", actuators.delay_s));
+        out.push(format!(
+            "a delay of {} s from command to torque",
+            actuators.delay_s
+        ));
     }
     if !actuators.faults.is_empty() {
         out.push(format!("{} actuator faults", actuators.faults.len()));
@@ -314,6 +335,9 @@ fn vertices_not_covered(
         out.push("a noisy measurement of the state".to_string());
     }
     if scenario.input_delay_s > 0.0 {
-        out.push(format!("a delay of {} s from command to input", scenario.input_delay_s));
+        out.push(format!(
+            "a delay of {} s from command to input",
+            scenario.input_delay_s
+        ));
     }
 }

@@ -209,6 +209,17 @@ impl<'a, const D: usize> Walker<'a, D> {
     }
 }
 
+// Taylor coefficients; multiplying is much faster than dividing.
+const S3: f64 = -1.0 / 6.0;
+const S5: f64 = 1.0 / 120.0;
+const S7: f64 = -1.0 / 5040.0;
+const S9: f64 = 1.0 / 362_880.0;
+const C2: f64 = -1.0 / 2.0;
+const C4: f64 = 1.0 / 24.0;
+const C6: f64 = -1.0 / 720.0;
+const C8: f64 = 1.0 / 40_320.0;
+const C10: f64 = -1.0 / 3_628_800.0;
+
 /// Sine and cosine; below [`SMALL_ANGLE`] by Taylor polynomials, whose first term left out is below
 /// 1e-17.
 #[inline]
@@ -216,14 +227,9 @@ fn small_sincos(angle: f64) -> (f64, f64) {
     if angle.abs() > SMALL_ANGLE {
         return libm::sincos(angle);
     }
-    let square = angle * angle;
-    let sine =
-        1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)));
-    let cosine = 1.0
-        - square / 2.0
-            * (1.0
-                - square / 12.0
-                    * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0))));
+    let x = angle * angle;
+    let sine = 1.0 + x * (S3 + x * (S5 + x * (S7 + x * S9)));
+    let cosine = 1.0 + x * (C2 + x * (C4 + x * (C6 + x * (C8 + x * C10))));
     (angle * sine, cosine)
 }
 
@@ -251,7 +257,8 @@ mod tests {
         let mut walker = Walker::new(&disturbance, 0.0);
         let mut time = 0.0;
         for index in 0..100_000 {
-            let step = 0.001 + 0.0005 * f64::from(index % 7);
+            // Steps whose sums are exact, so that both evaluations are at the same times.
+            let step = f64::from(1 + index % 7) / 1024.0;
             let values = walker.step(time, step);
             for (value, share) in values.iter().zip([0.0, 0.5, 1.0]) {
                 let exact = disturbance.at(time + share * step);

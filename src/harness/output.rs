@@ -95,8 +95,8 @@ pub fn rebuild_report(folder: &Path) -> Result<String, OutputError> {
         });
     }
     let path = folder.join(TRAJECTORY_FILE);
-    let trajectory = Table::from_csv(&read(&path)?)
-        .map_err(|problem| OutputError::Table { path, problem })?;
+    let trajectory =
+        Table::from_csv(&read(&path)?).map_err(|problem| OutputError::Table { path, problem })?;
     Ok(report::page(&summary, &trajectory)?)
 }
 

@@ -1,5 +1,7 @@
 //! How far the state is from where it should be: settling time, error over the tail of the run, peaks.
 
+use super::lyapunov::exceeds;
+
 /// Error of a run. Small errors are compared through their squares; only the tail takes a square root
 /// or an arc tangent.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +39,7 @@ impl ErrorStatistics {
         tail_square: impl FnOnce() -> f64,
     ) {
         // A magnitude that is not a number counts as outside.
-        self.outside = !(magnitude_squared <= self.tolerance_squared);
+        self.outside = exceeds(magnitude_squared, self.tolerance_squared);
         if self.outside {
             self.last_outside_s = time_s;
         }
@@ -49,7 +51,7 @@ impl ErrorStatistics {
 
     /// Whether the initial magnitude is settled already.
     pub fn start(&mut self, magnitude_squared: f64) {
-        self.outside = !(magnitude_squared <= self.tolerance_squared);
+        self.outside = exceeds(magnitude_squared, self.tolerance_squared);
     }
 
     /// The last time outside of the tolerance, s (zero when never); `None` when the run ends outside.
@@ -72,7 +74,13 @@ mod tests {
     fn settling_is_the_last_time_outside() {
         let mut error = ErrorStatistics::new(1.0, 3.0);
         error.start(4.0);
-        for (time, magnitude) in [(1.0, 0.5_f64), (2.0, 1.5), (3.0, 0.9), (4.0, 0.2), (5.0, 0.4)] {
+        for (time, magnitude) in [
+            (1.0, 0.5_f64),
+            (2.0, 1.5),
+            (3.0, 0.9),
+            (4.0, 0.2),
+            (5.0, 0.4),
+        ] {
             error.record(time, 1.0, magnitude * magnitude, || magnitude * magnitude);
         }
         assert_eq!(error.settle_seconds(), Some(2.0));

@@ -131,8 +131,9 @@ impl Recorder {
         }
         self.table.values.extend_from_slice(row);
         self.last_s = time;
+        // Rounding must not make the same time due again.
         let grid = ((time / self.interval_s).floor() + 1.0) * self.interval_s;
-        self.due_s = if grid > time { grid } else { time.next_up() };
+        self.due_s = grid.max(time + 2.0 * f64::EPSILON * time);
     }
 
     /// The last row, when it is at `time_s`.

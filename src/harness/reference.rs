@@ -82,12 +82,17 @@ impl Reference {
     }
 
     /// The attitude and rate errors of a state, without sensor errors.
-    #[inline]
+    #[inline(always)]
     pub fn error(&self, time_s: f64, state: &RigidBodyState) -> AttitudeMeasurement {
-        let (desired, desired_rate) = match self {
-            Reference::Fixed(desired) => return fixed_error(desired, state),
-            _ => self.at(time_s),
-        };
+        match self {
+            Reference::Fixed(desired) => fixed_error(desired, state),
+            _ => self.moving_error(time_s, state),
+        }
+    }
+
+    #[inline(never)]
+    fn moving_error(&self, time_s: f64, state: &RigidBodyState) -> AttitudeMeasurement {
+        let (desired, desired_rate) = self.at(time_s);
         let error = attitude(state).error_from(&desired);
         AttitudeMeasurement {
             error,

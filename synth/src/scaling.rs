@@ -35,9 +35,8 @@ impl Scaling {
             scaled.norm().max(f64::MIN_POSITIVE)
         };
         let inputs = system.input.column_iter().zip(system.input_limit.iter());
-        let inputs = inputs.map(|(column, limit)| {
-            power_of_two((0.5 * limit).min(1.0 / largest(column)))
-        });
+        let inputs =
+            inputs.map(|(column, limit)| power_of_two((0.5 * limit).min(1.0 / largest(column))));
         let disturbance = system
             .disturbance
             .column_iter()
@@ -74,7 +73,11 @@ impl Scaling {
         }
         Task {
             system: TakagiSugeno {
-                vertices: system.vertices.iter().map(|a| &d_inverse * a * &d).collect(),
+                vertices: system
+                    .vertices
+                    .iter()
+                    .map(|a| &d_inverse * a * &d)
+                    .collect(),
                 input: &d_inverse * &system.input * &e,
                 disturbance: &d_inverse * &system.disturbance * c,
                 output: &system.output * &d,

@@ -5,4 +5,6 @@ mod assemble;
 mod run;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
-pub use run::{scaled_task, synthesize, FIRST_UNITS, Cancelled, Failure, Outcome, SynthesisError, Synthesized};
+pub use run::{
+    scaled_task, synthesize, Cancelled, Failure, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
+};

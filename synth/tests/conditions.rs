@@ -12,7 +12,7 @@ mod simulation;
 
 use std::collections::BTreeMap;
 
-use closed_loop::{in_rows, quadratic, schur_complement, Instant, Quantities, Terms};
+use closed_loop::{in_rows, magnitude, quadratic, schur_complement, Instant, Quantities, Terms};
 use exact::Stream;
 use nalgebra::{DMatrix, DVector};
 use random::{assert_close, vector, Point, Sizes};
@@ -55,7 +55,8 @@ fn assert_published_matrix_equals_the_proof(sector: Sector) {
         let point = Point::random(&mut stream, &task, sector);
         let of = Quantities::of(&point.design, &point.values);
         let vertex = &task.system.vertices[0];
-        let matrix = |interval| decrease(&task, vertex, interval, &point.design).value(&point.values);
+        let matrix =
+            |interval| decrease(&task, vertex, interval, &point.design).value(&point.values);
         let start = matrix(Interval::Start);
         let end = schur_complement(&matrix(Interval::End), task.system.states());
         for _ in 0..5 {
@@ -67,8 +68,11 @@ fn assert_published_matrix_equals_the_proof(sector: Sector) {
             let rows = in_rows(&point.design, &of, &at);
             for (form, expected) in [(&start, terms.at_start()), (&end, terms.at_end())] {
                 let value = quadratic(form, &rows);
-                let scale = rows.norm_squared() * random::size(form);
-                assert!((value - expected).abs() <= 1e-12 * scale, "{value:e} against {expected:e}");
+                let scale = magnitude(form, &rows);
+                assert!(
+                    (value - expected).abs() <= 1e-12 * scale,
+                    "{value:e} against {expected:e}"
+                );
             }
         }
     }
@@ -91,10 +95,17 @@ fn checked_matrices(model: &Model, certificate: &Certificate) -> BTreeMap<String
         let matrix = &statement.matrix;
         let midpoints = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| {
             let entry = matrix.at(r, c);
-            assert!(entry.radius() <= 1e-10 * entry.magnitude().max(1.0), "{}", statement.name);
+            assert!(
+                entry.radius() <= 1e-10 * entry.magnitude().max(1.0),
+                "{}",
+                statement.name
+            );
             entry.midpoint()
         });
-        assert!(out.insert(statement.name, midpoints).is_none(), "a name appears twice");
+        assert!(
+            out.insert(statement.name, midpoints).is_none(),
+            "a name appears twice"
+        );
     });
     out
 }
@@ -102,7 +113,9 @@ fn checked_matrices(model: &Model, certificate: &Certificate) -> BTreeMap<String
 /// Units that differ between the states, inputs and the disturbance.
 fn uneven_scaling(task: &Task, stream: &mut Stream) -> Scaling {
     let mut power = |length| {
-        DVector::from_fn(length, |_, _| f64::from(stream.integer(-4, 4) as i32).exp2())
+        DVector::from_fn(length, |_, _| {
+            f64::from(stream.integer(-4, 4) as i32).exp2()
+        })
     };
     Scaling {
         state: power(task.system.states()),
@@ -152,7 +165,11 @@ impl ToChecked<'_> {
         };
         // gamma and xi share their unit, the inverse square of the disturbance's.
         let gain_unit = self.scaling.disturbance;
-        let index = || name.rsplit(' ').next().and_then(|word| word.parse::<usize>().ok());
+        let index = || {
+            name.rsplit(' ')
+                .next()
+                .and_then(|word| word.parse::<usize>().ok())
+        };
         if name.starts_with("decrease") {
             Some(self.decrease(side))
         } else if name.ends_with("positive") {
@@ -162,9 +179,16 @@ impl ToChecked<'_> {
             let input = index()? - 1;
             let sector = self.point.design.sector.as_ref()?;
             let weight = sector.weight.value(&self.point.values)[(input, input)];
-            Some(DMatrix::from_element(1, 1, self.scaling.input[input] * weight * DEAD_ZONE_UNIT))
+            Some(DMatrix::from_element(
+                1,
+                1,
+                self.scaling.input[input] * weight * DEAD_ZONE_UNIT,
+            ))
         } else if name.starts_with("anti-windup") {
-            Some(bordered(self.state() / self.scaling.input[index()? - 1], 1.0))
+            Some(bordered(
+                self.state() / self.scaling.input[index()? - 1],
+                1.0,
+            ))
         } else if name == "peak gain" {
             Some(bordered(self.state(), gain_unit))
         } else if name == "gain bound above disturbance weight" {
@@ -199,7 +223,13 @@ fn synthesis_conditions(task: &Task, point: &Point) -> Vec<Condition> {
     let mut out = side_conditions(task, &point.design, &strictness);
     for interval in Interval::BOTH {
         for vertex in 0..task.system.vertices.len() {
-            out.push(full_condition(task, vertex, interval, &point.design, &strictness));
+            out.push(full_condition(
+                task,
+                vertex,
+                interval,
+                &point.design,
+                &strictness,
+            ));
         }
     }
     out
@@ -231,7 +261,9 @@ fn compare_with_the_check(model: &Model, stream: &mut Stream, sector: Sector) ->
             assert_eq!(name, "disturbance weight bound", "not compared");
             continue;
         };
-        let other = checked.get(name).unwrap_or_else(|| panic!("'{name}' is not checked"));
+        let other = checked
+            .get(name)
+            .unwrap_or_else(|| panic!("'{name}' is not checked"));
         let kept = without_dead_zone(other, map.nrows(), &task);
         let expected = map.transpose() * kept * &map;
         assert_close(&value, &expected, 1e-11, name);
@@ -246,7 +278,10 @@ fn without_dead_zone(matrix: &DMatrix<f64>, side: usize, task: &Task) -> DMatrix
         return matrix.clone();
     }
     let (first, count) = (4 * task.system.states(), task.system.inputs());
-    matrix.clone().remove_rows(first, count).remove_columns(first, count)
+    matrix
+        .clone()
+        .remove_rows(first, count)
+        .remove_columns(first, count)
 }
 
 #[test]
@@ -257,8 +292,15 @@ fn the_check_assembles_the_congruence_of_every_synthesis_condition() {
             let sizes = Sizes::any(&mut stream);
             let model = random::model(&mut stream, sizes, false);
             let compared = compare_with_the_check(&model, &mut stream, sector);
-            let sector_rows = if sector == Sector::Unknown { sizes.inputs } else { 0 };
-            assert_eq!(compared, 3 + sector_rows + 2 * sizes.vertices + sizes.inputs + 3);
+            let sector_rows = if sector == Sector::Unknown {
+                sizes.inputs
+            } else {
+                0
+            };
+            assert_eq!(
+                compared,
+                3 + sector_rows + 2 * sizes.vertices + sizes.inputs + 3
+            );
         }
     }
 }
@@ -325,23 +367,41 @@ fn check_promises(
             samples,
             ..
         } = closed_loop.run(&start, 20.0, &mut stream);
-        assert!(excess <= 1e-6, "V' + phi V - xi |tau|^2 reached {excess:e} of phi");
-        assert!(triggers > 1 && triggers < samples, "{triggers} triggers, {samples} samples");
-        eprintln!("excess {excess:e} {triggers} {samples}");
+        assert!(excess <= 1e-6, "V' + phi V - xi |tau|^2 reached {excess:e}");
+        assert!(
+            triggers > 1 && triggers < samples,
+            "{triggers} triggers, {samples} samples"
+        );
         tightest = tightest.max(excess);
     }
-    // Not vacuous: somewhere more than a quarter of the promised decrease is used up.
-    assert!(tightest > -20.0, "the bound is loose: {tightest}");
     let rest = closed_loop.run(&DVector::zeros(n), 60.0, &mut stream);
+    // The functional comes near its bound, so a wrong term would show.
+    eprintln!("tightest {tightest} {}", rest.excess);
+    assert!(
+        tightest.max(rest.excess) > -1.0,
+        "the bound is loose: {tightest} {}",
+        rest.excess
+    );
     let bound = certificate.guaranteed_gain * closed_loop.disturbance_bound;
-    assert!(rest.largest_output <= bound, "{} above {bound}", rest.largest_output);
-    assert!(rest.largest_output > 0.05 * bound, "{} of {bound}", rest.largest_output);
+    assert!(
+        rest.largest_output <= bound,
+        "{} above {bound}",
+        rest.largest_output
+    );
+    assert!(
+        rest.largest_output > 0.2 * bound,
+        "{} of {bound}",
+        rest.largest_output
+    );
 
     let mut reversed = certificate.clone();
     reversed.gain = -&reversed.gain;
     let direction = DVector::from_element(n, 1.0);
     let start = 0.1 * &direction / quadratic(&certificate.lyapunov, &direction).sqrt();
     let broken = EventTriggeredLoop::new(model, &reversed, plant).run(&start, 5.0, &mut stream);
-    eprintln!("rest {} of {bound}; broken {}", rest.largest_output, broken.excess);
-    assert!(broken.excess > 1e-3, "a reversed gain must break the promise: {}", broken.excess);
+    assert!(
+        broken.excess > 1e-3,
+        "a reversed gain must break the promise: {}",
+        broken.excess
+    );
 }

@@ -4,8 +4,16 @@
 use serde_json::{Map, Value};
 
 /// Keywords that only describe.
-const ANNOTATIONS: [&str; 8] =
-    ["$schema", "$defs", "title", "description", "default", "format", "$id", "examples"];
+const ANNOTATIONS: [&str; 8] = [
+    "$schema",
+    "$defs",
+    "title",
+    "description",
+    "default",
+    "format",
+    "$id",
+    "examples",
+];
 
 /// The first reason why `value` is not valid, with its place.
 pub fn first_fault(schema: &Value, value: &Value) -> Option<String> {
@@ -25,15 +33,30 @@ fn fault(root: &Value, schema: &Value, value: &Value, place: &str) -> Option<Str
             "type" => (!has_type(rule, value)).then(|| wrong("of type"))?,
             "const" => (rule != value).then(|| wrong("the constant"))?,
             "enum" => (!list(rule).contains(value)).then(|| wrong("one of"))?,
-            "minimum" => value.as_f64().is_some_and(|x| Some(x) < rule.as_f64()).then(|| wrong("at least"))?,
-            "maximum" => value.as_f64().is_some_and(|x| Some(x) > rule.as_f64()).then(|| wrong("at most"))?,
-            "exclusiveMinimum" => value.as_f64().is_some_and(|x| Some(x) <= rule.as_f64()).then(|| wrong("above"))?,
-            "minItems" => length(value).is_some_and(|n| Some(n) < rule.as_u64()).then(|| wrong("as long as"))?,
-            "maxItems" => length(value).is_some_and(|n| Some(n) > rule.as_u64()).then(|| wrong("as short as"))?,
+            "minimum" => value
+                .as_f64()
+                .is_some_and(|x| Some(x) < rule.as_f64())
+                .then(|| wrong("at least"))?,
+            "maximum" => value
+                .as_f64()
+                .is_some_and(|x| Some(x) > rule.as_f64())
+                .then(|| wrong("at most"))?,
+            "exclusiveMinimum" => value
+                .as_f64()
+                .is_some_and(|x| Some(x) <= rule.as_f64())
+                .then(|| wrong("above"))?,
+            "minItems" => length(value)
+                .is_some_and(|n| Some(n) < rule.as_u64())
+                .then(|| wrong("as long as"))?,
+            "maxItems" => length(value)
+                .is_some_and(|n| Some(n) > rule.as_u64())
+                .then(|| wrong("as short as"))?,
             "required" => {
                 let missing = |name: &&Value| value.get(name.as_str().unwrap()).is_none();
                 let name = list(rule).iter().find(missing)?;
-                value.is_object().then(|| format!("{place}: {name} is missing"))
+                value
+                    .is_object()
+                    .then(|| format!("{place}: {name} is missing"))
             }
             "properties" => properties(root, rule, value, place),
             "additionalProperties" => additional(root, rules, rule, value, place),
@@ -63,9 +86,9 @@ fn fault(root: &Value, schema: &Value, value: &Value, place: &str) -> Option<Str
 
 fn properties(root: &Value, rule: &Value, value: &Value, place: &str) -> Option<String> {
     let fields = value.as_object()?;
-    fields.iter().find_map(|(name, field)| {
-        fault(root, rule.get(name)?, field, &format!("{place}/{name}"))
-    })
+    fields
+        .iter()
+        .find_map(|(name, field)| fault(root, rule.get(name)?, field, &format!("{place}/{name}")))
 }
 
 fn additional(
@@ -75,7 +98,11 @@ fn additional(
     value: &Value,
     place: &str,
 ) -> Option<String> {
-    let known = |name: &str| rules.get("properties").is_some_and(|known| known.get(name).is_some());
+    let known = |name: &str| {
+        rules
+            .get("properties")
+            .is_some_and(|known| known.get(name).is_some())
+    };
     let mut others = value.as_object()?.iter().filter(|(name, _)| !known(name));
     others.find_map(|(name, field)| fault(root, rule, field, &format!("{place}/{name}")))
 }
@@ -85,16 +112,18 @@ fn has_type(rule: &Value, value: &Value) -> bool {
         Value::Array(names) => names.as_slice(),
         name => std::slice::from_ref(name),
     };
-    names.iter().any(|name| match name.as_str().expect("a type's name") {
-        "object" => value.is_object(),
-        "array" => value.is_array(),
-        "string" => value.is_string(),
-        "number" => value.is_number(),
-        "integer" => value.is_i64() || value.is_u64(),
-        "boolean" => value.is_boolean(),
-        "null" => value.is_null(),
-        other => panic!("the type {other} is not known to this validator"),
-    })
+    names
+        .iter()
+        .any(|name| match name.as_str().expect("a type's name") {
+            "object" => value.is_object(),
+            "array" => value.is_array(),
+            "string" => value.is_string(),
+            "number" => value.is_number(),
+            "integer" => value.is_i64() || value.is_u64(),
+            "boolean" => value.is_boolean(),
+            "null" => value.is_null(),
+            other => panic!("the type {other} is not known to this validator"),
+        })
 }
 
 fn list(value: &Value) -> &[Value] {

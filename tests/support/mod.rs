@@ -68,7 +68,12 @@ pub fn command() -> Command {
 
 /// Runs the built command.
 pub fn steadfast<I: IntoIterator<Item = S>, S: AsRef<OsStr>>(arguments: I) -> Run {
-    Run::new(command().args(arguments).output().expect("the command runs"))
+    Run::new(
+        command()
+            .args(arguments)
+            .output()
+            .expect("the command runs"),
+    )
 }
 
 /// The repository's folder.
@@ -96,7 +101,11 @@ pub fn folder() -> TempDir {
 pub fn names_in(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let name = |entry: std::io::Result<std::fs::DirEntry>| {
-        entry.expect("an entry").file_name().into_string().expect("a plain name")
+        entry
+            .expect("an entry")
+            .file_name()
+            .into_string()
+            .expect("a plain name")
     };
     let mut names: Vec<String> = entries.map(name).collect();
     names.sort();
@@ -140,7 +149,10 @@ pub fn set(file: &mut Value, pointer: &str, value: Value) {
 #[track_caller]
 pub fn remove(file: &mut Value, pointer: &str) {
     let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
-    let fields = file.pointer_mut(parent).and_then(Value::as_object_mut).expect("an object");
+    let fields = file
+        .pointer_mut(parent)
+        .and_then(Value::as_object_mut)
+        .expect("an object");
     fields.remove(key).expect("the key exists");
 }
 
@@ -155,7 +167,10 @@ pub fn number(file: &Value, pointer: &str) -> f64 {
 #[track_caller]
 pub fn assert_relative(found: f64, expected: f64, tolerance: f64) {
     let error = (found - expected).abs() / expected.abs();
-    assert!(error <= tolerance, "{found} against {expected}: relative error {error:e}");
+    assert!(
+        error <= tolerance,
+        "{found} against {expected}: relative error {error:e}"
+    );
 }
 
 /// A design made once for all tests of a file: (its folder, its path).
@@ -168,7 +183,12 @@ fn synthesized(model: &str) -> SharedDesign {
     let folder = folder();
     let path = folder.path().join("design.json");
     let model = shipped(model);
-    let run = steadfast([OsStr::new("synthesize"), model.as_ref(), "-o".as_ref(), path.as_ref()]);
+    let run = steadfast([
+        OsStr::new("synthesize"),
+        model.as_ref(),
+        "-o".as_ref(),
+        path.as_ref(),
+    ]);
     run.ends_with(0);
     SharedDesign {
         _folder: folder,
@@ -185,5 +205,7 @@ pub fn xu2020_design() -> &'static Path {
 /// The design of `models/double-integrator.json`.
 pub fn double_integrator_design() -> &'static Path {
     static DESIGN: OnceLock<SharedDesign> = OnceLock::new();
-    &DESIGN.get_or_init(|| synthesized("double-integrator.json")).path
+    &DESIGN
+        .get_or_init(|| synthesized("double-integrator.json"))
+        .path
 }

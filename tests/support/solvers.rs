@@ -24,7 +24,11 @@ pub fn csdp(problem: &Path) -> Option<Optimum> {
         return None;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let run = Command::new("csdp").arg(problem).arg("solution").current_dir(folder.path()).output();
+    let run = Command::new("csdp")
+        .arg(problem)
+        .arg("solution")
+        .current_dir(folder.path())
+        .output();
     let output = run.expect("csdp runs");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "csdp: {text}");
@@ -58,7 +62,10 @@ pub fn sdpa(problem: &Path) -> Option<Optimum> {
 
 #[track_caller]
 fn value_after(text: &str, label: &str) -> f64 {
-    let rest = text.split(label).nth(1).unwrap_or_else(|| panic!("no '{label}' in {text}"));
+    let rest = text
+        .split(label)
+        .nth(1)
+        .unwrap_or_else(|| panic!("no '{label}' in {text}"));
     let word = rest.split_whitespace().next().expect("a value");
     word.parse().expect("a number")
 }

@@ -2,9 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::dormand_prince_coefficients::{
-    ERROR_3, ERROR_5, NODES, STAGES, STAGE_WEIGHTS, WEIGHTS,
-};
+use super::dormand_prince_coefficients::{ERROR_3, ERROR_5, NODES, STAGES, STAGE_WEIGHTS, WEIGHTS};
 use crate::harness::disturbance::Disturbance;
 use crate::harness::plant::Plant;
 
@@ -81,14 +79,18 @@ impl<P, const D: usize> DormandPrince<'_, P, D> {
             let weights = &STAGE_WEIGHTS[stage][..stage];
             let at = state + combination(&slopes, weights) * step;
             let time = time_s + NODES[stage] * step;
-            slopes[stage] = self.plant.derivative(time, &at, input, &self.disturbance.at(time));
+            slopes[stage] = self
+                .plant
+                .derivative(time, &at, input, &self.disturbance.at(time));
         }
         let next = state + combination(&slopes, &WEIGHTS) * step;
-        let scale = state.zip_map(&next, |a, b| {
-            self.tolerance * a.abs().max(b.abs()).max(1.0)
-        });
-        let fifth = combination(&slopes, &ERROR_5).component_div(&scale).norm_squared();
-        let third = combination(&slopes, &ERROR_3).component_div(&scale).norm_squared();
+        let scale = state.zip_map(&next, |a, b| self.tolerance * a.abs().max(b.abs()).max(1.0));
+        let fifth = combination(&slopes, &ERROR_5)
+            .component_div(&scale)
+            .norm_squared();
+        let third = combination(&slopes, &ERROR_3)
+            .component_div(&scale)
+            .norm_squared();
         let denominator = ((fifth + 0.01 * third) * N as f64).sqrt();
         let error = if denominator > 0.0 {
             step * fifth / denominator
@@ -104,4 +106,75 @@ fn combination<const N: usize>(slopes: &[SVector<f64, N>], weights: &[f64]) -> S
     terms.fold(SVector::zeros(), |sum, (slope, &weight)| {
         sum + slope * weight
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::harness::disturbance::{Harmonic, Walker};
+    use crate::harness::integrator::runge_kutta;
+    use crate::harness::plant::{rigid_body_state, RigidBody, RigidBodyState};
+    use nalgebra::{Matrix3, Vector3};
+    use runtime::attitude::Quaternion;
+
+    const DURATION_S: f64 = 64.0;
+
+    fn tumbling() -> (RigidBody, RigidBodyState, Disturbance<3>) {
+        let inertia = Matrix3::new(3.5, 0.03, 0.04, 0.03, 2.7, 0.1, 0.04, 0.1, 1.9);
+        let rate = Vector3::new(0.2, -0.3, 0.1);
+        let mut disturbance = Disturbance::none();
+        disturbance.harmonics.push(Harmonic {
+            frequency_rad_s: 0.6,
+            sine: Vector3::new(0.02, 0.0, -0.01),
+            cosine: Vector3::new(0.0, 0.03, 0.01),
+        });
+        let start = rigid_body_state(&Quaternion::identity(), &rate);
+        (RigidBody::new(inertia).unwrap(), start, disturbance)
+    }
+
+    fn adaptive(tolerance: f64) -> RigidBodyState {
+        let (body, mut state, disturbance) = tumbling();
+        let mut integrator = DormandPrince {
+            plant: &body,
+            disturbance: &disturbance,
+            tolerance,
+            trial_s: 1.0,
+        };
+        let mut time = 0.0;
+        while time < DURATION_S {
+            (time, state) = integrator.step(time, DURATION_S, &state, &Vector3::zeros());
+        }
+        state
+    }
+
+    fn fixed(steps: u32) -> RigidBodyState {
+        let (body, mut state, disturbance) = tumbling();
+        let mut walker = Walker::new(&disturbance, 0.0);
+        let step = DURATION_S / f64::from(steps);
+        for index in 0..steps {
+            let time = f64::from(index) * step;
+            let values = walker.step(time, step);
+            state = runge_kutta::step(&body, time, &state, step, &Vector3::zeros(), &values);
+        }
+        state
+    }
+
+    #[test]
+    fn tightening_the_tolerance_converges_to_1e_12() {
+        let exact = adaptive(1e-14);
+        let errors = [1e-6, 1e-9, 1e-12].map(|tolerance| (adaptive(tolerance) - exact).amax());
+        println!("{errors:?}");
+        assert!(errors[0] < 1e-4 && errors[0] > errors[1] && errors[1] > errors[2]);
+        assert!(errors[2] < 1e-10);
+    }
+
+    #[test]
+    fn the_fixed_step_converges_to_the_reference_with_order_4() {
+        let exact = adaptive(1e-13);
+        let error = |steps| (fixed(steps) - exact).amax();
+        let (coarse, fine) = (error(256), error(512));
+        println!("{coarse:e}, {fine:e}");
+        assert!(fine > 1e-12);
+        assert!((12.0..22.0).contains(&(coarse / fine)), "{}", coarse / fine);
+    }
 }

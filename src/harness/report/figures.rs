@@ -61,7 +61,10 @@ impl Figure {
         let start = svg.find("<svg").unwrap_or(0);
         Ok(svg[start..].replacen(
             "<svg ",
-            &format!("<svg role=\"img\" aria-label=\"{}\" ", super::page::escape(&self.title)),
+            &format!(
+                "<svg role=\"img\" aria-label=\"{}\" ",
+                super::page::escape(&self.title)
+            ),
             1,
         ))
     }
@@ -74,7 +77,10 @@ impl Figure {
         let pairs = self.lines.iter().zip(COLOURS.iter().cycle());
         pairs
             .map(|(line, RGBColor(red, green, blue))| {
-                (line.name.as_str(), format!("#{red:02x}{green:02x}{blue:02x}"))
+                (
+                    line.name.as_str(),
+                    format!("#{red:02x}{green:02x}{blue:02x}"),
+                )
             })
             .collect()
     }
@@ -127,7 +133,9 @@ impl Figure {
                     chart.draw_series(series).map_err(text)?;
                 }
                 Mark::Dot => {
-                    let dots = points.into_iter().map(|at| Circle::new(at, 2, colour.filled()));
+                    let dots = points
+                        .into_iter()
+                        .map(|at| Circle::new(at, 2, colour.filled()));
                     chart.draw_series(dots).map_err(text)?;
                 }
             }
@@ -145,9 +153,14 @@ impl Figure {
 
     /// Range of the values with headroom; never empty.
     fn range(&self) -> (f64, f64) {
-        let values = self.lines.iter().flat_map(|line| line.points.iter().map(|point| point.1));
+        let values = self
+            .lines
+            .iter()
+            .flat_map(|line| line.points.iter().map(|point| point.1));
         let values = values.chain(self.limits.iter().copied());
-        let scaled = values.map(|value| self.scaled(value)).filter(|value| value.is_finite());
+        let scaled = values
+            .map(|value| self.scaled(value))
+            .filter(|value| value.is_finite());
         let (low, high) = scaled.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
         });
@@ -178,7 +191,10 @@ fn plain(value: f64) -> String {
         return format!("{value:.1e}").replace(".0e", "e");
     }
     let rounded = format!("{value:.6}");
-    rounded.trim_end_matches('0').trim_end_matches('.').to_string()
+    rounded
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_string()
 }
 
 /// Two significant digits.

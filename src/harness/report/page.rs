@@ -62,7 +62,9 @@ fn header(summary: &Summary, body: &mut String) {
         Some(outcome) if outcome.covers_run => {
             "The design is proved, the proof covers this run, and the run kept its bound."
         }
-        Some(outcome) if outcome.proved => "The design is proved; the proof does not cover this run.",
+        Some(outcome) if outcome.proved => {
+            "The design is proved; the proof does not cover this run."
+        }
         Some(_) => "The design is NOT proved.",
         None => "Nothing is proved for this controller.",
     };
@@ -91,13 +93,22 @@ fn metrics(summary: &Summary, body: &mut String) {
         ("Samples", summary.samples.to_string()),
         ("Bytes sent", summary.bytes.to_string()),
         ("Torque updates", summary.updates.to_string()),
-        ("Shortest time between messages (s)", number(summary.shortest_interval_s)),
-        ("Mean time between messages (s)", number(summary.mean_interval_s)),
+        (
+            "Shortest time between messages (s)",
+            number(summary.shortest_interval_s),
+        ),
+        (
+            "Mean time between messages (s)",
+            number(summary.mean_interval_s),
+        ),
         ("Settled from (s)", number(summary.settle_seconds)),
     ];
     if summary.system == "rigid_body" {
         rows.push(("Final error (deg)", number(summary.final_error_deg)));
-        rows.push(("Rms error over the tail (deg)", number(summary.rms_error_deg)));
+        rows.push((
+            "Rms error over the tail (deg)",
+            number(summary.rms_error_deg),
+        ));
         rows.push(("Largest rate (rad/s)", number(summary.max_rate)));
         rows.push(("Largest torque (N m)", short(summary.max_torque)));
         rows.push(("Impulse (N m s)", short(summary.impulse)));
@@ -109,14 +120,24 @@ fn metrics(summary: &Summary, body: &mut String) {
     }
     if summary.held_samples > 0 {
         let reason = summary.first_hold.as_deref().unwrap_or("unknown");
-        rows.push(("Samples not used", format!("{} ({reason})", summary.held_samples)));
+        rows.push((
+            "Samples not used",
+            format!("{} ({reason})", summary.held_samples),
+        ));
     }
     if let Some(mismatch) = summary.largest_membership_mismatch {
         rows.push(("Largest membership mismatch", short(mismatch)));
     }
     body.push_str("<section><h2>Numbers</h2>\n<table class=\"numbers\">\n");
     for (name, value) in rows {
-        put(body, format_args!("<tr><th>{}</th><td>{}</td></tr>\n", escape(name), escape(&value)));
+        put(
+            body,
+            format_args!(
+                "<tr><th>{}</th><td>{}</td></tr>\n",
+                escape(name),
+                escape(&value)
+            ),
+        );
     }
     body.push_str("</table></section>\n");
 }
@@ -150,11 +171,15 @@ fn requirements(summary: &Summary, body: &mut String) {
 
 fn certificate(outcome: &CertificateOutcome, body: &mut String) {
     let yes = |value: bool| if value { "yes" } else { "NO" }.to_string();
-    let never = |time: Option<f64>| time.map_or("never".to_string(), |t| format!("at {} s", short(t)));
+    let never =
+        |time: Option<f64>| time.map_or("never".to_string(), |t| format!("at {} s", short(t)));
     let mut rows: Vec<(&str, String)> = vec![
         ("Design proved from its numbers", yes(outcome.proved)),
         ("Proof covers this run", yes(outcome.covers_run)),
-        ("x'Ux at the start (certified set: at most 1)", short(outcome.start_level)),
+        (
+            "x'Ux at the start (certified set: at most 1)",
+            short(outcome.start_level),
+        ),
         (
             "Largest x'Ux over its bound",
             format!(
@@ -163,12 +188,25 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
                 short(outcome.largest_lyapunov_ratio_at_s)
             ),
         ),
-        ("Steps above the bound", outcome.bound_broken_steps.to_string()),
-        ("Left the invariant set", never(outcome.left_invariant_set_s)),
+        (
+            "Steps above the bound",
+            outcome.bound_broken_steps.to_string(),
+        ),
+        (
+            "Left the invariant set",
+            never(outcome.left_invariant_set_s),
+        ),
         ("Left the box of the model", never(outcome.left_box_s)),
         ("Largest output", short(outcome.peak_output)),
         ("Largest disturbance", short(outcome.peak_disturbance)),
-        ("Guaranteed gain; gamma", format!("{}; {}", short(outcome.guaranteed_gain), short(outcome.gamma))),
+        (
+            "Guaranteed gain; gamma",
+            format!(
+                "{}; {}",
+                short(outcome.guaranteed_gain),
+                short(outcome.gamma)
+            ),
+        ),
     ];
     if let (Some(margin), Some(name)) = (outcome.worst_margin, &outcome.worst_condition) {
         rows.push(("Smallest margin", format!("{margin:.3e} ({name})")));
@@ -177,13 +215,23 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
         let from = if outcome.from_rest_in_origin {
             short(ratio)
         } else {
-            format!("{} (no test of the gain: the run does not start in the origin)", short(ratio))
+            format!(
+                "{} (no test of the gain: the run does not start in the origin)",
+                short(ratio)
+            )
         };
         rows.push(("Largest output over largest disturbance", from));
     }
     body.push_str("<section><h2>Certificate</h2>\n<table class=\"numbers\">\n");
     for (name, value) in rows {
-        put(body, format_args!("<tr><th>{}</th><td>{}</td></tr>\n", escape(name), escape(&value)));
+        put(
+            body,
+            format_args!(
+                "<tr><th>{}</th><td>{}</td></tr>\n",
+                escape(name),
+                escape(&value)
+            ),
+        );
     }
     body.push_str("</table>\n");
     if !outcome.not_covered.is_empty() {
@@ -205,7 +253,10 @@ fn legend(figure: &Figure, body: &mut String) {
     for (name, colour) in lines {
         put(
             body,
-            format_args!("<span style=\"border-color: {colour}\">{}</span>", escape(name)),
+            format_args!(
+                "<span style=\"border-color: {colour}\">{}</span>",
+                escape(name)
+            ),
         );
     }
     body.push_str("</p>\n");
@@ -257,6 +308,11 @@ fn short(value: f64) -> String {
     text
 }
 
+/// Lines of (column, name) pairs; held values when asked for.
+type Collect<'a> = dyn Fn(&[(&str, &str)], bool) -> Vec<Line> + 'a;
+/// A figure with a title, a label and lines.
+type Draw<'a> = dyn Fn(&str, &str, Vec<Line>) -> Figure + 'a;
+
 /// The figures that the trajectory's columns allow.
 fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     let Some(times) = trajectory.column("time_s") else {
@@ -292,7 +348,11 @@ fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
         let dots = Line::intervals("time since the last message", &events);
         out.push(Figure {
             logarithmic: true,
-            ..figure("Inter-event times", "time since the last message (s)", vec![dots])
+            ..figure(
+                "Inter-event times",
+                "time since the last message (s)",
+                vec![dots],
+            )
         });
     }
     let level = collect(&[("lyapunov", "x'Ux"), ("lyapunov_bound", "bound")], false);
@@ -305,11 +365,7 @@ fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     out
 }
 
-fn attitude_figures(
-    summary: &Summary,
-    collect: &dyn Fn(&[(&str, &str)], bool) -> Vec<Line>,
-    figure: &dyn Fn(&str, &str, Vec<Line>) -> Figure,
-) -> Vec<Figure> {
+fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<Figure> {
     let quaternion = [
         ("error_q0_scalar", "q0 (scalar)"),
         ("error_q1", "q1"),
@@ -341,16 +397,16 @@ fn attitude_figures(
         Figure {
             logarithmic: true,
             limits: vec![summary.scales.settle_tolerance],
-            ..figure("Attitude error and settling tolerance", "error (deg)", error)
+            ..figure(
+                "Attitude error and settling tolerance",
+                "error (deg)",
+                error,
+            )
         },
     ]
 }
 
-fn state_figures(
-    trajectory: &Table,
-    collect: &dyn Fn(&[(&str, &str)], bool) -> Vec<Line>,
-    figure: &dyn Fn(&str, &str, Vec<Line>) -> Figure,
-) -> Vec<Figure> {
+fn state_figures(trajectory: &Table, collect: &Collect, figure: &Draw) -> Vec<Figure> {
     let named = |prefix: &str| -> Vec<(String, String)> {
         let columns = trajectory.columns.iter();
         let columns = columns.filter_map(|column| {
@@ -360,7 +416,10 @@ fn state_figures(
         columns.collect()
     };
     let borrowed = |pairs: &[(String, String)], held: bool| {
-        let pairs: Vec<_> = pairs.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
+        let pairs: Vec<_> = pairs
+            .iter()
+            .map(|(a, b)| (a.as_str(), b.as_str()))
+            .collect();
         collect(&pairs, held)
     };
     vec![

@@ -106,7 +106,10 @@ impl Scenario {
                 .metrics
                 .settle_tolerance_state
                 .unwrap_or(DEFAULT_SETTLE_TOLERANCE_STATE),
-            tail_s: file.metrics.tail_s.unwrap_or(DEFAULT_TAIL * file.duration_s),
+            tail_s: file
+                .metrics
+                .tail_s
+                .unwrap_or(DEFAULT_TAIL * file.duration_s),
             requirements: file.requirements.clone(),
             output_interval_s: check_output(file)?,
         })
@@ -143,7 +146,12 @@ pub(super) fn each(
 fn check_step_count(field: &str, step: f64, duration: f64) -> Result<(), ModelError> {
     check_positive(field, step)?;
     let least = duration / MAX_STEPS;
-    require(step >= least, field, step, &format!("at least duration_s / {MAX_STEPS:e}"))
+    require(
+        step >= least,
+        field,
+        step,
+        &format!("at least duration_s / {MAX_STEPS:e}"),
+    )
 }
 
 fn check_sampling(file: &SamplingFile, duration: f64) -> Result<Instants, ModelError> {
@@ -153,7 +161,11 @@ fn check_sampling(file: &SamplingFile, duration: f64) -> Result<Instants, ModelE
     match &file.instants {
         InstantsFile::Periodic(periodic) => {
             let field = "sampling.instants.periodic";
-            check_step_count(&format!("{field}.interval_s"), periodic.interval_s, duration)?;
+            check_step_count(
+                &format!("{field}.interval_s"),
+                periodic.interval_s,
+                duration,
+            )?;
             let ok = (0.0..0.5 * periodic.interval_s).contains(&periodic.jitter_s);
             let allowed = "0 or above and below half of interval_s";
             require(ok, &format!("{field}.jitter_s"), periodic.jitter_s, allowed)?;
@@ -168,7 +180,12 @@ fn check_sampling(file: &SamplingFile, duration: f64) -> Result<Instants, ModelE
             check_positive(&format!("{field}.shortest_s"), shortest)?;
             check_step_count(&format!("{field}.longest_s"), longest, duration)?;
             let ok = shortest <= longest;
-            require(ok, &format!("{field}.longest_s"), longest, "shortest_s or above")?;
+            require(
+                ok,
+                &format!("{field}.longest_s"),
+                longest,
+                "shortest_s or above",
+            )?;
             Ok(Instants::Aperiodic {
                 shortest_s: shortest,
                 longest_s: longest,
@@ -215,12 +232,20 @@ fn check_continuous(
         require(false, field, value, &allowed)
     };
     if let Method::DormandPrince853 { tolerance } = method {
-        return refuse("integrator.dormand_prince853.tolerance", *tolerance, "left out");
+        return refuse(
+            "integrator.dormand_prince853.tolerance",
+            *tolerance,
+            "left out",
+        );
     }
     match system {
         System::RigidBody(body) if !body.sensors.is_perfect() => {
             let noise = body.sensors.attitude_noise_rad.to_degrees();
-            refuse("system.rigid_body.sensors.attitude_noise_deg", noise, "0, as every sensor error,")
+            refuse(
+                "system.rigid_body.sensors.attitude_noise_deg",
+                noise,
+                "0, as every sensor error,",
+            )
         }
         System::TakagiSugeno(model) if model.state_noise > 0.0 => {
             refuse("system.takagi_sugeno.state_noise", model.state_noise, "0")
@@ -232,7 +257,12 @@ fn check_continuous(
 fn check_metrics(file: &MetricsFile, duration: f64) -> Result<(), ModelError> {
     if let Some(tolerance) = file.settle_tolerance_deg {
         let ok = tolerance > 0.0 && tolerance <= 180.0;
-        require(ok, "metrics.settle_tolerance_deg", tolerance, "above 0 and at most 180")?;
+        require(
+            ok,
+            "metrics.settle_tolerance_deg",
+            tolerance,
+            "above 0 and at most 180",
+        )?;
     }
     if let Some(tolerance) = file.settle_tolerance_state {
         check_positive("metrics.settle_tolerance_state", tolerance)?;

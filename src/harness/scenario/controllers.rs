@@ -3,10 +3,10 @@
 use nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use runtime::wu2018;
-use synth::model::{check_positive, finite, ModelError};
+use synth::model::{check_matrix, check_positive, check_positive_definite, finite, ModelError};
 
 use super::check::{each, not_negative, require};
-use super::file::{
+use super::controller_file::{
     ClaimFile, ControllerFile, ThresholdFile, WuFile, WuGainsFile, WuTriggerFile, XuFile,
 };
 use super::systems::System;
@@ -112,8 +112,14 @@ fn wu2018(file: &WuFile, plant_inertia: f64) -> Result<wu2018::Parameters, Model
 fn wu_gains(file: &WuGainsFile, plant_inertia: f64) -> Result<wu2018::Gains, ModelError> {
     match file {
         WuGainsFile::Direct(direct) => {
-            check_positive("gains.direct.error_gain_nm_s_rad", direct.error_gain_nm_s_rad)?;
-            check_positive("gains.direct.attitude_weight_rad_s", direct.attitude_weight_rad_s)?;
+            check_positive(
+                "gains.direct.error_gain_nm_s_rad",
+                direct.error_gain_nm_s_rad,
+            )?;
+            check_positive(
+                "gains.direct.attitude_weight_rad_s",
+                direct.attitude_weight_rad_s,
+            )?;
             Ok(wu2018::Gains {
                 error_gain: direct.error_gain_nm_s_rad,
                 attitude_weight: direct.attitude_weight_rad_s,
@@ -122,7 +128,10 @@ fn wu_gains(file: &WuGainsFile, plant_inertia: f64) -> Result<wu2018::Gains, Mod
         WuGainsFile::SettlingTime(settling) => {
             let field = "gains.settling_time";
             let inertia = settling.largest_inertia_kg_m2.unwrap_or(plant_inertia);
-            check_positive(&format!("{field}.settling_time_s"), settling.settling_time_s)?;
+            check_positive(
+                &format!("{field}.settling_time_s"),
+                settling.settling_time_s,
+            )?;
             check_positive(&format!("{field}.damping_ratio"), settling.damping_ratio)?;
             check_positive(&format!("{field}.largest_inertia_kg_m2"), inertia)?;
             let gains = wu2018::Gains::from_settling_time(
@@ -165,7 +174,10 @@ fn xu2020(file: &XuFile) -> Result<XuChoice, ModelError> {
     if let Some(claim) = &file.published_claim {
         check_positive("published_claim.gain_bound", claim.gain_bound)?;
         check_positive("published_claim.decay_rate_per_s", claim.decay_rate_per_s)?;
-        check_positive("published_claim.membership_mismatch", claim.membership_mismatch)?;
+        check_positive(
+            "published_claim.membership_mismatch",
+            claim.membership_mismatch,
+        )?;
     }
     Ok(XuChoice {
         rules,
@@ -180,37 +192,15 @@ fn xu2020(file: &XuFile) -> Result<XuChoice, ModelError> {
 
 fn weight(rows: &[[f64; 6]; 6]) -> Result<Matrix6<f64>, ModelError> {
     let field = "trigger_weight";
-    for (row, values) in rows.iter().enumerate() {
-        each(&format!("{field}[{row}]"), values, finite)?;
-        for column in row + 1..6 {
-            let (value, mirrored) = (values[column], rows[column][row]);
-            if value != mirrored {
-                return Err(ModelError::NotSymmetric {
-                    field: field.to_string(),
-                    row: row + 1,
-                    column: column + 1,
-                    value,
-                    mirrored,
-                });
-            }
-        }
-    }
-    let matrix = Matrix6::from_fn(|r, c| rows[r][c]);
-    let eigenvalues = matrix.symmetric_eigenvalues();
-    let smallest = eigenvalues.min();
-    if smallest <= 1e-12 * eigenvalues.max() {
-        return Err(ModelError::NotPositiveDefinite {
-            field: field.to_string(),
-            smallest,
-        });
-    }
-    Ok(matrix)
+    let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+    let matrix = check_matrix(field, &rows_as_lists, (Some(6), Some(6)))?;
+    check_positive_definite(field, &matrix)?;
+    Ok(Matrix6::from_fn(|r, c| rows[r][c]))
 }
 
 fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
-    let in_range = |field: &str, value: f64| {
-        require((0.0..1.0).contains(&value), field, value, "in [0, 1)")
-    };
+    let in_range =
+        |field: &str, value: f64| require((0.0..1.0).contains(&value), field, value, "in [0, 1)");
     match file {
         ThresholdFile::Fixed(fixed) => {
             in_range("threshold.fixed.nu", fixed.nu)?;
@@ -222,7 +212,12 @@ fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
             in_range("threshold.clamped.nu_min", clamped.nu_min)?;
             in_range("threshold.clamped.nu_max", clamped.nu_max)?;
             let ok = clamped.nu_min <= clamped.nu_max;
-            require(ok, "threshold.clamped.nu_max", clamped.nu_max, "nu_min or above")?;
+            require(
+                ok,
+                "threshold.clamped.nu_max",
+                clamped.nu_max,
+                "nu_min or above",
+            )?;
             Ok(ThresholdUpdate::Clamped {
                 adaptation: adaptation("threshold.clamped.mu", &clamped.mu)?,
                 minimum: clamped.nu_min,

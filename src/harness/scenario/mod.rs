@@ -1,11 +1,15 @@
 //! Scenario files: a plant, a controller and what is required of them.
 
 mod check;
+mod controller_file;
 mod controllers;
 mod file;
+mod system_file;
 mod systems;
 
 pub use check::Scenario;
 pub use controllers::{ControllerChoice, XuChoice};
+pub use controller_file::*;
 pub use file::*;
+pub use system_file::*;
 pub use systems::{RigidBodySystem, System, TakagiSugenoSystem};

@@ -4,11 +4,11 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use runtime::attitude::{Quaternion, NORM_TOLERANCE};
 use synth::fuzzy::VertexSystem;
 use synth::model::{
-    check_positive, finite, ExactPlant, Model, ModelError, ModelFile, PlantFile, Plant, Specs,
+    check_positive, finite, ExactPlant, Model, ModelError, ModelFile, Plant, PlantFile, Specs,
 };
 
 use super::check::{each, not_negative, require};
-use super::file::{
+use super::system_file::{
     ActuatorsFile, AttitudeFile, FaultFile, MixingFile, ReferenceFile, RigidBodyFile, SensorsFile,
     SystemFile, TakagiSugenoFile, TorqueFile,
 };
@@ -92,7 +92,9 @@ fn rigid_body(file: &RigidBodyFile) -> Result<RigidBodySystem, ModelError> {
     each("initial_rate_rad_s", &file.initial_rate_rad_s, finite)?;
     let mut actuators = actuators(&file.actuators)?;
     for (index, fault) in file.faults.iter().enumerate() {
-        actuators.faults.push(check_fault(&format!("faults[{index}]"), fault)?);
+        actuators
+            .faults
+            .push(check_fault(&format!("faults[{index}]"), fault)?);
     }
     Ok(RigidBodySystem {
         body,
@@ -194,7 +196,12 @@ fn unit_axis(field: &str, axis: &[f64; 3]) -> Result<Vector3<f64>, ModelError> {
     each(field, axis, finite)?;
     let axis = Vector3::from(*axis);
     let length = axis.norm();
-    require(length > 0.0, field, length, "an axis of length above 0; this is its length")?;
+    require(
+        length > 0.0,
+        field,
+        length,
+        "an axis of length above 0; this is its length",
+    )?;
     Ok(axis / length)
 }
 
@@ -233,7 +240,12 @@ fn reference(file: &ReferenceFile) -> Result<Reference, ModelError> {
 
 fn check_window(field: &str, from: f64, until: f64) -> Result<(), ModelError> {
     not_negative(&format!("{field}.from_s"), from)?;
-    require(until > from, &format!("{field}.until_s"), until, "above from_s")
+    require(
+        until > from,
+        &format!("{field}.until_s"),
+        until,
+        "above from_s",
+    )
 }
 
 fn torque(file: &TorqueFile) -> Result<Disturbance<3>, ModelError> {
@@ -296,10 +308,20 @@ fn actuators(file: &ActuatorsFile) -> Result<ActuatorData<3>, ModelError> {
 
 fn check_fault(field: &str, file: &FaultFile) -> Result<Fault, ModelError> {
     let ok = (1..=3).contains(&file.axis);
-    require(ok, &format!("{field}.axis"), f64::from(file.axis), "1, 2 or 3")?;
+    require(
+        ok,
+        &format!("{field}.axis"),
+        f64::from(file.axis),
+        "1, 2 or 3",
+    )?;
     check_window(field, file.from_s, file.until_s)?;
     let ok = (0.0..=1.0).contains(&file.effectiveness);
-    require(ok, &format!("{field}.effectiveness"), file.effectiveness, "in [0, 1]")?;
+    require(
+        ok,
+        &format!("{field}.effectiveness"),
+        file.effectiveness,
+        "in [0, 1]",
+    )?;
     finite(&format!("{field}.additive_nm"), file.additive_nm)?;
     Ok(Fault {
         axis: file.axis as usize - 1,
@@ -320,7 +342,11 @@ fn takagi_sugeno(file: &TakagiSugenoFile) -> Result<TakagiSugenoSystem, ModelErr
     let sizes = [
         ("vertices.state_matrices", states, MAX_STATES),
         ("vertices.input_matrix", inputs, MAX_INPUTS),
-        ("vertices.disturbance_matrix", system.disturbance_matrix.ncols(), MAX_STATES),
+        (
+            "vertices.disturbance_matrix",
+            system.disturbance_matrix.ncols(),
+            MAX_STATES,
+        ),
     ];
     for (field, size, largest) in sizes {
         let allowed = format!("at most {largest} columns; this is their number");
@@ -372,10 +398,7 @@ fn mixing(file: &MixingFile, vertices: usize) -> Result<Mixing, ModelError> {
     }
 }
 
-fn signal(
-    file: &TakagiSugenoFile,
-    size: usize,
-) -> Result<Disturbance<MAX_STATES>, ModelError> {
+fn signal(file: &TakagiSugenoFile, size: usize) -> Result<Disturbance<MAX_STATES>, ModelError> {
     let part = |field: &str, values: &[f64]| -> Result<SVector<f64, MAX_STATES>, ModelError> {
         if !values.is_empty() && values.len() != size {
             return Err(length(field, values.len(), size));

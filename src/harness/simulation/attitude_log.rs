@@ -188,7 +188,7 @@ impl Observer<7, 3, 3> for AttitudeLog {
         self.effort.end(span_s, torque);
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &mut self,
         time_s: f64,
@@ -214,7 +214,11 @@ impl Observer<7, 3, 3> for AttitudeLog {
         }
         self.last = Some(error);
         self.disturbance = *disturbance;
-        if self.recorder.as_ref().is_some_and(|recorder| recorder.due(time_s)) {
+        if self
+            .recorder
+            .as_ref()
+            .is_some_and(|recorder| recorder.due(time_s))
+        {
             self.write(time_s, &error, false);
         }
     }

@@ -4,7 +4,7 @@ use crate::harness::closed_loop::End;
 use crate::harness::design::Design;
 use crate::harness::events::EventCount;
 use crate::harness::integrator::Method;
-use crate::harness::lyapunov::{LyapunovMonitor, ROUNDING};
+use crate::harness::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
 use crate::harness::scenario::{Scenario, XuChoice};
 use crate::harness::summary::{
     CertificateOutcome, RunProvenance, RunVerdict, Scales, Summary, SUMMARY_SCHEMA_VERSION,
@@ -36,7 +36,9 @@ pub(super) fn summary(
     let (updates, max_torque, impulse) = parts.effort;
     let mut notes = parts.notes;
     if let End::Diverged { time_s } = parts.end {
-        notes.push(format!("The state was no longer finite at {time_s} s; the run stopped there."));
+        notes.push(format!(
+            "The state was no longer finite at {time_s} s; the run stopped there."
+        ));
     }
     let violations = certificate.as_ref().map_or(0, |outcome| {
         outcome.outside_steps.max(outcome.bound_broken_steps)
@@ -108,14 +110,14 @@ pub(super) fn certificate<const N: usize>(
 ) -> CertificateOutcome {
     let mut not_covered = design.not_covered(scenario);
     let start = monitor.start_level;
-    if !(start <= 1.0 + ROUNDING) {
+    if exceeds(start, 1.0 + ROUNDING) {
         not_covered.push(format!(
             "the start is not in the certified set: x'Ux is {start:.4}, the set is x'Ux <= 1"
         ));
     }
     let bound = monitor.claims().disturbance_bound;
     let peak_disturbance = monitor.disturbance_squared.sqrt();
-    if !(peak_disturbance <= bound * (1.0 + ROUNDING)) {
+    if exceeds(peak_disturbance, bound * (1.0 + ROUNDING)) {
         not_covered.push(format!(
             "the disturbance reaches {peak_disturbance:.3e}; the proof is for at most {bound:.3e}"
         ));
@@ -150,7 +152,9 @@ impl CertificateOutcome {
     /// True when the proof covers the run and the run broke it.
     pub fn broken(&self) -> bool {
         let gain = self.from_rest_in_origin
-            && self.peak_ratio.is_some_and(|ratio| ratio > self.guaranteed_gain * (1.0 + ROUNDING));
+            && self
+                .peak_ratio
+                .is_some_and(|ratio| ratio > self.guaranteed_gain * (1.0 + ROUNDING));
         self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
     }
 }
@@ -158,7 +162,10 @@ impl CertificateOutcome {
 /// Judges the requirements and the proof.
 pub(super) fn conclude(scenario: &Scenario, summary: &mut Summary, end: End) {
     let diverged = matches!(end, End::Diverged { .. });
-    let broken = summary.certificate.as_ref().is_some_and(CertificateOutcome::broken);
+    let broken = summary
+        .certificate
+        .as_ref()
+        .is_some_and(CertificateOutcome::broken);
     summary.judge(&scenario.requirements, diverged, broken);
 }
 

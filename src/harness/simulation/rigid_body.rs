@@ -73,7 +73,11 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
         disturbance: &system.disturbance,
         sensor: AttitudeSensor::new(system.reference, system.sensors, scenario.seed),
         controller,
-        sampling: Sampling::new(scenario.instants, scenario.dropout_probability, scenario.seed),
+        sampling: Sampling::new(
+            scenario.instants,
+            scenario.dropout_probability,
+            scenario.seed,
+        ),
         actuators: &system.actuators,
         breakpoints_s: ordered(breakpoints_s, scenario.duration_s),
         method: scenario.method,
@@ -130,10 +134,7 @@ fn fuzzy_of<const R: usize>(
     let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
     let controller = xu2020::Controller::new(xu2020::Parameters {
         gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
-        membership: GaussianRules::new(
-            std::array::from_fn(|index| rule(index).0),
-            choice.widths,
-        )?,
+        membership: GaussianRules::new(std::array::from_fn(|index| rule(index).0), choice.widths)?,
         trigger_weight: choice.trigger_weight,
         threshold_update: choice.threshold,
         torque_limit: choice.torque_limit,
@@ -159,7 +160,11 @@ fn finish(
         system: "rigid_body",
         controller,
         events: &log.events,
-        effort: (log.effort.updates, log.effort.max_torque, log.effort.impulse),
+        effort: (
+            log.effort.updates,
+            log.effort.max_torque,
+            log.effort.impulse,
+        ),
         steps: log.steps,
         settle_seconds: log.pointing.settle_seconds(),
         torque_limit: limit.iter().copied().collect(),
@@ -175,7 +180,9 @@ fn finish(
     };
     let mut summary = judge::summary(scenario, design, parts, certificate);
     let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
-    summary.final_error_deg = log.last.and_then(|last| degrees(last.error.rotation_angle_rad()));
+    summary.final_error_deg = log
+        .last
+        .and_then(|last| degrees(last.error.rotation_angle_rad()));
     summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
     summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);

@@ -132,9 +132,14 @@ impl<const N: usize, const M: usize> Observer<N, M, N> for StateLog<N, M> {
         self.steps += 1;
         let square = state.norm_squared();
         self.error.record(time_s, step_s, square, || square);
-        self.lyapunov.step(time_s, step_s, state, disturbance.norm_squared());
+        self.lyapunov
+            .step(time_s, step_s, state, disturbance.norm_squared());
         self.last = *state;
-        if self.recorder.as_ref().is_some_and(|recorder| recorder.due(time_s)) {
+        if self
+            .recorder
+            .as_ref()
+            .is_some_and(|recorder| recorder.due(time_s))
+        {
             self.write(time_s, state, false);
         }
     }

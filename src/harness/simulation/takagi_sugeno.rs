@@ -67,7 +67,11 @@ fn run_padded<const N: usize, const M: usize>(
         disturbance: &system.disturbance.resized::<N>(),
         sensor: StateSensor::new(size.0, system.state_noise, scenario.seed),
         controller,
-        sampling: Sampling::new(scenario.instants, scenario.dropout_probability, scenario.seed),
+        sampling: Sampling::new(
+            scenario.instants,
+            scenario.dropout_probability,
+            scenario.seed,
+        ),
         actuators: &actuators,
         breakpoints_s: Vec::new(),
         method: scenario.method,
@@ -81,7 +85,11 @@ fn run_padded<const N: usize, const M: usize>(
             design.file.name
         ),
         events: &log.events,
-        effort: (log.effort.updates, log.effort.max_torque, log.effort.impulse),
+        effort: (
+            log.effort.updates,
+            log.effort.max_torque,
+            log.effort.impulse,
+        ),
         steps: log.steps,
         settle_seconds: log.error.settle_seconds(),
         torque_limit: limit.iter().copied().collect(),

@@ -14,11 +14,7 @@ pub struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     /// Entry by entry.
-    pub fn from_fn(
-        rows: usize,
-        columns: usize,
-        mut entry: impl FnMut(usize, usize) -> S,
-    ) -> Self {
+    pub fn from_fn(rows: usize, columns: usize, mut entry: impl FnMut(usize, usize) -> S) -> Self {
         let mut entries = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             for column in 0..columns {
@@ -46,7 +42,11 @@ impl<S: Scalar> Matrix<S> {
 
     /// A multiple of the identity.
     pub fn identity(side: usize, value: S) -> Self {
-        Matrix::from_fn(side, side, |r, c| if r == c { value.clone() } else { S::zero() })
+        Matrix::from_fn(
+            side,
+            side,
+            |r, c| if r == c { value.clone() } else { S::zero() },
+        )
     }
 
     /// Number of rows.

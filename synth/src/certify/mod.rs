@@ -53,7 +53,9 @@ pub struct Report {
 impl Report {
     /// The condition with the smallest margin.
     pub fn worst(&self) -> Option<&ConditionMargin> {
-        self.conditions.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))
+        self.conditions
+            .iter()
+            .min_by(|a, b| a.margin.total_cmp(&b.margin))
     }
 }
 
@@ -93,8 +95,14 @@ fn not_covered(model: &Model) -> Vec<String> {
     let mut out = vec![
         "the state is measured without error".to_string(),
         "no delay between sample, trigger, controller and actuator".to_string(),
-        format!("no gap between samples longer than {} s, dropouts included", specs.hbar_s),
-        format!("a trigger threshold that never exceeds {} (clamped at run time)", specs.nu),
+        format!(
+            "no gap between samples longer than {} s, dropouts included",
+            specs.hbar_s
+        ),
+        format!(
+            "a trigger threshold that never exceeds {} (clamped at run time)",
+            specs.nu
+        ),
     ];
     match &model.plant {
         Plant::Spacecraft(craft) => {

@@ -76,14 +76,22 @@ fn spacecraft<S: Scalar>(craft: &ExactSpacecraft) -> DescriptorPlant<S> {
         disturbance: input.clone(),
         input,
         output: Matrix::identity(6, S::one()),
-        input_limit: craft.torque_limit.iter().map(|&limit| S::from_f64(limit)).collect(),
+        input_limit: craft
+            .torque_limit
+            .iter()
+            .map(|&limit| S::from_f64(limit))
+            .collect(),
         disturbance_bound: S::from_f64(craft.disturbance_bound),
         region: spacecraft_region(craft),
     }
 }
 
 /// [ -omega^x J, 0 ; 1/2 q0 I, -1/2 omega^x ] at one corner of the box.
-fn corner_matrix<S: Scalar>(craft: &ExactSpacecraft, inertia: &Matrix<S>, vertex: usize) -> Matrix<S> {
+fn corner_matrix<S: Scalar>(
+    craft: &ExactSpacecraft,
+    inertia: &Matrix<S>,
+    vertex: usize,
+) -> Matrix<S> {
     let corner = craft.corner(vertex);
     let rate = |axis: usize| S::from_f64(corner[axis]);
     let spin = Matrix::from_fn(3, 3, |r, c| match (r, c) {
@@ -108,9 +116,8 @@ fn corner_matrix<S: Scalar>(craft: &ExactSpacecraft, inertia: &Matrix<S>, vertex
 }
 
 fn spacecraft_region<S: Scalar>(craft: &ExactSpacecraft) -> Vec<RegionBound<S>> {
-    let unit = |axis: usize| {
-        Matrix::from_fn(1, 6, |_, c| if c == axis { S::one() } else { S::zero() })
-    };
+    let unit =
+        |axis: usize| Matrix::from_fn(1, 6, |_, c| if c == axis { S::one() } else { S::zero() });
     let rates = (0..3).map(|axis| {
         let bound = S::from_f64(craft.rate_bound[axis]);
         RegionBound {
@@ -144,7 +151,11 @@ fn vertex_system<S: Scalar>(system: &VertexSystem) -> DescriptorPlant<S> {
         input: exactly(&system.input_matrix),
         disturbance: exactly(&system.disturbance_matrix),
         output: exactly(&system.output_matrix),
-        input_limit: system.input_limit.iter().map(|&limit| S::from_f64(limit)).collect(),
+        input_limit: system
+            .input_limit
+            .iter()
+            .map(|&limit| S::from_f64(limit))
+            .collect(),
         disturbance_bound: S::from_f64(system.disturbance_bound),
         region: region.collect(),
     }

@@ -103,7 +103,9 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             growth: (phi.clone() * hbar.clone()).exp_upper(),
             nu: S::from_f64(specs.nu),
             level: reached.max(S::one()),
-            multipliers: specs.eps.map(|weight| multiplier.scaled(&S::from_f64(weight))),
+            multipliers: specs
+                .eps
+                .map(|weight| multiplier.scaled(&S::from_f64(weight))),
             lyapunov: exactly(&certificate.lyapunov),
             gain: exactly(&certificate.gain),
             anti_windup: exactly(&certificate.anti_windup),
@@ -133,7 +135,10 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let common = self.decrease_without_vertex(interval);
             for (index, vertex) in self.plant.vertices.iter().enumerate() {
                 let matrix = self.with_vertex(&common, vertex);
-                tell(format!("decrease r={interval} vertex {}", index + 1), matrix.negated());
+                tell(
+                    format!("decrease r={interval} vertex {}", index + 1),
+                    matrix.negated(),
+                );
             }
         }
     }
@@ -141,7 +146,11 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn decrease_without_vertex(&self, interval: usize) -> Matrix<S> {
         let [q1, q2, q3] = &self.multipliers;
         let plant = &self.plant;
-        let (n, m, d) = (plant.states(), plant.input.ncols(), plant.disturbance.ncols());
+        let (n, m, d) = (
+            plant.states(),
+            plant.input.ncols(),
+            plant.disturbance.ncols(),
+        );
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
         let weight = exactly(&self.certificate.trigger_weight);
         let integral = exactly(&self.certificate.integral_weight);
@@ -167,10 +176,14 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         out.set(0, 4, &q1.times(&plant.input).negated());
         out.set(0, 5, &q1.times(&plant.disturbance));
         let rate = q2.times(e).symmetrised().negated();
-        out.set(1, 1, &match interval {
-            1 => rate.plus(&integral.scaled(&self.hbar)),
-            _ => rate,
-        });
+        out.set(
+            1,
+            1,
+            &match interval {
+                1 => rate.plus(&integral.scaled(&self.hbar)),
+                _ => rate,
+            },
+        );
         out.set(1, 2, &q2.times(&bf).minus(&q3.times(e).transposed()));
         out.set(1, 3, &q2.times(&bf).negated());
         out.set(1, 4, &q2.times(&plant.input).negated());
@@ -274,7 +287,10 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let state = Matrix::from_fn(state.len(), 1, |r, _| S::from_f64(state[r]));
             let value = state.transposed().times(&self.lyapunov).times(&state);
             let room = S::one() - value.at(0, 0).clone();
-            tell(format!("must contain state {}", index + 1), Matrix::identity(1, room));
+            tell(
+                format!("must contain state {}", index + 1),
+                Matrix::identity(1, room),
+            );
         }
     }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::certify::theorem1::Certificate;
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
-    check_matrix, check_positive, finite, parse, FileError, Kind, Model, ModelError, ModelFile,
+    check_matrix, check_positive, check_symmetric, finite, parse, FileError, Kind, Model, ModelError, ModelFile,
 };
 
 /// The version this program reads and writes.
@@ -164,7 +164,11 @@ impl DesignFile {
         let (square, gain) = ((Some(n), Some(n)), (Some(m), Some(n)));
         let part = &self.certificate;
         let weights = &part.sector_weight;
-        check_matrix("certificate.sector_weight", std::slice::from_ref(weights), (Some(1), Some(m)))?;
+        check_matrix(
+            "certificate.sector_weight",
+            std::slice::from_ref(weights),
+            (Some(1), Some(m)),
+        )?;
         check_positive("certificate.xi", part.xi)?;
         check_positive("certificate.gamma", part.gamma)?;
         check_positive("certificate.guaranteed_gain", part.guaranteed_gain)?;
@@ -178,7 +182,10 @@ impl DesignFile {
         };
         Ok(Certificate {
             gain: single("controller.gains", &self.controller.gains, gain)?,
-            trigger_weight: symmetric("controller.trigger_weight", &self.controller.trigger_weight)?,
+            trigger_weight: symmetric(
+                "controller.trigger_weight",
+                &self.controller.trigger_weight,
+            )?,
             lyapunov: symmetric("certificate.lyapunov", &part.lyapunov)?,
             integral_weight: symmetric("certificate.integral_weight", &part.integral_weight)?,
             multiplier: check_matrix("certificate.multiplier", &part.multiplier, square)?,
@@ -253,22 +260,4 @@ fn single(
             expected: "1 matrix (constant gain)".to_string(),
         }),
     }
-}
-
-fn check_symmetric(field: &str, matrix: &DMatrix<f64>) -> Result<(), ModelError> {
-    for row in 0..matrix.nrows() {
-        for column in row + 1..matrix.ncols() {
-            let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
-            if value != mirrored {
-                return Err(ModelError::NotSymmetric {
-                    field: field.to_string(),
-                    row: row + 1,
-                    column: column + 1,
-                    value,
-                    mirrored,
-                });
-            }
-        }
-    }
-    Ok(())
 }

@@ -111,7 +111,10 @@ fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64
             let entry = column[(row, s)];
             let state_diagonal = specs.phi_per_s * certificate.lyapunov[(row, row)];
             let sampled = certificate.free_sample[(row, row)].abs();
-            let smallest = rate[row].abs().min(state_diagonal).min(sampled.max(state_diagonal));
+            let smallest = rate[row]
+                .abs()
+                .min(state_diagonal)
+                .min(sampled.max(state_diagonal));
             entry * entry / smallest.max(f64::MIN_POSITIVE)
         });
         (SECTOR_ROOM * shares.fold(0.0, f64::max)).max(f64::MIN_POSITIVE)
@@ -120,7 +123,9 @@ fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64
 
 fn inertia_descriptor(craft: &crate::fuzzy::ExactSpacecraft) -> DMatrix<f64> {
     let mut descriptor = DMatrix::identity(6, 6);
-    descriptor.view_mut((0, 0), (3, 3)).copy_from(&craft.inertia);
+    descriptor
+        .view_mut((0, 0), (3, 3))
+        .copy_from(&craft.inertia);
     descriptor
 }
 
@@ -128,12 +133,10 @@ fn inertia_descriptor(craft: &crate::fuzzy::ExactSpacecraft) -> DMatrix<f64> {
 fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64> {
     match plant {
         Plant::Vertices(_) => multiplier,
-        Plant::Spacecraft(craft) => {
-            match inertia_descriptor(craft).try_inverse() {
-                Some(inverse) => multiplier * inverse,
-                None => multiplier,
-            }
-        }
+        Plant::Spacecraft(craft) => match inertia_descriptor(craft).try_inverse() {
+            Some(inverse) => multiplier * inverse,
+            None => multiplier,
+        },
     }
 }
 
@@ -148,11 +151,17 @@ fn require_finite(certificate: &Certificate) -> Result<(), RecoverError> {
         ("free matrix on the sample", &certificate.free_sample),
         ("anti-windup gain", &certificate.anti_windup),
     ];
-    let broken = matrices.iter().find(|(_, matrix)| !matrix.iter().all(|v| v.is_finite()));
+    let broken = matrices
+        .iter()
+        .find(|(_, matrix)| !matrix.iter().all(|v| v.is_finite()));
     if let Some((matrix, _)) = broken {
         return Err(RecoverError::NotFinite { matrix });
     }
-    if !certificate.sector_weight.iter().all(|weight| weight.is_finite()) {
+    if !certificate
+        .sector_weight
+        .iter()
+        .all(|weight| weight.is_finite())
+    {
         return Err(RecoverError::NotFinite {
             matrix: "sector weight",
         });
@@ -161,7 +170,7 @@ fn require_finite(certificate: &Certificate) -> Result<(), RecoverError> {
 }
 
 /// Relative room left in derived claims, so that the check can prove them.
-const CLAIM_ROOM: f64 = 1e-6;
+const CLAIM_ROOM: f64 = 1e-5;
 
 /// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
 /// radius of attitudes at rest inside x'Ux <= 1.

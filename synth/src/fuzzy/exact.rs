@@ -46,7 +46,13 @@ impl ExactSpacecraft {
         let bound = &self.rate_bound;
         let low = Vector4::new(-bound[0], -bound[1], -bound[2], self.scalar_part_min);
         let high = Vector4::new(bound[0], bound[1], bound[2], 1.0);
-        Vector4::from_fn(|k, _| if vertex >> k & 1 == 1 { high[k] } else { low[k] })
+        Vector4::from_fn(|k, _| {
+            if vertex >> k & 1 == 1 {
+                high[k]
+            } else {
+                low[k]
+            }
+        })
     }
 
     /// A(omega, q0), 6 x 6, for rates in rad/s.
@@ -76,7 +82,13 @@ impl ExactSpacecraft {
         });
         std::array::from_fn(|vertex| {
             (0..SCHEDULING_VARIABLES)
-                .map(|k| if vertex >> k & 1 == 1 { upper[k] } else { 1.0 - upper[k] })
+                .map(|k| {
+                    if vertex >> k & 1 == 1 {
+                        upper[k]
+                    } else {
+                        1.0 - upper[k]
+                    }
+                })
                 .product()
         })
     }

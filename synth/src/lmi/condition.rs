@@ -24,7 +24,10 @@ impl Condition {
 
     /// `X >= 0`.
     pub fn semidefinite(name: impl Into<String>, x: Affine) -> Self {
-        assert!(x.is_symmetric(), "a matrix inequality needs a symmetric matrix");
+        assert!(
+            x.is_symmetric(),
+            "a matrix inequality needs a symmetric matrix"
+        );
         Condition {
             name: name.into(),
             expression: x,

@@ -7,6 +7,9 @@ use std::fmt::Write;
 
 use super::{Entry, Semidefinite};
 
+/// A block's number and its entries.
+type BlockEntries<'a> = (usize, &'a [Entry]);
+
 impl Semidefinite {
     /// The problem as SDPA sparse text. The comments name every block and the constant that must be
     /// added to the objective value. Numbers are written so that they read back exactly.
@@ -21,7 +24,13 @@ impl Semidefinite {
         writeln!(out, "\"{}", title.replace('\n', " "))?;
         writeln!(out, "\"objective offset {:e}", self.offset)?;
         for (block, cone) in self.cones.iter().enumerate() {
-            writeln!(out, "\"block {} side {}: {}", block + 1, cone.side, cone.name)?;
+            writeln!(
+                out,
+                "\"block {} side {}: {}",
+                block + 1,
+                cone.side,
+                cone.name
+            )?;
         }
         writeln!(out, "{}", self.cost.len())?;
         writeln!(out, "{}", self.cones.len())?;
@@ -41,7 +50,7 @@ impl Semidefinite {
     }
 
     /// Coefficients gathered by unknown: (unknown, [(block, entries)]).
-    fn by_unknown(&self) -> Vec<(usize, Vec<(usize, &[Entry])>)> {
+    fn by_unknown(&self) -> Vec<(usize, Vec<BlockEntries<'_>>)> {
         let mut out: Vec<_> = (0..self.cost.len()).map(|u| (u, Vec::new())).collect();
         for (block, cone) in self.cones.iter().enumerate() {
             for (unknown, entries) in &cone.coefficients {
@@ -61,7 +70,12 @@ fn write_entries(
 ) -> std::fmt::Result {
     for entry in entries {
         let (row, column) = (entry.row + 1, entry.column + 1);
-        writeln!(out, "{matrix} {} {row} {column} {:e}", block + 1, sign * entry.value)?;
+        writeln!(
+            out,
+            "{matrix} {} {row} {column} {:e}",
+            block + 1,
+            sign * entry.value
+        )?;
     }
     Ok(())
 }

@@ -56,7 +56,8 @@ fn token_at(text: &str, line: usize, column: usize) -> Option<&str> {
     let start = before.rfind(ends).map_or(0, |found| found + 1);
     let rest = line.get(start..)?;
     let length = rest.find(ends).unwrap_or(rest.len());
-    rest.get(..length).filter(|token| (1..=40).contains(&token.len()))
+    rest.get(..length)
+        .filter(|token| (1..=40).contains(&token.len()))
 }
 
 fn stands_for_number(token: &str) -> bool {
@@ -74,11 +75,17 @@ fn plain(message: &str) -> String {
         Some(at) => expected.split_at(at),
         None => (expected, ""),
     };
-    format!("{}, expected {}{place}", plain_found(found), plain_expected(expected))
+    format!(
+        "{}, expected {}{place}",
+        plain_found(found),
+        plain_expected(expected)
+    )
 }
 
 fn plain_found(found: &str) -> String {
-    let kind = found.strip_prefix("invalid type: ").or(found.strip_prefix("invalid value: "));
+    let kind = found
+        .strip_prefix("invalid type: ")
+        .or(found.strip_prefix("invalid value: "));
     match kind {
         Some("map") => "found an object".to_string(),
         Some("sequence") => "found a list".to_string(),
@@ -118,7 +125,6 @@ pub fn list_for_object<T: Serialize>(text: &str, parsed: &T) -> Option<String> {
 
 fn first_list_for_object(given: &Value, parsed: &Value, field: String) -> Option<String> {
     match (given, parsed) {
-        (Value::Array(_), Value::Object(_)) if field.is_empty() => Some("(top level)".to_string()),
         (Value::Array(_), Value::Object(_)) => Some(field),
         (Value::Array(given), Value::Array(parsed)) => {
             let mut pairs = given.iter().zip(parsed).enumerate();

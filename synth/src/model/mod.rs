@@ -14,7 +14,9 @@ pub use file::{
 pub use read::{kind_of, parse, read_text, write_atomically, MAX_FILE_BYTES};
 pub use validate::Model;
 
-pub use validate::{check_matrix, check_positive, finite};
+pub use validate::{
+    check_matrix, check_positive, check_positive_definite, check_symmetric, finite,
+};
 
 use crate::fuzzy::{ExactSpacecraft, TakagiSugeno, VertexSystem};
 

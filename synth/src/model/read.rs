@@ -33,7 +33,9 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     }
     // A pipe or a device does not say its length.
     let mut bytes = Vec::new();
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    file.take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(too_large(MAX_FILE_BYTES + 1));
     }
@@ -91,12 +93,16 @@ fn ordinary_file(path: &Path) -> std::io::Result<PathBuf> {
 }
 
 /// Parses JSON into `T`; errors name the field.
-pub fn parse<T: DeserializeOwned + Serialize>(
-    text: &str,
-    expected: Kind,
-) -> Result<T, FileError> {
+pub fn parse<T: DeserializeOwned + Serialize>(text: &str, expected: Kind) -> Result<T, FileError> {
     if text.starts_with('\u{feff}') {
         return Err(FileError::ByteOrderMark);
+    }
+    let list_expected_object = |field| FileError::Field {
+        field,
+        reason: "found a list, expected an object with named fields".to_string(),
+    };
+    if text.trim_start().starts_with('[') {
+        return Err(list_expected_object("(top level)".to_string()));
     }
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let parsed = serde_path_to_error::deserialize(&mut deserializer);
@@ -105,10 +111,7 @@ pub fn parse<T: DeserializeOwned + Serialize>(
         reason: error.to_string(),
     })?;
     match list_for_object(text, &value) {
-        Some(field) => Err(FileError::Field {
-            field,
-            reason: "found a list, expected an object with named fields".to_string(),
-        }),
+        Some(field) => Err(list_expected_object(field)),
         None => Ok(value),
     }
 }

@@ -157,6 +157,39 @@ pub fn check_matrix(
     Ok(DMatrix::from_fn(rows.len(), columns, |r, c| rows[r][c]))
 }
 
+/// Refuses a square matrix that does not equal its transpose exactly.
+pub fn check_symmetric(field: &str, matrix: &DMatrix<f64>) -> Result<(), ModelError> {
+    for row in 0..matrix.nrows() {
+        for column in row + 1..matrix.ncols() {
+            let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
+            if value != mirrored {
+                return Err(ModelError::NotSymmetric {
+                    field: field.to_string(),
+                    row: row + 1,
+                    column: column + 1,
+                    value,
+                    mirrored,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a square matrix that is not symmetric or whose smallest eigenvalue is not clearly above 0.
+pub fn check_positive_definite(field: &str, matrix: &DMatrix<f64>) -> Result<(), ModelError> {
+    check_symmetric(field, matrix)?;
+    let eigenvalues = matrix.symmetric_eigenvalues();
+    let smallest = eigenvalues.min();
+    if smallest <= 1e-12 * eigenvalues.max().abs() {
+        return Err(ModelError::NotPositiveDefinite {
+            field: field.to_string(),
+            smallest,
+        });
+    }
+    Ok(())
+}
+
 fn size_word(size: Option<usize>) -> String {
     size.map_or("at least 1".to_string(), |size| size.to_string())
 }
@@ -184,31 +217,9 @@ fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
 
 fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
-    check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
-    let inertia = Matrix3::from_fn(|r, c| rows[r][c]);
-    for row in 0..3 {
-        for column in row + 1..3 {
-            let (value, mirrored) = (inertia[(row, column)], inertia[(column, row)]);
-            if value != mirrored {
-                return Err(ModelError::NotSymmetric {
-                    field: field.to_string(),
-                    row: row + 1,
-                    column: column + 1,
-                    value,
-                    mirrored,
-                });
-            }
-        }
-    }
-    let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
-    moments.sort_by(f64::total_cmp);
-    if moments[0] <= 1e-12 * moments[2].abs() {
-        return Err(ModelError::NotPositiveDefinite {
-            field: field.to_string(),
-            smallest: moments[0],
-        });
-    }
-    Ok(inertia)
+    let inertia = check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
+    check_positive_definite(field, &inertia)?;
+    Ok(Matrix3::from_fn(|r, c| rows[r][c]))
 }
 
 fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
@@ -221,11 +232,19 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
     };
     if count == 0 || count > MAX_VERTICES {
         let expected = format!("1 to {MAX_VERTICES} matrices");
-        return Err(wrong("state_matrices", format!("{count} matrices"), expected));
+        return Err(wrong(
+            "state_matrices",
+            format!("{count} matrices"),
+            expected,
+        ));
     }
     if states == 0 || states > MAX_STATES {
         let expected = format!("1 to {MAX_STATES} states");
-        return Err(wrong("state_matrices[0]", format!("{states} rows"), expected));
+        return Err(wrong(
+            "state_matrices[0]",
+            format!("{states} rows"),
+            expected,
+        ));
     }
     let square = (Some(states), Some(states));
     let state_matrices = file.state_matrices.iter().enumerate().map(|(i, rows)| {
@@ -239,9 +258,7 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
         None => input.clone(),
     };
     let output = match &file.output_matrix {
-        Some(rows) => {
-            check_matrix("plant.vertices.output_matrix", rows, (None, Some(states)))?
-        }
+        Some(rows) => check_matrix("plant.vertices.output_matrix", rows, (None, Some(states)))?,
         None => DMatrix::identity(states, states),
     };
     for (field, count) in [
@@ -250,10 +267,19 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
     ] {
         check_count(field, "columns", count, MAX_COLUMNS)?;
     }
-    check_count("plant.vertices.output_matrix", "rows", output.nrows(), MAX_COLUMNS)?;
+    check_count(
+        "plant.vertices.output_matrix",
+        "rows",
+        output.nrows(),
+        MAX_COLUMNS,
+    )?;
     if file.input_limit.len() != input.ncols() {
         let found = format!("{} entries", file.input_limit.len());
-        return Err(wrong("input_limit", found, format!("{} entries", input.ncols())));
+        return Err(wrong(
+            "input_limit",
+            found,
+            format!("{} entries", input.ncols()),
+        ));
     }
     for (i, &limit) in file.input_limit.iter().enumerate() {
         check_positive(&format!("plant.vertices.input_limit[{i}]"), limit)?;
@@ -295,12 +321,27 @@ fn check_specs(specs: &Specs, states: usize) -> Result<(), ModelError> {
     check_positive("specs.phi_per_s", specs.phi_per_s)?;
     check_positive("specs.hbar_s", specs.hbar_s)?;
     let growth = specs.phi_per_s * specs.hbar_s;
-    require(growth <= 100.0, "specs.hbar_s", specs.hbar_s, "at most 100 / phi_per_s")?;
+    require(
+        growth <= 100.0,
+        "specs.hbar_s",
+        specs.hbar_s,
+        "at most 100 / phi_per_s",
+    )?;
     if let Some(hmin) = specs.hmin_s {
         let allowed = "above 0 and at most hbar_s";
-        require(hmin > 0.0 && hmin <= specs.hbar_s, "specs.hmin_s", hmin, allowed)?;
+        require(
+            hmin > 0.0 && hmin <= specs.hbar_s,
+            "specs.hmin_s",
+            hmin,
+            allowed,
+        )?;
     }
-    require((0.0..1.0).contains(&specs.nu), "specs.nu", specs.nu, "in [0, 1)")?;
+    require(
+        (0.0..1.0).contains(&specs.nu),
+        "specs.nu",
+        specs.nu,
+        "in [0, 1)",
+    )?;
     if let Some(nu_min) = specs.nu_min {
         let ok = (0.0..=specs.nu).contains(&nu_min);
         require(ok, "specs.nu_min", nu_min, "in [0, nu]")?;
@@ -316,8 +357,18 @@ fn check_specs(specs: &Specs, states: usize) -> Result<(), ModelError> {
     check_positive("specs.eps[1]", specs.eps[1])?;
     check_positive("specs.xi_max", specs.xi_max)?;
     let margin = specs.margin;
-    require(margin > 0.0 && margin <= 0.01, "specs.margin", margin, "in (0, 0.01]")?;
-    check_count("specs.must_contain", "states", specs.must_contain.len(), MAX_BOUNDS)?;
+    require(
+        margin > 0.0 && margin <= 0.01,
+        "specs.margin",
+        margin,
+        "in (0, 0.01]",
+    )?;
+    check_count(
+        "specs.must_contain",
+        "states",
+        specs.must_contain.len(),
+        MAX_BOUNDS,
+    )?;
     for (i, state) in specs.must_contain.iter().enumerate() {
         let field = format!("specs.must_contain[{i}]");
         check_matrix(&field, std::slice::from_ref(state), (Some(1), Some(states)))?;

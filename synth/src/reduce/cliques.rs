@@ -111,7 +111,12 @@ impl BlockView {
     /// The residual blocks as they are, the separator's own block replaced by what is handed over.
     fn clique(&self, step: &Split, handed: &Affine) -> Affine {
         let residual = self.side(&step.residual);
-        let both: Vec<usize> = step.residual.iter().chain(&step.separator).copied().collect();
+        let both: Vec<usize> = step
+            .residual
+            .iter()
+            .chain(&step.separator)
+            .copied()
+            .collect();
         let mut out = self.extract(&both);
         let shared = self.side(&step.separator);
         let own = out.view(residual, residual, shared, shared);

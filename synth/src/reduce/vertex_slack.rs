@@ -9,7 +9,8 @@ use nalgebra::DMatrix;
 
 use super::cliques::{self, Split};
 use crate::conditions::xu2020::{
-    condition_name, decrease_form, Coordinates, DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT,
+    condition_name, decrease_form, Coordinates, DesignUnknowns, Interval, Strictness,
+    DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
@@ -27,7 +28,10 @@ const INTEGRAL: usize = 6;
 pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: Interval) -> Vec<usize> {
     let system = &task.system;
     let n = system.states();
-    let m = design.sector.as_ref().map_or(0, |sector| sector.weight.nrows());
+    let m = design
+        .sector
+        .as_ref()
+        .map_or(0, |sector| sector.weight.nrows());
     let mut sizes = vec![n, n, n, n, m, system.disturbance.ncols()];
     if interval == Interval::End {
         sizes.push(n);
@@ -97,9 +101,10 @@ fn margin_weight(at: &Coordinates) -> DMatrix<f64> {
         &at.integral,
     ]
     .iter()
-    .fold(DMatrix::zeros(at.state.ncols(), at.state.ncols()), |sum, map| {
-        sum + map.transpose() * *map
-    })
+    .fold(
+        DMatrix::zeros(at.state.ncols(), at.state.ncols()),
+        |sum, map| sum + map.transpose() * *map,
+    )
 }
 
 /// `Z - M_i >= 0` on (x, v) at one vertex.
@@ -133,11 +138,17 @@ pub fn conditions(
         let parts = cliques::split(strict.expression(), &sizes, &order, unknowns)
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {
-            out.push(Condition::semidefinite(format!("decrease r={r} clique {clique}"), part));
+            out.push(Condition::semidefinite(
+                format!("decrease r={r} clique {clique}"),
+                part,
+            ));
         }
         for &vertex in chosen {
             let part = vertex_block(task, vertex, design, &slack);
-            out.push(Condition::semidefinite(condition_name(interval, vertex), part));
+            out.push(Condition::semidefinite(
+                condition_name(interval, vertex),
+                part,
+            ));
         }
     }
     out

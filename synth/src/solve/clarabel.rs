@@ -39,7 +39,6 @@ impl Padding {
     }
 }
 
-
 /// Clarabel with its faer factorization.
 #[derive(Debug, Clone, Default)]
 pub struct Clarabel {
@@ -72,9 +71,8 @@ impl Backend for Clarabel {
         let unit = accuracy.objective_unit;
         let cost: Vec<f64> = problem.cost.iter().map(|cost| cost / unit).collect();
         let offset = problem.offset;
-        let mut solver =
-            DefaultSolver::new(&quadratic, &cost, &matrix, &rhs, &cones, settings)
-                .map_err(refused)?;
+        let mut solver = DefaultSolver::new(&quadratic, &cost, &matrix, &rhs, &cones, settings)
+            .map_err(refused)?;
         if let Some(observer) = observer {
             solver.set_termination_callback(move |info: &DefaultInfo<f64>| {
                 !observer(&Progress {

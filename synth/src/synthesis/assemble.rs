@@ -83,6 +83,9 @@ const GAIN_UNIT: f64 = 0.25;
 /// Slacks are resolved down to about this size, in scaled units.
 const SLACK_UNIT: f64 = 1e-3;
 
+/// Largest trigger weight in the search for the largest margin, in scaled units.
+const TRIGGER_WEIGHT_BOUND: f64 = 1e3;
+
 /// States Theorem 2 for a task in scaled units, with (18) at every vertex.
 pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
     let all: Vec<usize> = (0..task.system.vertices.len()).collect();
@@ -112,6 +115,9 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
         }
     };
     let mut conditions = xu2020::side_conditions(task, &design, &strictness);
+    if let Goal::LargestMargin { .. } = goal {
+        conditions.push(bounded_trigger_weight(&design));
+    }
     conditions.extend(match form {
         Form::Reduced => {
             reduce::decrease_conditions(task, chosen, &mut unknowns, &design, &strictness)
@@ -128,6 +134,13 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
     }
 }
 
+/// Without a threshold (nu = 0) nothing else bounds the trigger weight, and a solver that looks for
+/// the largest margin would let it grow for ever.
+fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
+    let bound = Affine::identity(design.trigger_weight.nrows(), TRIGGER_WEIGHT_BOUND);
+    Condition::semidefinite("trigger weight bounded", &bound - &design.trigger_weight)
+}
+
 fn full_decrease(
     task: &Task,
     chosen: &[usize],
@@ -137,7 +150,9 @@ fn full_decrease(
     let mut out = Vec::new();
     for interval in Interval::BOTH {
         for &vertex in chosen {
-            out.push(xu2020::full_condition(task, vertex, interval, design, strictness));
+            out.push(xu2020::full_condition(
+                task, vertex, interval, design, strictness,
+            ));
         }
     }
     out

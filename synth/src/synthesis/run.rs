@@ -14,8 +14,8 @@ use super::{assemble_at, Assembled, Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
 use crate::design::{
-    recover, CertificateFile, DesignFile, ProblemUnits, Provenance, RecoverError, SolverRun, VerdictFile,
-    DESIGN_SCHEMA_VERSION,
+    recover, CertificateFile, DesignFile, ProblemUnits, Provenance, RecoverError, SolverRun,
+    VerdictFile, DESIGN_SCHEMA_VERSION,
 };
 use crate::lmi::svec_index;
 use crate::model::{Model, ModelError};
@@ -208,7 +208,11 @@ impl Run<'_> {
         match recovered {
             Ok(certificate) => {
                 let (controller, certificate) = CertificateFile::split(&certificate);
-                Ok(Attempt::Designed(self.finish(controller, certificate, units)?))
+                Ok(Attempt::Designed(self.finish(
+                    controller,
+                    certificate,
+                    units,
+                )?))
             }
             Err(RecoverError::Singular { .. } | RecoverError::NotFinite { .. }) => {
                 Ok(Attempt::Stuck)
@@ -261,7 +265,9 @@ impl Run<'_> {
             })
         });
         let start = Instant::now();
-        let solution = self.backend.solve(&assembled.problem.lower(), goal.accuracy(task), observer)?;
+        let solution =
+            self.backend
+                .solve(&assembled.problem.lower(), goal.accuracy(task), observer)?;
         if cancelled.load(Ordering::Relaxed) {
             return Err(Cancelled.into());
         }
@@ -350,7 +356,9 @@ fn blocking(assembled: &Assembled, solution: &Solution) -> Vec<(String, f64)> {
     }
     let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
     let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
-    shares.iter_mut().for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
+    shares
+        .iter_mut()
+        .for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
     shares.retain(|(_, share)| *share >= 0.01);
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
     shares

@@ -25,14 +25,25 @@ pub struct Quantities {
 impl Quantities {
     /// The congruence undone: X = Q Xh Q', F = Fh Qh^-T. Without sector unknowns N = 0 and M = I.
     pub fn of(design: &DesignUnknowns, values: &[f64]) -> Self {
-        let q = design.multiplier.value(values).try_inverse().expect("an invertible multiplier");
+        let q = design
+            .multiplier
+            .value(values)
+            .try_inverse()
+            .expect("an invertible multiplier");
         let back = |hatted: DMatrix<f64>| &q * hatted * q.transpose();
         let gain = design.gain.value(values) * q.transpose();
         let (anti_windup, sector_weight) = match &design.sector {
-            None => (DMatrix::zeros(gain.nrows(), gain.ncols()), DMatrix::identity(gain.nrows(), gain.nrows())),
+            None => (
+                DMatrix::zeros(gain.nrows(), gain.ncols()),
+                DMatrix::identity(gain.nrows(), gain.nrows()),
+            ),
             Some(sector) => (
                 sector.anti_windup.value(values) * q.transpose(),
-                sector.weight.value(values).try_inverse().expect("a positive sector weight"),
+                sector
+                    .weight
+                    .value(values)
+                    .try_inverse()
+                    .expect("a positive sector weight"),
             ),
         };
         Quantities {
@@ -71,6 +82,11 @@ impl Instant {
 /// `x' W x`.
 pub fn quadratic(weight: &DMatrix<f64>, at: &DVector<f64>) -> f64 {
     at.dot(&(weight * at))
+}
+
+/// `|x|' |W| |x|`, entry by entry: what rounding errors of [`quadratic`] are relative to.
+pub fn magnitude(weight: &DMatrix<f64>, at: &DVector<f64>) -> f64 {
+    quadratic(&weight.abs(), &at.abs())
 }
 
 /// The terms of (28) at one instant, at one vertex.

@@ -142,10 +142,19 @@ impl Point {
         if sector == Sector::Unknown {
             let weight = vector(stream, m, 0.4).add_scalar(1.0);
             point.set("Nh", &(DEAD_ZONE_UNIT * uniform(stream, m, n, 1.0)));
-            point.set("S", &(DEAD_ZONE_UNIT.powi(2) * DMatrix::from_diagonal(&weight)));
+            point.set(
+                "S",
+                &(DEAD_ZONE_UNIT.powi(2) * DMatrix::from_diagonal(&weight)),
+            );
         }
-        point.set("xi", &DMatrix::from_element(1, 1, 1.5 + 0.5 * stream.signed_unit()));
-        point.set("gamma", &DMatrix::from_element(1, 1, 3.5 + 0.5 * stream.signed_unit()));
+        point.set(
+            "xi",
+            &DMatrix::from_element(1, 1, 1.5 + 0.5 * stream.signed_unit()),
+        );
+        point.set(
+            "gamma",
+            &DMatrix::from_element(1, 1, 3.5 + 0.5 * stream.signed_unit()),
+        );
         point
     }
 
@@ -171,7 +180,9 @@ impl Point {
 
 /// The largest magnitude of an entry.
 pub fn size(matrix: &DMatrix<f64>) -> f64 {
-    matrix.iter().fold(0.0, |largest, entry| entry.abs().max(largest))
+    matrix
+        .iter()
+        .fold(0.0, |largest, entry| entry.abs().max(largest))
 }
 
 /// Panics when two matrices differ by more than `tolerance` times the larger one's size.
@@ -179,5 +190,8 @@ pub fn assert_close(left: &DMatrix<f64>, right: &DMatrix<f64>, tolerance: f64, w
     assert_eq!(left.shape(), right.shape(), "{what}");
     let scale = size(left).max(size(right)).max(f64::MIN_POSITIVE);
     let distance = size(&(left - right)) / scale;
-    assert!(distance <= tolerance, "{what}: relative distance {distance:e}\n{left}\n{right}");
+    assert!(
+        distance <= tolerance,
+        "{what}: relative distance {distance:e}\n{left}\n{right}"
+    );
 }

@@ -11,8 +11,8 @@ use crate::exact::Stream;
 /// What a run showed.
 #[derive(Debug, Clone, Copy)]
 pub struct Promise {
-    /// Largest `V' + phi V - xi |tau|^2` over the steps, in units of phi: not above 0 when the
-    /// promise is kept.
+    /// Largest `V' + phi V - xi |tau|^2` over the steps, relative to phi V + xi |tau|^2: not above 0
+    /// when the promise is kept.
     pub excess: f64,
     /// Largest |y|.
     pub largest_output: f64,
@@ -68,20 +68,36 @@ impl<'a> EventTriggeredLoop<'a> {
     }
 
     /// (x', I') for x and the integral I of (21) since the last sample.
-    fn derivative(&self, state: &DVector<f64>, integral: f64, input: &DVector<f64>) -> (DVector<f64>, f64) {
+    fn derivative(
+        &self,
+        state: &DVector<f64>,
+        integral: f64,
+        input: &DVector<f64>,
+    ) -> (DVector<f64>, f64) {
         let rate = (self.plant)(state, &(input + self.disturbance(state)));
         let growth = quadratic(&self.certificate.integral_weight, &rate);
         (rate, growth - self.decay_rate * integral)
     }
 
     /// One step of the classical Runge-Kutta method.
-    fn step(&self, state: &DVector<f64>, integral: f64, input: &DVector<f64>, dt: f64) -> (DVector<f64>, f64) {
+    fn step(
+        &self,
+        state: &DVector<f64>,
+        integral: f64,
+        input: &DVector<f64>,
+        dt: f64,
+    ) -> (DVector<f64>, f64) {
         let (k1, i1) = self.derivative(state, integral, input);
-        let (k2, i2) = self.derivative(&(state + &k1 * (dt / 2.0)), integral + i1 * dt / 2.0, input);
-        let (k3, i3) = self.derivative(&(state + &k2 * (dt / 2.0)), integral + i2 * dt / 2.0, input);
+        let (k2, i2) =
+            self.derivative(&(state + &k1 * (dt / 2.0)), integral + i1 * dt / 2.0, input);
+        let (k3, i3) =
+            self.derivative(&(state + &k2 * (dt / 2.0)), integral + i2 * dt / 2.0, input);
         let (k4, i4) = self.derivative(&(state + &k3 * dt), integral + i3 * dt, input);
         let rate = (k1 + (k2 + k3) * 2.0 + k4) / 6.0;
-        (state + rate * dt, integral + (i1 + 2.0 * (i2 + i3) + i4) / 6.0 * dt)
+        (
+            state + rate * dt,
+            integral + (i1 + 2.0 * (i2 + i3) + i4) / 6.0 * dt,
+        )
     }
 
     fn command(&self, held: &DVector<f64>) -> DVector<f64> {
@@ -116,8 +132,8 @@ impl<'a> EventTriggeredLoop<'a> {
                 let before = self.functional(&state, rest, integral);
                 (state, integral) = self.step(&state, integral, &input, dt);
                 let after = self.functional(&state, rest - dt, integral);
-                let growth = (after - self.allowed(before, dt)) / (self.decay_rate * dt);
-                excess = excess.max(growth);
+                let scale = (self.decay_rate * before + self.supply()) * dt;
+                excess = excess.max((after - self.allowed(before, dt)) / scale);
                 largest_output = largest_output.max((&self.output * &state).norm());
             }
             samples += 1;
@@ -139,7 +155,11 @@ impl<'a> EventTriggeredLoop<'a> {
     /// (30) over one step with a disturbance of full size.
     fn allowed(&self, before: f64, dt: f64) -> f64 {
         let forgetting = (-self.decay_rate * dt).exp();
-        let supply = self.certificate.disturbance_weight * self.disturbance_bound.powi(2);
-        forgetting * before + supply * (1.0 - forgetting) / self.decay_rate
+        forgetting * before + self.supply() * (1.0 - forgetting) / self.decay_rate
+    }
+
+    /// xi |tau|^2.
+    fn supply(&self) -> f64 {
+        self.certificate.disturbance_weight * self.disturbance_bound.powi(2)
     }
 }

@@ -76,21 +76,41 @@ pub fn decrease(
         sizes.push(n);
     }
     let mut out = SymmetricBlocks::new(&sizes);
-    out.add(STATE, STATE, &((e1 * &a_qt).symmetrised() + phi * uh + l1h.symmetrised()));
+    out.add(
+        STATE,
+        STATE,
+        &((e1 * &a_qt).symmetrised() + phi * uh + l1h.symmetrised()),
+    );
     out.add(STATE, RATE, &(uh - &(e1 * qh.transposed()) + e2 * &q_at));
-    out.add(STATE, SAMPLE, &(e1 * &bf + e3 * &q_at - l1h.clone() + l2h.transposed()));
+    out.add(
+        STATE,
+        SAMPLE,
+        &(e1 * &bf + e3 * &q_at - l1h.clone() + l2h.transposed()),
+    );
     out.add(STATE, ERROR, &(-e1 * &bf));
     out.add(STATE, DISTURBANCE, &Affine::constant(&(e1 * bw)));
     out.add(RATE, RATE, &(-e2 * qh.symmetrised()));
     out.add(RATE, SAMPLE, &(-e3 * qh + e2 * &bf));
     out.add(RATE, ERROR, &(-e2 * &bf));
     out.add(RATE, DISTURBANCE, &Affine::constant(&(e2 * bw)));
-    out.add(SAMPLE, SAMPLE, &(-l2h.symmetrised() + nu * wh + (e3 * &bf).symmetrised()));
+    out.add(
+        SAMPLE,
+        SAMPLE,
+        &(-l2h.symmetrised() + nu * wh + (e3 * &bf).symmetrised()),
+    );
     out.add(SAMPLE, ERROR, &(-e3 * &bf - nu * wh));
     out.add(SAMPLE, DISTURBANCE, &Affine::constant(&(e3 * bw)));
     out.add(ERROR, ERROR, &((nu - 1.0) * wh));
-    out.add(DISTURBANCE, DISTURBANCE, &-xi.times_matrix(&DMatrix::identity(d, d)));
-    if let Some(SectorUnknowns { anti_windup, weight }) = &unknowns.sector {
+    out.add(
+        DISTURBANCE,
+        DISTURBANCE,
+        &-xi.times_matrix(&DMatrix::identity(d, d)),
+    );
+    if let Some(SectorUnknowns {
+        anti_windup,
+        weight,
+    }) = &unknowns.sector
+    {
         let unit = DEAD_ZONE_UNIT;
         let bs = unit * (b * weight);
         let nt = unit * anti_windup.transposed();
@@ -210,15 +230,16 @@ pub fn decrease_form(
         plant = plant - b * &sector.weight * p;
     }
     // (23): 2 (x' L1 + xk' L2) (x - xk)
-    let path = x.transpose() * (&unknowns.free_state)
-        + xk.transpose() * (&unknowns.free_sample);
+    let path = x.transpose() * (&unknowns.free_state) + xk.transpose() * (&unknowns.free_sample);
     let mut out = (&v.transpose() * plant).symmetrised()
         + phi * uh.congruence(x)
         + (x.transpose() * uh * dx).symmetrised()
         + (&path * &(x - xk)).symmetrised()
         + nu * wh.congruence(w)
         - wh.congruence(&error)
-        - unknowns.disturbance_weight.times_matrix(&(tau.transpose() * tau));
+        - unknowns
+            .disturbance_weight
+            .times_matrix(&(tau.transpose() * tau));
     if let Some(sector) = &unknowns.sector {
         out += &(-2.0 * sector.weight.congruence(p));
         out += &(p.transpose() * &sector.anti_windup * w).symmetrised();
