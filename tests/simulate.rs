@@ -229,7 +229,11 @@ fn a_key_that_is_unknown_missing_or_of_the_wrong_type_is_named() {
         metric.contains("requirements[1].metric") && metric.contains("`triggers`"),
         "{metric}"
     );
-    let broken = error_of("wu2018.json", r#""seed": 1 }"#, r#""seed": 1"#);
+    let broken = error_of(
+        "wu2018.json",
+        r#""schema_version": 1,"#,
+        r#""schema_version": 1"#,
+    );
     assert!(broken.starts_with("not JSON: "), "{broken}");
 }
 

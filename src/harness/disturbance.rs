@@ -158,7 +158,7 @@ impl<'a, const D: usize> Walker<'a, D> {
 
     /// Walks `step_s` seconds on from `time_s`, where it stands, and returns the values at the start,
     /// the middle and the end of the step.
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, time_s: f64, step_s: f64) -> [SVector<f64, D>; 3] {
         if self.phases.is_empty() && self.disturbance.table.is_none() {
             return [self.now; 3];
@@ -179,6 +179,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         [start, middle, self.now]
     }
 
+    #[inline]
     fn set_step(&mut self, step_s: f64) {
         self.step_s = step_s;
         for (phase, harmonic) in self.phases.iter_mut().zip(&self.disturbance.harmonics) {
@@ -187,7 +188,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn turn(&mut self) {
         for phase in &mut self.phases {
             let (s, c) = (phase.sine, phase.cosine);
@@ -196,7 +197,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn value(&self, time_s: f64) -> SVector<f64, D> {
         let mut value = self.disturbance.bias;
         for (phase, harmonic) in self.phases.iter().zip(&self.disturbance.harmonics) {
@@ -222,7 +223,7 @@ const C10: f64 = -1.0 / 3_628_800.0;
 
 /// Sine and cosine; below [`SMALL_ANGLE`] by Taylor polynomials, whose first term left out is below
 /// 1e-17.
-#[inline]
+#[inline(always)]
 fn small_sincos(angle: f64) -> (f64, f64) {
     if angle.abs() > SMALL_ANGLE {
         return libm::sincos(angle);

@@ -36,7 +36,7 @@ pub struct Claims<const N: usize> {
 
 impl<const N: usize> Claims<N> {
     /// x'Ux.
-    #[inline]
+    #[inline(always)]
     pub fn level(&self, state: &SVector<f64, N>) -> f64 {
         let state = &state.data.0[0];
         let mut product = [0.0; N];
@@ -58,7 +58,7 @@ impl<const N: usize> Claims<N> {
         self.ultimate_level().max(1.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn in_region(&self, state: &SVector<f64, N>) -> bool {
         let mut inside = true;
         for (value, bound) in state.iter().zip(&self.component_bounds) {

@@ -16,7 +16,7 @@ use closed_loop::{in_rows, magnitude, quadratic, schur_complement, Instant, Quan
 use exact::Stream;
 use nalgebra::{DMatrix, DVector};
 use random::{assert_close, vector, Point, Sizes};
-use simulation::{EventTriggeredLoop, Promise};
+use simulation::{EventTriggeredLoop, Plant, Promise};
 use synth::certify::interval::Interval as Enclosure;
 use synth::certify::theorem1::{for_each_condition, Certificate};
 use synth::certify::Verdict;
@@ -26,7 +26,7 @@ use synth::conditions::xu2020::{
 use synth::conditions::Task;
 use synth::design::recover;
 use synth::lmi::Condition;
-use synth::model::{Model, Plant};
+use synth::model::Model;
 use synth::scaling::Scaling;
 use synth::solve::Clarabel;
 use synth::synthesis::{synthesize, Form, Outcome};
@@ -327,7 +327,7 @@ fn proved_design(text: &str) -> (Model, Certificate) {
 #[test]
 fn the_functional_of_a_proved_spacecraft_decreases_along_the_nonlinear_plant() {
     let (model, certificate) = proved_design(XU2020);
-    let Plant::Spacecraft(craft) = &model.plant else {
+    let synth::model::Plant::Spacecraft(craft) = &model.plant else {
         panic!("xu2020 is a spacecraft");
     };
     let plant = |state: &DVector<f64>, input: &DVector<f64>| {
@@ -349,11 +349,7 @@ fn the_functional_of_a_proved_vertex_system_decreases_while_the_vertices_vary() 
     check_promises(&model, &certificate, &plant);
 }
 
-fn check_promises(
-    model: &Model,
-    certificate: &Certificate,
-    plant: &dyn Fn(&DVector<f64>, &DVector<f64>) -> DVector<f64>,
-) {
+fn check_promises(model: &Model, certificate: &Certificate, plant: Plant) {
     let closed_loop = EventTriggeredLoop::new(model, certificate, plant);
     let mut stream = Stream(30);
     let n = certificate.lyapunov.nrows();
@@ -376,7 +372,6 @@ fn check_promises(
     }
     let rest = closed_loop.run(&DVector::zeros(n), 60.0, &mut stream);
     // The functional comes near its bound, so a wrong term would show.
-    eprintln!("tightest {tightest} {}", rest.excess);
     assert!(
         tightest.max(rest.excess) > -1.0,
         "the bound is loose: {tightest} {}",

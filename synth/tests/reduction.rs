@@ -333,7 +333,7 @@ fn solvable_models(stream: &mut Stream, count: usize) -> Vec<Model> {
 #[test]
 fn every_point_of_the_full_condition_extends_to_one_of_the_reduced_condition() {
     let mut stream = Stream(1988);
-    for model in solvable_models(&mut stream, 6) {
+    for model in solvable_models(&mut stream, 3) {
         let (_, task) = scaled_task(&model, FIRST_UNITS);
         let (_, smallest) = solve(&task, Form::Full, Goal::SmallestGain);
         let gain_bound = 1.05 * smallest.objective;
@@ -357,11 +357,6 @@ fn every_point_of_the_full_condition_extends_to_one_of_the_reduced_condition() {
         for condition in &reduced.conditions {
             let value = condition.expression().value(&reduced.point.values);
             let smallest = smallest_eigenvalue(&value);
-            eprintln!(
-                "{} {smallest:e} {:e} {given:?}",
-                condition.name(),
-                random::size(&value)
-            );
             assert!(smallest > 0.0, "{}: {smallest:e}", condition.name());
         }
     }
@@ -371,39 +366,38 @@ fn every_point_of_the_full_condition_extends_to_one_of_the_reduced_condition() {
 fn both_forms_have_the_same_smallest_gain_bound() {
     let mut stream = Stream(77);
     let mut compared = 0;
-    for model in solvable_models(&mut stream, 9) {
+    for model in solvable_models(&mut stream, 7) {
         let (_, task) = scaled_task(&model, FIRST_UNITS);
-        for form in [Form::Reduced, Form::Full] {
-            let text = assemble(&task, form, Goal::SmallestGain).problem.lower().to_sdpa("x");
-            std::fs::write(format!("/tmp/w/dump/{compared}-{}.dat-s", form.name()), text).unwrap();
-        }
         let results =
             [Form::Reduced, Form::Full].map(|form| solve(&task, form, Goal::SmallestGain).1);
         let [small, full] = &results;
-        eprintln!(
-            "{} {} | {} {} | {:e}",
-            small.status_text,
-            small.objective,
-            full.status_text,
-            full.objective,
-            small.objective / full.objective - 1.0
-        );
-        let solved =
+        let converged =
             [small, full].map(|found| matches!(found.status, Status::Solved | Status::Inaccurate));
-        assert_eq!(solved[0], solved[1], "the forms differ in feasibility");
-        if !solved[0] {
-            continue;
-        }
-        let distance = (small.objective / full.objective - 1.0).abs();
-        assert!(
-            distance <= 1e-3,
-            "{} against {}",
-            small.objective,
-            full.objective
+        assert_eq!(
+            converged[0], converged[1],
+            "the forms differ in feasibility"
         );
-        compared += 1;
+        let accurate = [small, full].map(|found| found.status == Status::Solved);
+        let distance = (small.objective / full.objective - 1.0).abs();
+        if accurate == [true, true] {
+            assert!(
+                distance <= 1e-5,
+                "{} against {}",
+                small.objective,
+                full.objective
+            );
+            compared += 1;
+        } else if converged[0] {
+            // The solver itself promises no more on these.
+            assert!(
+                distance <= 1e-3,
+                "{} against {}",
+                small.objective,
+                full.objective
+            );
+        }
     }
-    assert!(compared >= 6, "{compared} models have a solution");
+    assert!(compared >= 6, "{compared} models were solved in both forms");
 }
 
 /// Random symmetric blocks where `meets` says so, made positive definite.

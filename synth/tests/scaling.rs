@@ -226,7 +226,7 @@ fn every_scaled_condition_is_the_unscaled_one_congruent_by_powers_of_two() {
             let after = after.expression().value(&scaled.values);
             let before = before.expression().value(&unscaled.values);
             let units = diagonal_congruence(&after, &before).expect("a diagonal without zeros");
-            // Rounded the same way in both units: equal to the last bit, but for e^(phi hbar).
+            // Rounded the same way in both units.
             assert!(
                 units.iter().all(|&unit| is_power_of_two(unit)),
                 "{name}: {units}"
@@ -257,7 +257,6 @@ fn the_smallest_gain_bound_does_not_depend_on_the_units() {
         assert_eq!(solution.status, Status::Solved, "{}", solution.status_text);
         solution.objective
     });
-    eprintln!("{results:?}");
     for objective in results {
         let distance = (objective / results[0] - 1.0).abs();
         assert!(distance < 1e-4, "{results:?}");

@@ -265,7 +265,6 @@ fn the_check_of_a_tampered_double_integrator_agrees_with_exact_arithmetic() {
             tally.compare(&change, checked, |_| true);
         }
     }
-    eprintln!("{tally:?}");
     assert!(
         tally.proved > 10 && tally.refused > 50 && tally.invalid > 20,
         "{tally:?}"
@@ -302,7 +301,6 @@ fn tamper_with_xu2020(by: &[fn(f64) -> f64], sampled: usize, seed: u64) -> Tally
             tally.compare(change, checked, |place| chosen.contains(&Some(place)));
         }
     }
-    eprintln!("{tally:?}");
     tally
 }
 

@@ -11,7 +11,7 @@ use crate::fuzzy::TakagiSugeno;
 pub struct Specification {
     /// Decay rate `phi` of the Lyapunov functional [1/s].
     pub decay_rate: f64,
-    /// Longest sampling interval `hbar` [s].
+    /// Longest sampling interval `hbar` (s).
     pub sampling_interval_max: f64,
     /// Largest trigger threshold `nu` that may occur at run time, in [0, 1).
     pub trigger_threshold: f64,

@@ -132,7 +132,7 @@ pub struct SolverRun {
     pub objective: f64,
     /// Iterations.
     pub iterations: u32,
-    /// Wall time [s].
+    /// Wall time (s).
     pub seconds: f64,
 }
 

@@ -94,9 +94,9 @@ pub struct LinearBound {
 pub struct Specs {
     /// Decay rate phi of the Lyapunov functional, above 0 [1/s].
     pub phi_per_s: f64,
-    /// Longest sampling interval, above 0 [s].
+    /// Longest sampling interval, above 0 (s).
     pub hbar_s: f64,
-    /// Shortest sampling interval, above 0 and at most `hbar_s` [s]; a hundredth of it when left out.
+    /// Shortest sampling interval, above 0 and at most `hbar_s` (s); a hundredth of it when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hmin_s: Option<f64>,
     /// Largest trigger threshold nu, in [0, 1).

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::explain::{explain, list_for_object};
 use super::{FileError, Kind};
 
-/// The largest file that is read [bytes].
+/// The largest file that is read (bytes).
 pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
 /// Reads a whole text file of at most [`MAX_FILE_BYTES`].

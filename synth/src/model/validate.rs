@@ -45,7 +45,7 @@ impl Model {
         Ok(Model { file, plant })
     }
 
-    /// Shortest sampling interval [s].
+    /// Shortest sampling interval (s).
     pub fn sampling_interval_min(&self) -> f64 {
         let specs = &self.file.specs;
         specs.hmin_s.unwrap_or(specs.hbar_s / 100.0)

@@ -59,7 +59,7 @@ pub struct Solution {
     pub objective: f64,
     /// Iterations done.
     pub iterations: u32,
-    /// Wall time [s].
+    /// Wall time (s).
     pub seconds: f64,
 }
 

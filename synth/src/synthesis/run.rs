@@ -53,7 +53,7 @@ pub struct Synthesized {
     pub file: DesignFile,
     /// The check of the file's numbers.
     pub report: Report,
-    /// Time spent in solvers [s].
+    /// Time spent in solvers (s).
     pub solve_seconds: f64,
 }
 
@@ -65,7 +65,7 @@ pub struct Failure {
     pub slack: Option<f64>,
     /// The conditions with the largest share of the dual solution: those that block.
     pub blocking: Vec<(String, f64)>,
-    /// Time spent in solvers [s].
+    /// Time spent in solvers (s).
     pub solve_seconds: f64,
     /// The solver's runs.
     pub runs: Vec<SolverRun>,

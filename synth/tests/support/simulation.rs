@@ -20,7 +20,8 @@ pub struct Promise {
     pub samples: usize,
 }
 
-type Plant<'a> = &'a dyn Fn(&DVector<f64>, &DVector<f64>) -> DVector<f64>;
+/// x' for a state and what acts on the input.
+pub type Plant<'a> = &'a dyn Fn(&DVector<f64>, &DVector<f64>) -> DVector<f64>;
 
 /// The controller of a certificate on a plant `x' = f(x, input + disturbance)`.
 pub struct EventTriggeredLoop<'a> {
