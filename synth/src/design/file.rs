@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::certify::theorem1::Certificate;
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
-    check_matrix, check_positive, check_symmetric, finite, parse, FileError, Kind, Model, ModelError, ModelFile,
+    check_matrix, check_positive, check_symmetric, finite, parse, FileError, Kind, Model,
+    ModelError, ModelFile,
 };
 
 /// The version this program reads and writes.
