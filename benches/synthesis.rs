@@ -60,18 +60,29 @@ fn solve((problem, accuracy): &(Semidefinite, Accuracy), padding: Padding) -> (S
 }
 
 fn child(form: &str, padding: &str) {
-    let form = if form == "full" { Form::Full } else { Form::Reduced };
+    let form = if form == "full" {
+        Form::Full
+    } else {
+        Form::Reduced
+    };
     let padding = match padding {
         "padded" => Padding::default(),
         _ => Padding::None,
     };
     let (solution, seconds) = solve(&problem(form), padding);
-    println!("{seconds} {} {} {}", solution.objective, solution.status_text, external::peak_memory_mb());
+    println!(
+        "{seconds} {} {} {}",
+        solution.objective,
+        solution.status_text,
+        external::peak_memory_mb()
+    );
 }
 
 fn clarabel_row(form: &str, padding: &str) -> Row {
     let program = std::env::current_exe().expect("this program's path");
-    let output = Command::new(program).args(["--child", form, padding]).output();
+    let output = Command::new(program)
+        .args(["--child", form, padding])
+        .output();
     let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
     let text = text.unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -89,7 +100,10 @@ fn clarabel_row(form: &str, padding: &str) -> Row {
 }
 
 fn side_by_side(folder: &Path, quick: bool) -> Vec<Row> {
-    let mut rows = vec![clarabel_row("reduced", "padded"), clarabel_row("reduced", "unpadded")];
+    let mut rows = vec![
+        clarabel_row("reduced", "padded"),
+        clarabel_row("reduced", "unpadded"),
+    ];
     if !quick {
         rows.push(clarabel_row("full", "unpadded"));
         rows.push(clarabel_row("full", "padded"));
@@ -109,7 +123,10 @@ fn side_by_side(folder: &Path, quick: bool) -> Vec<Row> {
 /// Prints rows with their times relative to the first one.
 pub fn print_table(title: &str, rows: &[Row]) {
     println!("\n{title}");
-    println!("{:34} {:>9} {:>9} {:>12}  note", "", "seconds", "ratio", "gamma");
+    println!(
+        "{:34} {:>9} {:>9} {:>12}  note",
+        "", "seconds", "ratio", "gamma"
+    );
     let base = rows.first().and_then(|row| row.seconds);
     for row in rows {
         let show = |value: Option<f64>, digits: usize| {

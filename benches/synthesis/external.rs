@@ -32,7 +32,10 @@ fn missing(what: String, program: &str) -> Row {
 /// The number after `label` and a separator.
 fn number_after(text: &str, label: &str) -> Option<f64> {
     let rest = &text[text.find(label)? + label.len()..];
-    let word = rest.trim_start_matches([' ', ':', '=']).split_whitespace().next()?;
+    let word = rest
+        .trim_start_matches([' ', ':', '='])
+        .split_whitespace()
+        .next()?;
     word.parse().ok()
 }
 
@@ -53,20 +56,33 @@ fn report(what: String, program: &str, run: Option<(Output, f64)>, label: &str) 
 pub fn csdp(file: &Path, name: &str) -> Row {
     let solution = file.with_extension("csdp");
     let run = timed(Command::new("csdp").arg(file).arg(solution));
-    report(format!("csdp, {name}"), "csdp", run, "Dual objective value:")
+    report(
+        format!("csdp, {name}"),
+        "csdp",
+        run,
+        "Dual objective value:",
+    )
 }
 
 /// sdpa on an SDPA sparse file.
 pub fn sdpa(file: &Path, name: &str) -> Row {
     let solution = file.with_extension("sdpa");
-    let run = timed(Command::new("sdpa").arg("-ds").arg(file).arg("-o").arg(solution));
+    let run = timed(
+        Command::new("sdpa")
+            .arg("-ds")
+            .arg(file)
+            .arg("-o")
+            .arg(solution),
+    );
     report(format!("sdpa, {name}"), "sdpa", run, "objValPrimal")
 }
 
 /// cvxpy with Clarabel on an SDPA sparse file, as a user of Python would write it.
 pub fn cvxpy(file: &Path) -> Row {
     let what = "cvxpy + Clarabel, full".to_string();
-    let probe = Command::new("python3").args(["-c", "import cvxpy"]).output();
+    let probe = Command::new("python3")
+        .args(["-c", "import cvxpy"])
+        .output();
     if !probe.is_ok_and(|output| output.status.success()) {
         return missing(what, "cvxpy");
     }

@@ -12,8 +12,14 @@ use super::{print_table, Row};
 /// Whole syntheses (both solves and the check) for 16, 64 and 256 vertices, and 1024 unless quick.
 pub fn run(quick: bool) {
     let parameters: &[u32] = if quick { &[4, 6] } else { &[4, 6, 8, 10] };
-    let rows: Vec<Row> = parameters.iter().map(|&count| synthesis_row(count)).collect();
-    print_table("growth: whole synthesis, reduced form (peak memory so far)", &rows);
+    let rows: Vec<Row> = parameters
+        .iter()
+        .map(|&count| synthesis_row(count))
+        .collect();
+    print_table(
+        "growth: whole synthesis, reduced form (peak memory so far)",
+        &rows,
+    );
 }
 
 fn synthesis_row(parameters: u32) -> Row {
@@ -49,7 +55,11 @@ fn model_file(parameters: u32) -> ModelFile {
     let extra: Vec<[[f64; 6]; 6]> = (4..parameters).map(|_| couplings.next_matrix()).collect();
     let vertices = (0..1_u32 << parameters).map(|index| {
         let sign = |bit: usize| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        let mut a = vertex(&moments, [0.1 * sign(0), 0.1 * sign(1), 0.1 * sign(2)], 0.875 + 0.125 * sign(3));
+        let mut a = vertex(
+            &moments,
+            [0.1 * sign(0), 0.1 * sign(1), 0.1 * sign(2)],
+            0.875 + 0.125 * sign(3),
+        );
         for (offset, matrix) in extra.iter().enumerate() {
             for (row, entries) in a.iter_mut().enumerate() {
                 for (column, entry) in entries.iter_mut().enumerate() {
@@ -60,7 +70,13 @@ fn model_file(parameters: u32) -> ModelFile {
         a
     });
     let input = (0..6).map(|row| {
-        let entry = |column: usize| if row == column { 1.0 / moments[column] } else { 0.0 };
+        let entry = |column: usize| {
+            if row == column {
+                1.0 / moments[column]
+            } else {
+                0.0
+            }
+        };
         (0..3).map(entry).collect()
     });
     let mut file = base_file();
@@ -115,7 +131,10 @@ impl Couplings {
     fn next_matrix(&mut self) -> [[f64; 6]; 6] {
         let mut out = [[0.0; 6]; 6];
         for entry in out.iter_mut().flatten() {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            self.0 = self
+                .0
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
             let unit = (self.0 >> 11) as f64 / (1_u64 << 53) as f64;
             *entry = 0.004 * (unit - 0.5);
         }

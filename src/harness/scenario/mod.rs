@@ -8,8 +8,8 @@ mod system_file;
 mod systems;
 
 pub use check::Scenario;
-pub use controllers::{ControllerChoice, XuChoice};
 pub use controller_file::*;
+pub use controllers::{ControllerChoice, XuChoice};
 pub use file::*;
 pub use system_file::*;
 pub use systems::{RigidBodySystem, System, TakagiSugenoSystem};
