@@ -54,7 +54,7 @@ pub enum WuGainsFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SettlingTimeFile {
-    /// Settling time, above 0 [s].
+    /// Settling time, above 0 (s).
     pub settling_time_s: f64,
     /// Damping ratio, above 0.
     pub damping_ratio: f64,
@@ -112,7 +112,7 @@ pub struct XuFile {
     pub threshold: ThresholdFile,
     /// Largest torque of each axis, above 0 [N m].
     pub torque_limit_nm: [f64; 3],
-    /// Longest sampling interval of the design, above 0 [s].
+    /// Longest sampling interval of the design, above 0 (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_interval_s: Option<f64>,
     /// What the paper claims for these gains. It is compared with the run; it is not proved.

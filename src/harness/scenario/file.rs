@@ -20,7 +20,7 @@ pub struct ScenarioFile {
     /// Where the numbers come from.
     #[serde(default)]
     pub source: String,
-    /// Length of the run, above 0 [s].
+    /// Length of the run, above 0 (s).
     pub duration_s: f64,
     /// The generator of every random number of the run.
     #[serde(default)]
@@ -100,9 +100,9 @@ pub enum InstantsFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PeriodicFile {
-    /// Interval, above 0 [s].
+    /// Interval, above 0 (s).
     pub interval_s: f64,
-    /// Largest shift of an instant either way, below half of the interval [s].
+    /// Largest shift of an instant either way, below half of the interval (s).
     #[serde(default)]
     pub jitter_s: f64,
 }
@@ -111,9 +111,9 @@ pub struct PeriodicFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AperiodicFile {
-    /// Shortest interval, above 0 [s].
+    /// Shortest interval, above 0 (s).
     pub shortest_s: f64,
-    /// Longest interval, not below the shortest [s].
+    /// Longest interval, not below the shortest (s).
     pub longest_s: f64,
 }
 
@@ -121,7 +121,7 @@ pub struct AperiodicFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContinuousFile {
-    /// Width of the interval of time in which an event is known to lie, at least 1e-9 [s].
+    /// Width of the interval of time in which an event is known to lie, at least 1e-9 (s).
     pub resolution_s: f64,
 }
 
@@ -145,7 +145,7 @@ impl Default for IntegratorFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepFile {
-    /// Longest step, above 0 [s]; 1/32 s when the integrator is left out.
+    /// Longest step, above 0 (s); 1/32 s when the integrator is left out.
     pub step_s: f64,
 }
 
@@ -162,7 +162,7 @@ pub struct ToleranceFile {
 #[serde(deny_unknown_fields)]
 pub struct MetricsFile {
     /// A spacecraft has settled when its attitude error stays below this, above 0; 1 when left out
-    /// [deg].
+    /// (deg).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_tolerance_deg: Option<f64>,
     /// Another plant has settled when the norm of its state stays below this, above 0; 0.01 when left
@@ -170,7 +170,7 @@ pub struct MetricsFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_tolerance_state: Option<f64>,
     /// The root mean square is taken over the last so many seconds, above 0; a fifth of the run when
-    /// left out [s].
+    /// left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tail_s: Option<f64>,
 }
@@ -202,11 +202,11 @@ pub enum Metric {
     Bits,
     /// Bytes sent.
     Bytes,
-    /// Time from which on the error stays within the tolerance [s].
+    /// Time from which on the error stays within the tolerance (s).
     SettleSeconds,
-    /// Attitude error at the end [deg].
+    /// Attitude error at the end (deg).
     FinalErrorDeg,
-    /// Root mean square of the attitude error over the tail [deg].
+    /// Root mean square of the attitude error over the tail (deg).
     RmsErrorDeg,
     /// Norm of the state at the end.
     FinalStateNorm,
@@ -220,9 +220,9 @@ pub enum Metric {
     Impulse,
     /// Steps at which a claim of the controller's certificate was broken.
     Violations,
-    /// Shortest time between two messages [s].
+    /// Shortest time between two messages (s).
     ShortestIntervalS,
-    /// Mean time between two messages [s].
+    /// Mean time between two messages (s).
     MeanIntervalS,
     /// Largest x'Ux over its bound, for a design.
     LyapunovRatio,
@@ -232,7 +232,7 @@ pub enum Metric {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Longest time between two rows of the trajectory, above 0; a 4000th of the run when left out [s].
+    /// Longest time between two rows of the trajectory, above 0; a 4000th of the run when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval_s: Option<f64>,
 }

@@ -50,7 +50,7 @@ pub enum AttitudeFile {
     QuaternionScalarFirst([f64; 4]),
     /// [q1, q2, q3, q0], q0 the scalar.
     QuaternionScalarLast([f64; 4]),
-    /// [yaw, pitch, roll]: about axis 3, then 2, then 1 [deg].
+    /// [yaw, pitch, roll]: about axis 3, then 2, then 1 (deg).
     #[serde(rename = "euler_321_deg")]
     Euler321Deg([f64; 3]),
     /// A turn about an axis.
@@ -63,7 +63,7 @@ pub enum AttitudeFile {
 pub struct AxisAngleFile {
     /// The axis, of any length above 0.
     pub axis: [f64; 3],
-    /// The angle [deg].
+    /// The angle (deg).
     pub angle_deg: f64,
 }
 
@@ -95,9 +95,9 @@ pub struct SlewFile {
     pub axis: [f64; 3],
     /// The rate [rad/s].
     pub rate_rad_s: f64,
-    /// Start of the slew, not negative [s].
+    /// Start of the slew, not negative (s).
     pub from_s: f64,
-    /// End of the slew, after its start [s].
+    /// End of the slew, after its start (s).
     pub until_s: f64,
 }
 
@@ -109,7 +109,7 @@ pub struct SineFile {
     pub centre: AttitudeFile,
     /// The axis, of any length above 0.
     pub axis: [f64; 3],
-    /// Amplitude [deg].
+    /// Amplitude (deg).
     pub amplitude_deg: f64,
     /// Angular frequency, above 0 [rad/s].
     pub frequency_rad_s: f64,
@@ -148,7 +148,7 @@ pub struct TorqueSineFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueRowFile {
-    /// Time, later than in the row before [s].
+    /// Time, later than in the row before (s).
     pub time_s: f64,
     /// Torque [N m].
     pub torque_nm: [f64; 3],
@@ -158,13 +158,13 @@ pub struct TorqueRowFile {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorsFile {
-    /// Standard deviation of the attitude about each axis, not negative [deg].
+    /// Standard deviation of the attitude about each axis, not negative (deg).
     #[serde(default)]
     pub attitude_noise_deg: f64,
     /// Standard deviation of each rate, not negative [deg/s].
     #[serde(default)]
     pub rate_noise_deg_s: f64,
-    /// Resolution of the attitude, not negative; 0 for none [deg].
+    /// Resolution of the attitude, not negative; 0 for none (deg).
     #[serde(default)]
     pub attitude_quantum_deg: f64,
     /// Resolution of each rate, not negative; 0 for none [deg/s].
@@ -182,7 +182,7 @@ pub struct ActuatorsFile {
     /// Commands below this magnitude give no torque, not negative [N m].
     #[serde(default)]
     pub dead_band_nm: [f64; 3],
-    /// Time from command to torque, not negative [s].
+    /// Time from command to torque, not negative (s).
     #[serde(default)]
     pub delay_s: f64,
 }
@@ -193,9 +193,9 @@ pub struct ActuatorsFile {
 pub struct FaultFile {
     /// Axis: 1, 2 or 3.
     pub axis: u32,
-    /// Start of the window, not negative [s].
+    /// Start of the window, not negative (s).
     pub from_s: f64,
-    /// End of the window, after its start [s].
+    /// End of the window, after its start (s).
     pub until_s: f64,
     /// Share of the commanded torque that acts, in [0, 1]; 1 when left out.
     #[serde(default = "one")]
@@ -225,7 +225,7 @@ pub struct TakagiSugenoFile {
     /// Standard deviation of the measurement of each state, not negative.
     #[serde(default)]
     pub state_noise: f64,
-    /// Time from command to input, not negative [s].
+    /// Time from command to input, not negative (s).
     #[serde(default)]
     pub input_delay_s: f64,
 }
@@ -244,7 +244,7 @@ pub enum MixingFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CycleFile {
-    /// Time from one vertex to the next, above 0 [s].
+    /// Time from one vertex to the next, above 0 (s).
     pub dwell_s: f64,
 }
 
