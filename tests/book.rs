@@ -204,6 +204,10 @@ fn essence(line: &str) -> String {
         Some(_) => "worst condition: some",
         None => line,
     };
+    let line = match line.split_once("smallest margin") {
+        Some((start, _)) => start,
+        None => line,
+    };
     let number = |word: &str| {
         let bare = word.trim_matches(|c: char| ",;:()[]%".contains(c));
         let solver = [

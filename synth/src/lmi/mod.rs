@@ -6,10 +6,10 @@
 //! lowered once, to a [`Semidefinite`] program, which every backend and file writer reads.
 //!
 //! ```
-//! use nalgebra::dmatrix;
+//! use nalgebra::DMatrix;
 //! use synth::lmi::{Condition, Unknowns};
 //!
-//! let a = dmatrix![0.0, 1.0; -2.0, -3.0];
+//! let a = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -2.0, -3.0]);
 //! let mut unknowns = Unknowns::new();
 //! let lyapunov = unknowns.symmetric("P", 2);
 //! let decrease = Condition::negative("A'P + PA", (&lyapunov * &a).symmetrised(), 1e-6);
