@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::model::Model;
-use synth::solve::{Clarabel, SolveError};
+use synth::solve::{Clarabel, Padding, SolveError};
 use synth::synthesis::{self, Failure, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
@@ -83,7 +83,13 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
 fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    let backend = Clarabel::default();
+    // Padding makes the full form faster but costs it digits, and it is there for comparison.
+    let backend = match args.form {
+        FormArg::Reduced => Clarabel::default(),
+        FormArg::Full => Clarabel {
+            padding: Padding::None,
+        },
+    };
     match synthesis::synthesize(model, text, args.form.into(), &backend, observer) {
         Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
         // The numbers overflow on the way from the model to the solver.

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::certify::theorem1::Certificate;
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
-    check_matrix, check_positive, check_symmetric, finite, parse, FileError, Kind, Model,
-    ModelError, ModelFile,
+    check_matrix, check_positive, check_symmetric, parse, FileError, Kind, Model, ModelError,
+    ModelFile, Plant,
 };
 
 /// The version this program reads and writes.
@@ -174,7 +174,7 @@ impl DesignFile {
         check_positive("certificate.gamma", part.gamma)?;
         check_positive("certificate.guaranteed_gain", part.guaranteed_gain)?;
         if let Some(radius) = part.certified_vector_part {
-            finite("certificate.certified_vector_part", radius)?;
+            check_radius(model, radius)?;
         }
         let symmetric = |field: &str, rows| -> Result<DMatrix<f64>, ModelError> {
             let matrix = check_matrix(field, rows, square)?;
@@ -261,4 +261,21 @@ fn single(
             expected: "1 matrix (constant gain)".to_string(),
         }),
     }
+}
+
+/// The radius of certified attitudes: for spacecraft only, where it is checked, and in [0, 1].
+fn check_radius(model: &Model, radius: f64) -> Result<(), ModelError> {
+    let allowed = match model.plant {
+        Plant::Spacecraft(_) => "in [0, 1]",
+        Plant::Vertices(_) => "left out: the plant is not a spacecraft",
+    };
+    let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
+    if spacecraft && (0.0..=1.0).contains(&radius) {
+        return Ok(());
+    }
+    Err(ModelError::OutOfRange {
+        field: "certificate.certified_vector_part".to_string(),
+        value: radius,
+        allowed: allowed.to_string(),
+    })
 }
