@@ -18,6 +18,7 @@
 
 pub mod attitude;
 pub mod command;
+pub mod compression;
 pub mod error;
 pub mod membership;
 mod sample_clock;
