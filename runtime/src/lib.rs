@@ -18,6 +18,7 @@
 
 pub mod attitude;
 pub mod command;
+pub mod compression;
 mod definite;
 pub mod error;
 pub mod lei2022;

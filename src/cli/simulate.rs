@@ -7,6 +7,7 @@ use synth::model::read_text;
 
 use super::{print, CliError, EXIT_NO};
 use crate::harness::design::Design;
+use crate::harness::link::LinkOutcome;
 use crate::harness::output::{summary_text, write_run};
 use crate::harness::scenario::{ControllerChoice, Scenario};
 use crate::harness::simulation::simulate;
@@ -133,6 +134,9 @@ fn describe(summary: &Summary) -> String {
         summary.max_torque, summary.impulse
     ));
     describe_bounds(summary, &mut lines);
+    if let Some(link) = &summary.link {
+        describe_link(link, &mut lines);
+    }
     if let Some(outcome) = &summary.certificate {
         describe_certificate(outcome, &mut lines);
     }
@@ -169,6 +173,20 @@ fn describe_bounds(summary: &Summary, lines: &mut Vec<String>) {
                 usage.largest_ratio, usage.largest_ratio_at_s
             ));
         }
+    }
+}
+
+fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
+    lines.push(format!("link: {}", link.encoding));
+    lines.push(format!(
+        "link messages: {}; words: {}; bits: {}",
+        link.messages, link.words, link.bits
+    ));
+    if link.lost_words + link.corrupted_words > 0 {
+        lines.push(format!(
+            "link words lost: {}; corrupted: {}; refused: {}; longest disagreement: {:.3} s",
+            link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
+        ));
     }
 }
 

@@ -6,6 +6,8 @@ mod controllers;
 mod file;
 mod lei;
 mod lei_file;
+mod link_file;
+mod links;
 mod system_file;
 mod systems;
 
@@ -14,5 +16,6 @@ pub use controller_file::*;
 pub use controllers::{ControllerChoice, XuChoice};
 pub use file::*;
 pub use lei_file::*;
+pub use link_file::*;
 pub use system_file::*;
 pub use systems::{RigidBodySystem, System, TakagiSugenoSystem};
