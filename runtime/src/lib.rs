@@ -1,6 +1,6 @@
 //! Event-triggered spacecraft attitude controllers, as they would fly.
 //!
-//! One file per published controller ([`xu2020`], [`wu2018`]) and one per concern they share. The
+//! One file or folder per published controller ([`xu2020`], [`wu2018`], [`yang2025`]) and one per concern they share. The
 //! crate is `no_std`, allocates nothing, contains no `unsafe` code and runs in bounded time. It knows
 //! nothing of files, synthesis or simulation.
 //!
@@ -19,11 +19,13 @@
 pub mod attitude;
 pub mod command;
 pub mod error;
+mod matrix_check;
 pub mod membership;
 mod sample_clock;
 pub mod saturation;
 pub mod trigger;
 pub mod wu2018;
 pub mod xu2020;
+pub mod yang2025;
 
 pub use nalgebra;
