@@ -8,6 +8,8 @@ use nalgebra::SVector;
 /// al. 2018, section 5. Only the count presumes it: the values themselves are held in double
 /// precision, and rounding a message changes them by a relative 6e-8 at most.
 pub const BYTES_PER_NUMBER: usize = 4;
+/// Bits of one transmitted number.
+pub const BITS_PER_NUMBER: usize = 8 * BYTES_PER_NUMBER;
 
 /// The result of one controller step, for `M` actuated axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,18 +20,23 @@ pub struct Command<const M: usize> {
     pub torque: SVector<f64, M>,
     /// True when the event trigger fired at this sample, so that a message was sent.
     pub sent: bool,
-    /// Bytes of the message that was sent; zero when none was.
-    pub bytes: usize,
+    /// Bits of the message that was sent; zero when none was.
+    pub bits: usize,
     /// Whether the step was regular.
     pub status: Status,
 }
 
 impl<const M: usize> Command<M> {
+    /// Bytes of the message that was sent: its bits, rounded up to whole bytes.
+    pub const fn bytes(&self) -> usize {
+        self.bits.div_ceil(8)
+    }
+
     pub(crate) fn held(torque: SVector<f64, M>, reason: HoldReason) -> Self {
         Self {
             torque,
             sent: false,
-            bytes: 0,
+            bits: 0,
             status: Status::Held(reason),
         }
     }

@@ -104,6 +104,26 @@ impl AllowedRange {
         }
     }
 
+    /// The closed interval `[lower, upper]`.
+    pub const fn closed(lower: f64, upper: f64) -> Self {
+        Self {
+            lower,
+            lower_open: false,
+            upper,
+            upper_open: false,
+        }
+    }
+
+    /// The half-open interval `(lower, upper]`.
+    pub const fn left_open(lower: f64, upper: f64) -> Self {
+        Self {
+            lower,
+            lower_open: true,
+            upper,
+            upper_open: false,
+        }
+    }
+
     /// The half-open interval `[lower, upper)`.
     pub const fn half_open(lower: f64, upper: f64) -> Self {
         Self {
@@ -148,6 +168,13 @@ pub enum ParameterError {
         value: f64,
         /// Values that are allowed.
         allowed: AllowedRange,
+    },
+    /// A number that must be even is odd.
+    NotEven {
+        /// Offending parameter.
+        field: Field,
+        /// Its value.
+        value: u32,
     },
     /// A lower bound is not below its upper bound (or, where equality is allowed, is above it).
     EmptyInterval {
@@ -194,6 +221,7 @@ impl fmt::Display for ParameterError {
                 value,
                 allowed,
             } => write!(f, "{field} is {value}, allowed is {allowed}"),
+            Self::NotEven { field, value } => write!(f, "{field} is {value}, not an even number"),
             Self::EmptyInterval {
                 field,
                 lower,

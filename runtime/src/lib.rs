@@ -18,6 +18,7 @@
 
 pub mod attitude;
 pub mod command;
+pub mod compression;
 pub mod error;
 mod matrix_check;
 pub mod membership;

@@ -144,7 +144,7 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
             Ok((sent, status)) => Command {
                 torque: self.torque,
                 sent,
-                bytes: if sent { Self::MESSAGE_BYTES } else { 0 },
+                bits: if sent { 8 * Self::MESSAGE_BYTES } else { 0 },
                 status,
             },
             Err(reason) => Command::held(self.torque, reason),

@@ -94,7 +94,7 @@ fn closed_loop(
         let command = controller.step(time, &sensor(body.measured()));
         assert_eq!(command.status, Status::Nominal);
         run.triggers += usize::from(command.sent);
-        run.bytes += command.bytes;
+        run.bytes += command.bytes();
         run.largest_torque = run.largest_torque.max(command.torque.amax());
         run.turned_deg += (body.rate.norm() * step).to_degrees();
         if index >= samples * 4 / 5 {
@@ -127,7 +127,7 @@ fn the_first_sample_is_sent_and_the_torque_is_the_clipped_law() {
         epsilon = 1e-15
     );
     assert!(command.sent);
-    assert_eq!(command.bytes, 24);
+    assert_eq!(command.bytes(), 24);
     assert_eq!(command.status, Status::Nominal);
 }
 
@@ -139,7 +139,7 @@ fn the_trigger_fires_when_the_error_moved_by_half_of_itself_and_the_offset() {
     assert!(controller.step(0.0, &at(0.03)).sent);
     let kept = controller.step(1.0, &at(0.019_999_4));
     assert!(!kept.sent);
-    assert_eq!(kept.bytes, 0);
+    assert_eq!(kept.bytes(), 0);
     assert_relative_eq!(kept.torque.x, -0.06, epsilon = 1e-15);
     let moved = controller.step(2.0, &at(0.019_999_3));
     assert!(moved.sent);
@@ -163,7 +163,7 @@ fn the_time_triggered_rule_sends_every_sample() {
     .unwrap();
     let rest = measurement([0.0; 3], [0.0; 3]);
     let bytes: usize = (0..10)
-        .map(|index| controller.step(f64::from(index), &rest).bytes)
+        .map(|index| controller.step(f64::from(index), &rest).bytes())
         .sum();
     assert_eq!(bytes, 10 * MESSAGE_BYTES);
 }
@@ -226,7 +226,7 @@ fn held(command: Command<3>, torque: Vector3<f64>, reason: HoldReason) {
     assert_eq!(command.status, Status::Held(reason));
     assert_eq!(command.torque, torque);
     assert!(!command.sent);
-    assert_eq!(command.bytes, 0);
+    assert_eq!(command.bytes(), 0);
 }
 
 #[test]

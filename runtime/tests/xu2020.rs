@@ -56,7 +56,7 @@ fn the_first_sample_is_sent_and_the_torque_is_the_saturated_gain_times_the_state
     let command = controller.step(0.0, &Vector2::new(0.25, 0.125));
     assert_eq!(command.torque, Vector1::new(-0.625));
     assert!(command.sent);
-    assert_eq!(command.bytes, 8);
+    assert_eq!(command.bytes(), 8);
     assert_eq!(command.status, Status::Nominal);
     let mut controller = Controller::new(small()).unwrap();
     assert_eq!(controller.step(0.0, &Vector2::new(3.0, 0.0)).torque.x, -1.0);
@@ -67,9 +67,12 @@ fn the_torque_is_held_until_the_state_has_moved_enough() {
     let mut controller = Controller::new(small()).unwrap();
     controller.step(0.0, &Vector2::new(0.25, 0.0));
     let kept = controller.step(0.1, &Vector2::new(0.13, 0.0));
-    assert_eq!((kept.sent, kept.bytes, kept.torque.x), (false, 0, -0.5));
+    assert_eq!((kept.sent, kept.bytes(), kept.torque.x), (false, 0, -0.5));
     let moved = controller.step(0.2, &Vector2::new(0.125, 0.0));
-    assert_eq!((moved.sent, moved.bytes, moved.torque.x), (true, 8, -0.25));
+    assert_eq!(
+        (moved.sent, moved.bytes(), moved.torque.x),
+        (true, 8, -0.25)
+    );
     assert_eq!(controller.trigger().sent(), Some(&Vector2::new(0.125, 0.0)));
 }
 
@@ -127,7 +130,7 @@ fn held<const M: usize>(command: Command<M>, torque: SVector<f64, M>, reason: Ho
     assert_eq!(command.status, Status::Held(reason));
     assert_eq!(command.torque, torque);
     assert!(!command.sent);
-    assert_eq!(command.bytes, 0);
+    assert_eq!(command.bytes(), 0);
 }
 
 #[test]
@@ -269,7 +272,7 @@ fn sixteen_equal_gains_command_the_same_torque_as_one() {
         let time = 0.05 * f64::from(index);
         let (left, right) = (scheduled.step(time, &state), constant.step(time, &state));
         assert_relative_eq!(left.torque, right.torque, epsilon = 1e-13);
-        assert_eq!((left.sent, left.bytes), (right.sent, right.bytes));
+        assert_eq!((left.sent, left.bytes()), (right.sent, right.bytes()));
         assert_eq!(left.status, right.status);
     }
 }
@@ -378,7 +381,7 @@ fn closed_loop(threshold_update: ThresholdUpdate, seed: u64) -> Run {
         let command = controller.step(time, &body.measured().rigid_body_state());
         assert_eq!(command.status, Status::Nominal);
         assert!(command.torque.amax() <= 2.0);
-        assert_eq!(command.bytes, if command.sent { 24 } else { 0 });
+        assert_eq!(command.bytes(), if command.sent { 24 } else { 0 });
         run.samples += 1;
         run.triggers += usize::from(command.sent);
         if time > 150.0 {

@@ -102,7 +102,7 @@ impl<S: Membership<6, R> + Copy, const R: usize> Controller<AttitudeMeasurement,
 #[derive(Clone, Copy, Debug)]
 pub struct XuState<const N: usize, const M: usize> {
     controller: xu2020::Controller<runtime::membership::ConstantGain, N, M, 1>,
-    message_bytes: usize,
+    message_bits: usize,
 }
 
 impl<const N: usize, const M: usize> XuState<N, M> {
@@ -127,7 +127,7 @@ impl<const N: usize, const M: usize> XuState<N, M> {
         })?;
         Ok(Self {
             controller,
-            message_bytes: runtime::command::BYTES_PER_NUMBER * states,
+            message_bits: runtime::command::BITS_PER_NUMBER * states,
         })
     }
 }
@@ -136,7 +136,7 @@ impl<const N: usize, const M: usize> Controller<SVector<f64, N>, M> for XuState<
     fn step(&mut self, time_s: f64, measurement: &SVector<f64, N>) -> Command<M> {
         let mut command = self.controller.step(time_s, measurement);
         if command.sent {
-            command.bytes = self.message_bytes;
+            command.bits = self.message_bits;
         }
         command
     }

@@ -9,7 +9,9 @@ pub struct EventCount {
     pub samples: u64,
     /// Samples that were sent.
     pub triggers: u64,
-    /// Bytes of all messages.
+    /// Bits of all messages.
+    pub bits: u64,
+    /// Bytes of all messages, each rounded up to whole bytes.
     pub bytes: u64,
     /// Samples that could not be used, and the first reason.
     pub held: u64,
@@ -51,11 +53,11 @@ impl EventCount {
             self.largest_mismatch = Some(largest.max(mismatch));
         }
         if command.sent {
-            self.message(time_s, command.bytes);
+            self.message(time_s, command);
         }
     }
 
-    fn message(&mut self, time_s: f64, bytes: usize) {
+    fn message<const M: usize>(&mut self, time_s: f64, command: &Command<M>) {
         if self.triggers == 0 {
             self.first_sent_s = time_s;
         } else {
@@ -64,7 +66,8 @@ impl EventCount {
             self.shortest_interval_s = Some(shortest.min(interval));
         }
         self.triggers += 1;
-        self.bytes += bytes as u64;
+        self.bits += command.bits as u64;
+        self.bytes += command.bytes() as u64;
         self.last_sent_s = time_s;
     }
 

@@ -57,7 +57,7 @@ pub struct Summary {
     pub updates: u64,
     /// Bits sent.
     pub bits: u64,
-    /// Bytes sent.
+    /// Bytes sent, each message rounded up to whole bytes.
     pub bytes: u64,
     /// Time from which on the error stays within the tolerance, s.
     pub settle_seconds: Option<f64>,

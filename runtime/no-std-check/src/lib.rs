@@ -9,6 +9,10 @@ use core::hint::black_box;
 
 use runtime::attitude::{skew, AttitudeMeasurement, Quaternion};
 use runtime::command::Command;
+use runtime::compression::{
+    Alphabet, AxisParameters, BitReader, BitWriter, Decoder, Encoder, Level, Levels, NumberFormat,
+    Parameters, Scheme, Word,
+};
 use runtime::error::ParameterError;
 use runtime::membership::{
     ConstantGain, GaussianRules, Membership, RigidBodyBox, RIGID_BODY_VERTICES,
@@ -50,6 +54,78 @@ pub fn exercise_algebra() -> Result<f64, ParameterError> {
     let saturation = Saturation::new(black_box(Vector3::repeat(0.5)))?;
     let torque = saturation.saturate(&(matrix * axis)) + saturation.dead_zone(&axis);
     Ok(q0 + last + torque.dot(saturation.limit()) + error.rotation_angle_rad())
+}
+
+/// Largest torque, N m, after commands and words of every scheme, some of them corrupted.
+pub fn exercise_compression() -> Result<f64, ParameterError> {
+    let alphabet = Alphabet::new(black_box(6), black_box(4))?;
+    let digits = [0, 1, 2].map(|index| {
+        let word = alphabet.word(black_box(7), black_box(true));
+        word.and_then(|word| alphabet.digit(&word, index))
+            .unwrap_or(0)
+    });
+    let spelt = alphabet.from_digits(black_box(&digits));
+    let level = |from, threshold| Level { from, threshold };
+    let table = Levels::table(black_box(&[level(0.0, 0.02), level(0.1, 0.05)]));
+    let even = Levels::Even {
+        count: black_box(600),
+        smallest_threshold: 0.01,
+        largest_threshold: 0.05,
+    };
+    let format = black_box(NumberFormat::Quantised { bits: 9 });
+    let schemes: [Scheme<2>; 5] = [
+        Scheme::EveryChange { format },
+        Scheme::FixedThreshold {
+            threshold: 0.02,
+            format: black_box(NumberFormat::Single),
+        },
+        Scheme::RelativeThreshold {
+            relative: 0.1,
+            absolute: 0.02,
+            format: black_box(NumberFormat::Double),
+        },
+        Scheme::Compressed {
+            alphabet,
+            levels: table.unwrap_or(even),
+        },
+        Scheme::Compressed {
+            alphabet,
+            levels: even,
+        },
+    ];
+    let mut largest = spelt.map_or(0.0, |word| f64::from(word.bits()));
+    for scheme in black_box(schemes) {
+        let parameters = Parameters {
+            axes: [AxisParameters { limit: 0.2, scheme }; 3],
+            resynchronisation_period_s: black_box(Some(0.1)),
+        };
+        largest = f64::max(largest, transmit(&parameters)?);
+    }
+    Ok(largest)
+}
+
+fn transmit(parameters: &Parameters<3, 2>) -> Result<f64, ParameterError> {
+    let (mut encoder, mut decoder) = (Encoder::new(parameters)?, Decoder::new(parameters)?);
+    let mut largest = 0.0_f64;
+    for index in 0..20_i32 {
+        let command = black_box(Vector3::new(0.1, -0.3, f64::NAN));
+        let sent = encoder.encode(0.02 * f64::from(index), &command);
+        let mut bytes = [0_u8; 24];
+        let mut writer = BitWriter::new(&mut bytes);
+        let written = sent.words.iter().flatten().all(|word| writer.write(word));
+        let mut reader = BitReader::new(black_box(&bytes));
+        let words = sent.words.map(|word| {
+            let read: Option<Word> = word.and_then(|word| reader.read(word.bits()));
+            read.map(|word| word.with_flipped(black_box(70)))
+        });
+        let received = decoder.receive(&words);
+        if !written || received.refused > 0 || sent.bits() > 1000 {
+            encoder.reset();
+            decoder.reset();
+        }
+        largest = largest.max(received.held.amax()).max(encoder.held().amax());
+    }
+    Ok(largest)
 }
 
 fn fuzzy<S, const R: usize>(membership: S) -> Result<f64, ParameterError>

@@ -57,7 +57,7 @@ pub(super) fn summary(
         verdict: RunVerdict::RequirementsMissed,
         triggers: events.triggers,
         updates,
-        bits: 8 * events.bytes,
+        bits: events.bits,
         bytes: events.bytes,
         settle_seconds: parts.settle_seconds,
         final_error_deg: None,

@@ -8,6 +8,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use runtime::command::HoldReason;
+use runtime::compression::Refusal;
 use runtime::nalgebra::Vector3;
 use runtime::saturation::Saturation;
 
@@ -40,10 +41,11 @@ pub extern "C" fn main() -> i32 {
         last_s: 2.0,
         time_s: 1.0,
     });
+    let refusal = black_box(Refusal::OutOfLimits { torque: 1.0 });
     let refused = Saturation::new(black_box(Vector3::repeat(-1.0)));
     let outcome = match &refused {
         Ok(_) => return 1,
-        Err(error) => write!(written, "{error} {reason}"),
+        Err(error) => write!(written, "{error} {reason} {refusal}"),
     };
     i32::from(outcome.is_err() || written.0 < 40)
 }

@@ -18,7 +18,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     panic_code_is_linked()
 }
 
-/// Exit status 0 when the controllers command some torque within their limits.
+/// Exit status 0 when the controllers command some torque within their limits and a codec holds some.
 ///
 /// With the feature `control-panic` one assertion is in, and the link must fail: the check can fail.
 #[no_mangle]
@@ -27,9 +27,14 @@ pub extern "C" fn main() -> i32 {
     assert!(core::hint::black_box(true));
     let torque = no_std_check::exercise_controllers();
     let number = no_std_check::exercise_algebra();
-    match (torque, number) {
-        (Ok(torque), Ok(number)) if torque > 0.0 && torque <= 2.0 && number.is_finite() => 0,
-        (Ok(_), Ok(_)) => 1,
+    let held = no_std_check::exercise_compression();
+    match (torque, number, held) {
+        (Ok(torque), Ok(number), Ok(held))
+            if torque > 0.0 && torque <= 2.0 && number.is_finite() && held > 0.0 =>
+        {
+            0
+        }
+        (Ok(_), Ok(_), Ok(_)) => 1,
         _ => 2,
     }
 }
