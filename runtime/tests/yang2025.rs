@@ -111,11 +111,9 @@ fn explore() {
         for index in 0..=15000 {
             let time = index as f64 * SAMPLE_S;
             let external = |t: f64| disturbance(t) + table_2(signs, t);
-            let acceleration =
-                plant.acceleration(&body.rate, &(torque * 1.001 + external(time)));
+            let acceleration = plant.acceleration(&body.rate, &(torque * 1.001 + external(time)));
             let nominal = nominal_inertia();
-            let fault =
-                nominal * acceleration + body.rate.cross(&(nominal * body.rate)) - torque;
+            let fault = nominal * acceleration + body.rate.cross(&(nominal * body.rate)) - torque;
             let mut measurement = Measurement::at_rest(body.measured());
             measurement.fault_nm = Some(fault);
             torque = controller.step(time, &measurement).torque;
@@ -127,17 +125,30 @@ fn explore() {
             }
             for (axis, &at) in APPOINTED_S.iter().enumerate() {
                 if index == (at / SAMPLE_S) as usize {
-                    println!("{name} q{} ({at}) = {:e}", axis + 1, body.attitude.vector[axis]);
+                    println!(
+                        "{name} q{} ({at}) = {:e}",
+                        axis + 1,
+                        body.attitude.vector[axis]
+                    );
                 }
             }
             if time > 40.0 {
                 peak = peak.zip_map(&body.attitude.vector, |p, q| p.max(q.abs()));
             }
             if index % 1000 == 0 {
-                println!("{time} q {:?} s {:?} u {:?}", body.attitude.vector.as_slice(), snapshot.sliding.as_slice(), torque.as_slice());
+                println!(
+                    "{time} q {:?} s {:?} u {:?}",
+                    body.attitude.vector.as_slice(),
+                    snapshot.sliding.as_slice(),
+                    torque.as_slice()
+                );
             }
             body = plant.advance(&body, time, SAMPLE_S, &(torque * 1.001), external);
         }
-        println!("{name} peak {:?} worst {worst} first_out {first_out:?} end angle {}", peak.as_slice(), body.angle_deg());
+        println!(
+            "{name} peak {:?} worst {worst} first_out {first_out:?} end angle {}",
+            peak.as_slice(),
+            body.angle_deg()
+        );
     }
 }

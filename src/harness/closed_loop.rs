@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use runtime::command::Command;
 
 use super::actuator::{ActuatorData, Actuators};
-use super::controller::Controller;
+use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, Walker};
 use super::integrator::dormand_prince::DormandPrince;
 use super::integrator::{runge_kutta, Method};
@@ -176,6 +176,14 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         }
         let measurement = self.sensor.measure(at.time, &at.state);
         let mismatch = self.controller.membership_mismatch(&measurement);
+        let acting = actuators.torque(at.time);
+        self.controller.tell(&Truth {
+            time_s: at.time,
+            state: at.state.as_slice(),
+            disturbance: at.walker.now().as_slice(),
+            held: *actuators.last_command(),
+            acting,
+        });
         let command = self.controller.step(at.time, &measurement);
         actuators.command(at.time, &command.torque);
         observer.sample(at.time, &at.state, &command, mismatch, &self.controller);

@@ -18,14 +18,14 @@ use self::envelope::{Bounds, Correction, Envelope, EnvelopeParameters};
 use self::fault::{FaultEstimation, FaultEstimator, Interval};
 use self::law::{Gains, Motion, TransformedError};
 use crate::attitude::{AttitudeMeasurement, Quaternion};
-use crate::command::{Command, HoldReason, Status, BYTES_PER_NUMBER};
+use crate::command::{Command, HoldReason, Status, BITS_PER_NUMBER};
 use crate::error::ParameterError;
 use crate::matrix_check::require_positive_definite;
 use crate::sample_clock::SampleClock;
 
-/// Bytes of one message: a torque for each of `M` actuators.
-pub const fn message_bytes<const M: usize>() -> usize {
-    M * BYTES_PER_NUMBER
+/// Bits of one message: a torque for each of `M` actuators.
+pub const fn message_bits<const M: usize>() -> usize {
+    M * BITS_PER_NUMBER
 }
 
 /// Parameters of the controller for `M` actuators.
@@ -142,6 +142,19 @@ struct Memory<const M: usize> {
     snapshot: Snapshot,
 }
 
+impl<const M: usize> Memory<M> {
+    /// Of the two quaternions of an attitude, the one that continues the motion so far.
+    fn continuing(&self, error: &Quaternion) -> Quaternion {
+        let last = &self.attitude;
+        let along = last.scalar * error.scalar + last.vector.dot(&error.vector);
+        if along < 0.0 {
+            -*error
+        } else {
+            *error
+        }
+    }
+}
+
 /// Law (20) inside of the envelope (10)-(12), for `M` actuators.
 ///
 /// The command is computed and sent anew at every sample. An
@@ -191,7 +204,7 @@ impl<const M: usize> Controller<M> {
             Ok(torque) => Command {
                 torque,
                 sent: true,
-                bytes: message_bytes::<M>(),
+                bits: message_bits::<M>(),
                 status: Status::Nominal,
             },
             Err(reason) => Command::held(self.torque(), reason),
@@ -264,10 +277,7 @@ impl<const M: usize> Controller<M> {
                 snapshot: Snapshot::default(),
             };
         };
-        // Of the two quaternions of an attitude, the one that continues the motion so far.
-        let last = &memory.attitude;
-        let along = last.scalar * measured.scalar + last.vector.dot(&measured.vector);
-        memory.attitude = if along < 0.0 { -measured } else { measured };
+        memory.attitude = memory.continuing(&measured);
         for (correction, envelope) in memory.corrections.iter_mut().zip(&self.envelopes) {
             *correction = envelope.advance(correction, seconds);
         }
@@ -306,6 +316,28 @@ impl<const M: usize> Controller<M> {
     /// What was known at the last usable sample; `None` before the first.
     pub fn snapshot(&self) -> Option<&Snapshot> {
         self.memory.as_ref().map(|memory| &memory.snapshot)
+    }
+
+    /// The vector part of an error quaternion with the sign the controller would work on, and the
+    /// bounds of its components at `time_s` seconds, not before the last usable sample. Before the
+    /// first sample: as if that were one.
+    pub fn envelope_at(&self, time_s: f64, error: &Quaternion) -> (Vector3<f64>, [Bounds; 3]) {
+        let fresh = Correction::default();
+        let Some(memory) = &self.memory else {
+            let vector = error.shortest().vector;
+            let [starts] = vector.data.0;
+            let bounds =
+                core::array::from_fn(|axis| self.envelopes[axis].at(0.0, starts[axis], &fresh));
+            return (vector, bounds);
+        };
+        let since = time_s - self.clock.last_s().unwrap_or(time_s);
+        let [starts] = memory.initial_error.data.0;
+        let bounds = core::array::from_fn(|axis| {
+            let envelope = &self.envelopes[axis];
+            let correction = envelope.advance(&memory.corrections[axis], since);
+            envelope.at(time_s - memory.began_s, starts[axis], &correction)
+        });
+        (memory.continuing(error).vector, bounds)
     }
 
     /// The command in force, N m.

@@ -10,6 +10,7 @@ use super::controller_file::{
     ClaimFile, ControllerFile, ThresholdFile, WuFile, WuGainsFile, WuTriggerFile, XuFile,
 };
 use super::systems::System;
+use super::yang::{check_yang, YangChoice};
 
 /// Most rules of a fuzzy controller.
 pub const MAX_RULES: usize = 8;
@@ -23,6 +24,8 @@ pub enum ControllerChoice {
     Wu(wu2018::Parameters),
     /// Xu and Huang 2020 with given gains.
     Xu(Box<XuChoice>),
+    /// Yang, Yang, Ji, Wang and Ma 2025.
+    Yang(Box<YangChoice>),
 }
 
 /// Xu and Huang's controller with given gains.
@@ -51,6 +54,7 @@ impl ControllerChoice {
             ControllerChoice::Design(_) => None,
             ControllerChoice::Wu(parameters) => Some(parameters.torque_limit),
             ControllerChoice::Xu(choice) => Some(choice.torque_limit),
+            ControllerChoice::Yang(choice) => Some(choice.parameters.torque_limit),
         }
     }
 }
@@ -70,6 +74,11 @@ pub(super) fn check_controller(
         (ControllerFile::Xu2020(xu), System::RigidBody(_)) => {
             let choice = xu2020(xu).map_err(|error| error.within("controller.xu2020"))?;
             Ok(ControllerChoice::Xu(Box::new(choice)))
+        }
+        (ControllerFile::Yang2025(yang), System::RigidBody(body)) => {
+            let choice = check_yang(yang, body.body.inertia())
+                .map_err(|error| error.within("controller.yang2025"))?;
+            Ok(ControllerChoice::Yang(Box::new(choice)))
         }
         (_, System::TakagiSugeno(_)) => Err(ModelError::WrongShape {
             field: "controller".to_string(),

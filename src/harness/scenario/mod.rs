@@ -6,6 +6,8 @@ mod controllers;
 mod file;
 mod system_file;
 mod systems;
+mod yang;
+mod yang_file;
 
 pub use check::Scenario;
 pub use controller_file::*;
@@ -13,3 +15,5 @@ pub use controllers::{ControllerChoice, XuChoice};
 pub use file::*;
 pub use system_file::*;
 pub use systems::{RigidBodySystem, System, TakagiSugenoSystem};
+pub use yang::YangChoice;
+pub use yang_file::*;

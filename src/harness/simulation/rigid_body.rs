@@ -17,6 +17,7 @@ use crate::harness::plant::rigid_body_state;
 use crate::harness::sampling::Sampling;
 use crate::harness::scenario::{ControllerChoice, RigidBodySystem, Scenario, XuChoice};
 use crate::harness::sensor::AttitudeSensor;
+use crate::harness::yang::YangAttitude;
 
 /// Runs a scenario on the rigid body.
 pub(super) fn run(
@@ -40,6 +41,13 @@ pub(super) fn run(
             let (end, log) = fly(scenario, system, fuzzy(choice)?, watch);
             let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
             (end, log, name, choice.torque_limit)
+        }
+        (ControllerChoice::Yang(choice), _) => {
+            let oracle = choice.told_fault.then_some(system.body);
+            let controller = YangAttitude::new(choice.parameters, system.reference, oracle)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            let name = "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string();
+            (end, log, name, choice.parameters.torque_limit)
         }
         (ControllerChoice::Design(_), Some(design)) => {
             let (controller, limit) = designed(design)?;
