@@ -7,6 +7,7 @@ use synth::model::read_text;
 
 use super::{print, CliError, EXIT_NO};
 use crate::harness::design::Design;
+use crate::harness::link::LinkOutcome;
 use crate::harness::output::{summary_text, write_run};
 use crate::harness::scenario::{ControllerChoice, Scenario};
 use crate::harness::simulation::simulate;
@@ -132,6 +133,9 @@ fn describe(summary: &Summary) -> String {
         "largest torque: {:.4} N m; impulse: {:.4} N m s",
         summary.max_torque, summary.impulse
     ));
+    if let Some(link) = &summary.link {
+        describe_link(link, &mut lines);
+    }
     if let Some(outcome) = &summary.certificate {
         describe_certificate(outcome, &mut lines);
     }
@@ -147,6 +151,20 @@ fn describe(summary: &Summary) -> String {
     }
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
+}
+
+fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
+    lines.push(format!("link: {}", link.encoding));
+    lines.push(format!(
+        "link messages: {}; words: {}; bits: {}",
+        link.messages, link.words, link.bits
+    ));
+    if link.lost_words + link.corrupted_words > 0 {
+        lines.push(format!(
+            "link words lost: {}; corrupted: {}; refused: {}; longest disagreement: {:.3} s",
+            link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
+        ));
+    }
 }
 
 fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {

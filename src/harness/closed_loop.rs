@@ -8,6 +8,7 @@ use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, Walker};
 use super::integrator::dormand_prince::DormandPrince;
 use super::integrator::{runge_kutta, Method};
+use super::link::Link;
 use super::plant::Plant;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
@@ -58,7 +59,7 @@ pub enum End {
 }
 
 /// Everything that makes a run, except what watches it.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
     /// The plant.
     pub plant: &'a P,
@@ -68,6 +69,8 @@ pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
     pub sensor: S,
     /// The controller.
     pub controller: C,
+    /// The link from its command to the actuators; without one the command acts as it is.
+    pub link: Option<&'a mut Link<M>>,
     /// Sampling instants.
     pub sampling: Sampling,
     /// The actuators.
@@ -185,7 +188,13 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             acting,
         });
         let command = self.controller.step(at.time, &measurement);
-        actuators.command(at.time, &command.torque);
+        match &mut self.link {
+            None => actuators.command(at.time, &command.torque),
+            Some(link) => {
+                let held = link.transmit(at.time, &command.torque);
+                actuators.command(at.time, &held);
+            }
+        }
         observer.sample(at.time, &at.state, &command, mismatch, &self.controller);
     }
 

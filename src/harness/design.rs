@@ -179,6 +179,9 @@ impl Design {
                 scenario.dropout_probability
             ));
         }
+        if scenario.link.is_some() {
+            out.push("the actuators get the torque over a link, not as commanded".to_string());
+        }
         match (&self.model.plant, &scenario.system) {
             (Plant::Spacecraft(craft), System::RigidBody(body)) => {
                 spacecraft_not_covered(craft, body, &mut out);

@@ -13,6 +13,7 @@ pub mod disturbance;
 pub mod effort;
 pub mod events;
 pub mod integrator;
+pub mod link;
 pub mod lyapunov;
 pub mod output;
 pub mod padding;

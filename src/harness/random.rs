@@ -16,6 +16,10 @@ pub enum Purpose {
     Noise,
     /// Initial states.
     InitialState,
+    /// Words lost on the link.
+    WordLoss,
+    /// Bits inverted on the link.
+    BitErrors,
 }
 
 /// ChaCha with 8 rounds: the same numbers on every machine.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::link::LinkOutcome;
 use super::scenario::{Metric, RequirementFile};
 use super::usage::Usage;
 
@@ -100,6 +101,9 @@ pub struct Summary {
     pub largest_membership_mismatch: Option<f64>,
     /// What became of the design's certificate.
     pub certificate: Option<CertificateOutcome>,
+    /// What the link to the actuators carried, where there is one.
+    #[serde(default)]
+    pub link: Option<LinkOutcome>,
     /// Use of the prescribed bounds on the error, for a controller that has them.
     #[serde(default)]
     pub funnel: Option<Usage>,
@@ -219,6 +223,12 @@ impl Summary {
             Metric::Violations => Some(self.violations as f64),
             Metric::ShortestIntervalS => self.shortest_interval_s,
             Metric::MeanIntervalS => self.mean_interval_s,
+            Metric::LinkMessages => self.link.as_ref().map(|link| link.messages as f64),
+            Metric::LinkBits => self.link.as_ref().map(|link| link.bits as f64),
+            Metric::LinkLongestDisagreementS => {
+                let link = self.link.as_ref();
+                link.map(|link| link.longest_disagreement_s)
+            }
             Metric::FunnelRatio => self.funnel.as_ref().map(|usage| usage.largest_ratio),
             Metric::ThresholdRatio => self.threshold.as_ref().map(|usage| usage.largest_ratio),
             Metric::LyapunovRatio => {

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::figures::{Figure, FigureError};
 use super::series::Line;
+use crate::harness::link::LinkOutcome;
 use crate::harness::recorder::Table;
 use crate::harness::summary::{CertificateOutcome, RunVerdict, Summary};
 
@@ -18,6 +19,9 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     header(summary, &mut body);
     metrics(summary, &mut body);
     requirements(summary, &mut body);
+    if let Some(outcome) = &summary.link {
+        link(outcome, &mut body);
+    }
     if let Some(outcome) = &summary.certificate {
         certificate(outcome, &mut body);
     }
@@ -128,18 +132,54 @@ fn metrics(summary: &Summary, body: &mut String) {
     if let Some(mismatch) = summary.largest_membership_mismatch {
         rows.push(("Largest membership mismatch", short(mismatch)));
     }
-    body.push_str("<section><h2>Numbers</h2>\n<table class=\"numbers\">\n");
+    body.push_str("<section><h2>Numbers</h2>\n");
+    numbers(&rows, body);
+    body.push_str("</section>\n");
+}
+
+/// A table of names and values.
+fn numbers(rows: &[(&str, String)], body: &mut String) {
+    body.push_str("<table class=\"numbers\">\n");
     for (name, value) in rows {
         put(
             body,
             format_args!(
                 "<tr><th>{}</th><td>{}</td></tr>\n",
                 escape(name),
-                escape(&value)
+                escape(value)
             ),
         );
     }
-    body.push_str("</table></section>\n");
+    body.push_str("</table>\n");
+}
+
+fn link(outcome: &LinkOutcome, body: &mut String) {
+    let seconds = |value: Option<f64>| value.map_or("none".to_string(), short);
+    let rows = [
+        ("Encoding", outcome.encoding.clone()),
+        ("Messages", outcome.messages.to_string()),
+        ("Words", outcome.words.to_string()),
+        ("Bits sent", outcome.bits.to_string()),
+        ("Bytes sent", outcome.bytes.to_string()),
+        (
+            "Resynchronisation words",
+            outcome.resynchronisation_words.to_string(),
+        ),
+        ("Words lost", outcome.lost_words.to_string()),
+        ("Words corrupted", outcome.corrupted_words.to_string()),
+        ("Words refused", outcome.refused_words.to_string()),
+        (
+            "Shortest time between messages (s)",
+            seconds(outcome.shortest_interval_s),
+        ),
+        (
+            "Longest disagreement of the two ends (s)",
+            short(outcome.longest_disagreement_s),
+        ),
+    ];
+    body.push_str("<section><h2>Link to the actuators</h2>\n");
+    numbers(&rows, body);
+    body.push_str("</section>\n");
 }
 
 fn requirements(summary: &Summary, body: &mut String) {
@@ -222,18 +262,8 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
         };
         rows.push(("Largest output over largest disturbance", from));
     }
-    body.push_str("<section><h2>Certificate</h2>\n<table class=\"numbers\">\n");
-    for (name, value) in rows {
-        put(
-            body,
-            format_args!(
-                "<tr><th>{}</th><td>{}</td></tr>\n",
-                escape(name),
-                escape(&value)
-            ),
-        );
-    }
-    body.push_str("</table>\n");
+    body.push_str("<section><h2>Certificate</h2>\n");
+    numbers(&rows, body);
     if !outcome.not_covered.is_empty() {
         body.push_str("<p>The proof does not cover this run because of:</p>\n<ul>\n");
         for reason in &outcome.not_covered {

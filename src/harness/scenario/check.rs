@@ -8,8 +8,10 @@ use super::file::{
     InstantsFile, IntegratorFile, MetricsFile, RequirementFile, SamplingFile, ScenarioFile,
     SCENARIO_SCHEMA_VERSION,
 };
+use super::links::check_link;
 use super::systems::{check_system, System};
 use crate::harness::integrator::Method;
+use crate::harness::link::LinkData;
 use crate::harness::sampling::Instants;
 
 /// Most samples or integration steps of one run; more is a typing error.
@@ -46,6 +48,8 @@ pub struct Scenario {
     pub dropout_probability: f64,
     /// The controller.
     pub controller: ControllerChoice,
+    /// The link to the actuators.
+    pub link: Option<LinkData<3>>,
     /// How the plant is integrated.
     pub method: Method,
     /// When an attitude error counts as settled, rad.
@@ -85,6 +89,8 @@ impl Scenario {
         let instants = check_sampling(&file.sampling, file.duration_s)?;
         let method = check_integrator(&file.integrator, file.duration_s)?;
         check_continuous(&instants, &method, &system)?;
+        let link = file.link.as_ref();
+        let link = link.map(|link| check_link(link, &system, &instants));
         check_metrics(&file.metrics, file.duration_s)?;
         check_requirements(&file.requirements)?;
         let tolerance_deg = file.metrics.settle_tolerance_deg;
@@ -98,6 +104,7 @@ impl Scenario {
             instants,
             dropout_probability: file.sampling.dropout_probability,
             controller,
+            link: link.transpose()?,
             method,
             settle_tolerance_rad: tolerance_deg
                 .unwrap_or(DEFAULT_SETTLE_TOLERANCE_DEG)

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::controller_file::ControllerFile;
+use super::link_file::LinkFile;
 use super::system_file::SystemFile;
 
 /// The version this program reads.
@@ -31,6 +32,10 @@ pub struct ScenarioFile {
     pub sampling: SamplingFile,
     /// The controller.
     pub controller: ControllerFile,
+    /// The link from the controller's torque command to the actuators of a spacecraft; without it the
+    /// command acts as it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<LinkFile>,
     /// How the plant is integrated between events.
     #[serde(default)]
     pub integrator: IntegratorFile,
@@ -232,6 +237,12 @@ pub enum Metric {
     FunnelRatio,
     /// Largest ratio of what the trigger watches to its threshold, for a controller that watches it.
     ThresholdRatio,
+    /// Messages on the link to the actuators.
+    LinkMessages,
+    /// Bits on the link to the actuators.
+    LinkBits,
+    /// Longest time for which the two ends of the link held different torques (s).
+    LinkLongestDisagreementS,
 }
 
 /// What is written of the trajectory.

@@ -8,6 +8,7 @@ use crate::harness::closed_loop::Observer;
 use crate::harness::controller::Controller;
 use crate::harness::effort::Effort;
 use crate::harness::events::EventCount;
+use crate::harness::link::LinkOutcome;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::plant::{body_rate, RigidBodyState};
 use crate::harness::pointing::ErrorStatistics;
@@ -58,6 +59,8 @@ pub struct AttitudeLog {
     pub last: Option<AttitudeMeasurement>,
     /// The certificate's claims along the run.
     pub lyapunov: Option<LyapunovMonitor<6>>,
+    /// What the link carried.
+    pub link: Option<LinkOutcome>,
     /// Use of the controller's prescribed bounds.
     pub funnel: Option<Usage>,
     /// Use of its trigger's threshold.
@@ -97,6 +100,7 @@ impl AttitudeLog {
             start: None,
             last: None,
             lyapunov,
+            link: None,
             funnel: None,
             threshold: None,
             row: Vec::with_capacity(columns.len()),

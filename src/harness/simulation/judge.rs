@@ -79,6 +79,7 @@ pub(super) fn summary(
         late_samples: events.late,
         largest_membership_mismatch: events.largest_mismatch,
         certificate,
+        link: None,
         funnel: parts.funnel,
         threshold: parts.threshold,
         notes,

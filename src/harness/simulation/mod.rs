@@ -39,6 +39,9 @@ pub enum SimulateError {
     /// The design does not fit.
     #[error("the design does not fit the scenario: {0}")]
     Fit(#[from] FitError),
+    /// The codec refuses the link.
+    #[error("field 'link': {0}")]
+    Link(ParameterError),
     /// The flight code refuses the controller.
     #[error("the flight code refuses the controller: {0}")]
     Controller(ParameterError),

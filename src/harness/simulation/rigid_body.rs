@@ -11,6 +11,7 @@ use super::{ordered, Outcome, SimulateError};
 use crate::harness::closed_loop::{ClosedLoop, End};
 use crate::harness::controller::{AnyController, Controller, XuAttitude};
 use crate::harness::design::{threshold_update, Design};
+use crate::harness::link::Link;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::padding;
 use crate::harness::plant::rigid_body_state;
@@ -27,8 +28,11 @@ pub(super) fn run(
     trajectory: bool,
 ) -> Result<Outcome, SimulateError> {
     let monitor = design.map(|design| LyapunovMonitor::new(design.claims::<6>()));
+    let link = scenario.link.as_ref();
+    let link = link.map(|data| Link::new(data, scenario.seed));
     let watch = Watch {
         monitor,
+        link: link.transpose().map_err(SimulateError::Link)?,
         trajectory,
     };
     let (end, log, name, limit) = match (&scenario.controller, design) {
@@ -63,8 +67,10 @@ pub(super) fn run(
     Ok(finish(scenario, design, end, log, (name, limit)))
 }
 
-/// What is watched beside the metrics.
+/// What is between the controller and the actuators, and what is watched beside the metrics.
 struct Watch {
+    /// The link.
+    link: Option<Link<3>>,
     /// The claims of a certificate.
     monitor: Option<LyapunovMonitor<6>>,
     /// Whether the trajectory is kept.
@@ -89,11 +95,13 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
     let mut breakpoints_s = system.actuators.fault_edges_s();
     breakpoints_s.extend(system.reference.kinks_s());
     breakpoints_s.extend(system.disturbance.kinks_s());
+    let mut link = watch.link;
     let closed_loop = ClosedLoop {
         plant: &system.body,
         disturbance: &system.disturbance,
         sensor: AttitudeSensor::new(system.reference, system.sensors, scenario.seed),
         controller,
+        link: link.as_mut(),
         sampling: Sampling::new(
             scenario.instants,
             scenario.dropout_probability,
@@ -106,6 +114,7 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
     };
     let initial = rigid_body_state(&system.attitude, &system.rate_rad_s);
     let end = closed_loop.run(&initial, &mut log);
+    log.link = link.map(|link| link.outcome());
     (end, log)
 }
 
@@ -207,6 +216,7 @@ fn finish(
         .last
         .and_then(|last| degrees(last.error.rotation_angle_rad()));
     summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
+    summary.link = log.link.clone();
     summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
     Outcome {

@@ -67,6 +67,7 @@ fn run_padded<const N: usize, const M: usize>(
         disturbance: &system.disturbance.resized::<N>(),
         sensor: StateSensor::new(size.0, system.state_noise, scenario.seed),
         controller,
+        link: None,
         sampling: Sampling::new(
             scenario.instants,
             scenario.dropout_probability,
