@@ -29,6 +29,9 @@ pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
         controller: &C,
     );
 
+    /// At the sample that is reported next the link carried these steps (see [`Link::steps`]).
+    fn carried(&mut self, _steps: &[f64; M]) {}
+
     /// From `time_s` on this torque acts.
     fn hold(&mut self, time_s: f64, torque: &SVector<f64, M>);
 
@@ -193,6 +196,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             Some(link) => {
                 let held = link.transmit(at.time, &command.torque);
                 actuators.command(at.time, &held);
+                observer.carried(link.steps());
             }
         }
         observer.sample(at.time, &at.state, &command, mismatch, &self.controller);

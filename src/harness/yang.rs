@@ -39,6 +39,8 @@ pub struct YangAttitude {
     /// Nominal inertia, kg m^2.
     inertia: Matrix3<f64>,
     reference: Reference,
+    /// Whether an encoder sits behind the controller, so that the command itself is not a message.
+    linked: bool,
     /// The true body, when the controller is told its fault.
     oracle: Option<RigidBody>,
     fault: Option<Vector3<f64>>,
@@ -47,7 +49,7 @@ pub struct YangAttitude {
 
 impl YangAttitude {
     /// The controller before its first sample. With the true body as `oracle` it is told the lumped
-    /// fault; otherwise it has to estimate it.
+    /// fault; otherwise it has to estimate it. `linked`: whether an encoder sends its commands on.
     ///
     /// # Errors
     /// A parameter that the flight code refuses.
@@ -55,11 +57,13 @@ impl YangAttitude {
         parameters: yang2025::Parameters<3>,
         reference: Reference,
         oracle: Option<RigidBody>,
+        linked: bool,
     ) -> Result<Self, ParameterError> {
         Ok(Self {
             controller: yang2025::Controller::new(parameters)?,
             inertia: parameters.inertia,
             reference,
+            linked,
             oracle,
             fault: None,
             held: None,
@@ -87,7 +91,11 @@ impl Controller<AttitudeMeasurement, 3> for YangAttitude {
             fault_nm: self.fault,
             held_nm: self.held,
         };
-        self.controller.step(time_s, &measurement)
+        let mut command = self.controller.step(time_s, &measurement);
+        if self.linked {
+            (command.sent, command.bits) = (false, 0);
+        }
+        command
     }
 
     fn tell(&mut self, truth: &Truth<3>) {

@@ -36,6 +36,8 @@ const COLUMNS: [&str; 16] = [
     "sent",
 ];
 const FIRST_TORQUE: usize = 8;
+/// Columns with a link, after the controller's signals.
+const LINK_COLUMNS: [&str; 3] = ["link_step_1", "link_step_2", "link_step_3"];
 /// Columns with a certificate.
 const CERTIFICATE_COLUMNS: [&str; 2] = ["lyapunov", "lyapunov_bound"];
 
@@ -67,6 +69,7 @@ pub struct AttitudeLog {
     pub threshold: Option<Usage>,
     recorder: Option<Recorder>,
     row: Vec<f64>,
+    link_steps: Option<[f64; 3]>,
     torque: Vector3<f64>,
     disturbance: Vector3<f64>,
 }
@@ -74,7 +77,7 @@ pub struct AttitudeLog {
 impl AttitudeLog {
     /// Nothing yet. Settled means an attitude error of at most `settle_tolerance_rad`; the tail begins
     /// at `tail_from_s`; a trajectory is kept when `interval_s` says how dense, with the controller's
-    /// `signals` in its last columns.
+    /// `signals` in its last columns, followed by the steps on the link where there is one.
     pub fn new(
         reference: Reference,
         settle_tolerance_rad: f64,
@@ -82,12 +85,16 @@ impl AttitudeLog {
         lyapunov: Option<LyapunovMonitor<6>>,
         interval_s: Option<f64>,
         signals: &[&str],
+        linked: bool,
     ) -> Self {
         let mut columns: Vec<String> = COLUMNS.map(str::to_string).into();
         if lyapunov.is_some() {
             columns.extend(CERTIFICATE_COLUMNS.map(str::to_string));
         }
         columns.extend(signals.iter().map(|name| name.to_string()));
+        if linked {
+            columns.extend(LINK_COLUMNS.map(str::to_string));
+        }
         // |q| = sin(angle / 2).
         let tolerance = libm::sin(0.5 * settle_tolerance_rad);
         Self {
@@ -104,6 +111,7 @@ impl AttitudeLog {
             funnel: None,
             threshold: None,
             row: Vec::with_capacity(columns.len()),
+            link_steps: linked.then_some([0.0; 3]),
             recorder: interval_s.map(|interval| Recorder::new(columns, interval)),
             torque: Vector3::zeros(),
             disturbance: Vector3::zeros(),
@@ -137,6 +145,10 @@ impl AttitudeLog {
         self.row
             .resize(first + controller.signal_names().len(), 0.0);
         controller.signals(time_s, error, &mut self.row[first..]);
+        if let Some(steps) = &self.link_steps {
+            let steps = if sent { *steps } else { [0.0; 3] };
+            self.row.extend(steps);
+        }
         if let Some(recorder) = &mut self.recorder {
             recorder.write(&self.row);
         }
@@ -195,10 +207,15 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
         controller: &C,
     ) {
         self.events.record(time_s, command, mismatch);
-        if command.sent && self.recorder.is_some() {
+        let carried = self.link_steps.iter().flatten().any(|&step| step != 0.0);
+        if (command.sent || carried) && self.recorder.is_some() {
             let error = self.reference.error(time_s, state);
             self.write(time_s, &error, true, controller);
         }
+    }
+
+    fn carried(&mut self, steps: &[f64; 3]) {
+        self.link_steps = Some(*steps);
     }
 
     #[inline]

@@ -18,6 +18,7 @@ use crate::harness::plant::rigid_body_state;
 use crate::harness::sampling::Sampling;
 use crate::harness::scenario::{ControllerChoice, RigidBodySystem, Scenario, XuChoice};
 use crate::harness::sensor::AttitudeSensor;
+use crate::harness::summary::Summary;
 use crate::harness::yang::YangAttitude;
 
 /// Runs a scenario on the rigid body.
@@ -48,7 +49,9 @@ pub(super) fn run(
         }
         (ControllerChoice::Yang(choice), _) => {
             let oracle = choice.told_fault.then_some(system.body);
-            let controller = YangAttitude::new(choice.parameters, system.reference, oracle)?;
+            let linked = scenario.link.is_some();
+            let controller =
+                YangAttitude::new(choice.parameters, system.reference, oracle, linked)?;
             let (end, log) = fly(scenario, system, controller, watch);
             let name = "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string();
             (end, log, name, choice.parameters.torque_limit)
@@ -91,6 +94,7 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
         watch.monitor,
         watch.trajectory.then_some(scenario.output_interval_s),
         controller.signal_names(),
+        watch.link.is_some(),
     );
     let mut breakpoints_s = system.actuators.fault_edges_s();
     breakpoints_s.extend(system.reference.kinks_s());
@@ -173,6 +177,18 @@ fn fuzzy_of<const R: usize>(
     Ok(Box::new(XuAttitude::new(controller)))
 }
 
+/// A controller without a trigger of its own sends what the encoder behind it sends.
+fn messages_on_the_link(summary: &mut Summary) {
+    let Some(link) = &summary.link else {
+        return;
+    };
+    summary.triggers = link.messages;
+    summary.bits = link.bits;
+    summary.bytes = link.bytes;
+    summary.shortest_interval_s = link.shortest_interval_s;
+    summary.mean_interval_s = link.mean_interval_s;
+}
+
 fn finish(
     scenario: &Scenario,
     design: Option<&Design>,
@@ -217,6 +233,9 @@ fn finish(
         .and_then(|last| degrees(last.error.rotation_angle_rad()));
     summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
     summary.link = log.link.clone();
+    if matches!(scenario.controller, ControllerChoice::Yang(_)) {
+        messages_on_the_link(&mut summary);
+    }
     summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
     Outcome {
