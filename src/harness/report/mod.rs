@@ -2,6 +2,7 @@
 
 mod figures;
 mod page;
+mod prescribed;
 mod series;
 
 pub use figures::FigureError;
