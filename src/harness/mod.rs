@@ -29,3 +29,4 @@ pub mod sensor;
 pub mod simulation;
 pub mod summary;
 pub mod usage;
+pub mod yang;
