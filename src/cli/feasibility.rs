@@ -31,7 +31,12 @@ pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
         files::check_output(output, &args.model)?;
     }
     let progress = SolverProgress::start("assembling the conditions");
-    let found = decide(&model, &text, &Clarabel::default(), Some(progress.observer()));
+    let found = decide(
+        &model,
+        &text,
+        &Clarabel::default(),
+        Some(progress.observer()),
+    );
     drop(progress);
     let decision = found.map_err(|error| solver_problem(&args.model, error))?;
     let written = write(args.output.as_deref(), &decision)?;
@@ -98,7 +103,11 @@ fn report(decision: &Decision) -> Value {
 }
 
 fn describe(model: &Path, decision: &Decision) -> String {
-    let mut lines = vec![format!("{}: {}", model.display(), headline(&decision.answer))];
+    let mut lines = vec![format!(
+        "{}: {}",
+        model.display(),
+        headline(&decision.answer)
+    )];
     lines.extend(slack_line(decision.slack));
     if !matches!(decision.answer, Answer::Feasible(_)) {
         lines.extend(blocking_lines(&decision.blocking));

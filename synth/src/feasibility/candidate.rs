@@ -12,7 +12,6 @@ use crate::conditions::Task;
 use crate::lmi::svec_index;
 use crate::model::Model;
 use crate::scaling::Scaling;
-use crate::solve::Solution;
 use crate::synthesis::Assembled;
 
 /// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not left to the balance of the multiplier,
@@ -25,8 +24,8 @@ struct Duals<'a> {
 }
 
 impl<'a> Duals<'a> {
-    fn new(assembled: &'a Assembled, solution: &Solution, factor: f64) -> Self {
-        let pairs = assembled.problem.conditions.iter().zip(&solution.duals);
+    fn new(assembled: &'a Assembled, duals: &[Vec<f64>], factor: f64) -> Self {
+        let pairs = assembled.problem.conditions.iter().zip(duals);
         let full = pairs.map(|(condition, dual)| {
             let side = condition.side();
             let matrix = DMatrix::from_fn(side, side, |r, c| {
@@ -51,15 +50,16 @@ pub struct Source<'a> {
     pub scaling: &'a Scaling,
     pub task: &'a Task,
     pub assembled: &'a Assembled,
-    pub solution: &'a Solution,
+    pub duals: &'a [Vec<f64>],
+    /// About minus the constant that they give.
+    pub size: f64,
 }
 
 impl Source<'_> {
     /// The weights that the dual solution gives, scaled so that their constant is about -1; `None`
     /// when it is not finite.
     pub fn weights(&self) -> Option<Weights> {
-        let size = self.solution.objective.abs().max(1e-30);
-        let duals = Duals::new(self.assembled, self.solution, 1.0 / size);
+        let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
         let system = self.model.plant.takagi_sugeno();
         let start = self.moments(&duals, Interval::Start)?;
         let mut end = self.moments(&duals, Interval::End)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::candidate::Source;
+use super::centre::centred;
 use super::file::{InfeasibilityFile, WeightsFile};
 use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
@@ -172,17 +173,43 @@ fn attempt(
             return Ok(Part::Point(design));
         }
     }
+    let margin = task.specification.margin;
+    let excess = solution.objective - margin;
+    if !(excess > 0.0) {
+        return Ok(Part::Open);
+    }
+    let problem = assembled.problem.lower();
+    let t0 = std::time::Instant::now();
+    let Some(duals) = centred(&problem, &solution.duals, -(margin + KEPT * excess)) else {
+        return Ok(Part::Open);
+    };
+    if std::env::var("FEAS_DEBUG").is_ok() {
+        eprintln!(
+            "centring {:?} unknowns {}",
+            t0.elapsed(),
+            problem.cost.len()
+        );
+    }
     let source = Source {
         model: subject.model,
         scaling: &scaling,
         task: &task,
         assembled: &assembled,
-        solution: &solution,
+        duals: &duals,
+        size: KEPT * excess,
     };
     if let Some((file, weights)) = as_read(&source) {
         let refutation = refute(subject.model, &weights);
         if std::env::var("FEAS_DEBUG").is_ok() {
-            eprintln!("{} t={:e} it={} const={:e} proved={} bound={:e}", solution.status_text, solution.objective, solution.iterations, refutation.constant, refutation.proved, refutation.bound);
+            eprintln!(
+                "{} t={:e} it={} const={:e} proved={} bound={:e}",
+                solution.status_text,
+                solution.objective,
+                solution.iterations,
+                refutation.constant,
+                refutation.proved,
+                refutation.bound
+            );
             for c in &refutation.conditions {
                 eprintln!("   {} {:e}", c.name, c.margin);
             }
@@ -200,6 +227,9 @@ fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
     let weights = file.weights(source.model).ok()?;
     Some((file, weights))
 }
+
+/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
+const KEPT: f64 = 0.5;
 
 /// Stands for a gain bound that is not known yet.
 const UNKNOWN_GAIN: f64 = 1e300;

@@ -6,6 +6,7 @@
 //! [`certify::infeasible`](crate::certify::infeasible) proves.
 
 mod candidate;
+mod centre;
 mod decide;
 mod file;
 

@@ -185,7 +185,9 @@ impl Run<'_> {
         if !(gain_bound.is_finite() && gain_bound > 0.0) {
             return Ok(Attempt::Stuck);
         }
-        let (assembled, inside) = self.search.solve(&task, Goal::LargestMargin { gain_bound })?;
+        let (assembled, inside) = self
+            .search
+            .solve(&task, Goal::LargestMargin { gain_bound })?;
         match recover(model, &assembled.design, &inside.values, &scaling) {
             Ok(certificate) => {
                 let design = self.subject.design(&certificate, units)?;

@@ -362,7 +362,10 @@ fn positivity<S: Scalar>(
     tell("lyapunov positive".to_string(), lyapunov);
     let rates = start.rate_rate(&numbers.eps).scaled(&numbers.hbar);
     let integral = Matrix::exactly(&weights.integral).scaled(&numbers.factor);
-    tell("integral weight positive".to_string(), rates.minus(&integral));
+    tell(
+        "integral weight positive".to_string(),
+        rates.minus(&integral),
+    );
     let triggers = ends.map(|end| end.trigger(&numbers.nu));
     // With w = x(t_k^l) at one end its share is nu E[w w'], which is positive semidefinite.
     let sum = match triggers {
