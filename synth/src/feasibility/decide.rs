@@ -179,17 +179,9 @@ fn attempt(
         return Ok(Part::Open);
     }
     let problem = assembled.problem.lower();
-    let t0 = std::time::Instant::now();
     let Some(duals) = centred(&problem, &solution.duals, -(margin + KEPT * excess)) else {
         return Ok(Part::Open);
     };
-    if std::env::var("FEAS_DEBUG").is_ok() {
-        eprintln!(
-            "centring {:?} unknowns {}",
-            t0.elapsed(),
-            problem.cost.len()
-        );
-    }
     let source = Source {
         model: subject.model,
         scaling: &scaling,
@@ -200,20 +192,6 @@ fn attempt(
     };
     if let Some((file, weights)) = as_read(&source) {
         let refutation = refute(subject.model, &weights);
-        if std::env::var("FEAS_DEBUG").is_ok() {
-            eprintln!(
-                "{} t={:e} it={} const={:e} proved={} bound={:e}",
-                solution.status_text,
-                solution.objective,
-                solution.iterations,
-                refutation.constant,
-                refutation.proved,
-                refutation.bound
-            );
-            for c in &refutation.conditions {
-                eprintln!("   {} {:e}", c.name, c.margin);
-            }
-        }
         if refutation.proved {
             return Ok(Part::Refuted(file, refutation));
         }
