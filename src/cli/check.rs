@@ -12,7 +12,7 @@ use crate::harness::scenario::Scenario;
 /// Arguments of `check`.
 #[derive(clap::Args)]
 pub struct CheckArgs {
-    /// Model, design or scenario file
+    /// Model, design, scenario file or infeasibility certificate
     file: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -31,6 +31,13 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
             )
         }
         Some(Kind::Scenario) => (Kind::Scenario, scenario(args, &text)?),
+        Some(Kind::Infeasibility) => {
+            let (file, model) = files::infeasibility(&args.file)?;
+            (
+                Kind::Infeasibility,
+                format!("{}, {}", file.name, describe(&model)),
+            )
+        }
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {
             let (_, model) = files::model(&args.file)?;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use synth::design::DesignFile;
+use synth::feasibility::InfeasibilityFile;
 use synth::model::{read_text, FileError, Model};
 
 use super::CliError;
@@ -20,6 +21,12 @@ pub fn model(path: &Path) -> Result<(String, Model), CliError> {
 /// A design file and the checked model inside it.
 pub fn design(path: &Path) -> Result<(DesignFile, Model), CliError> {
     let read = || DesignFile::from_json(&read_text(path)?);
+    read().map_err(|problem| CliError::file(path, problem))
+}
+
+/// An infeasibility certificate and the checked model inside it.
+pub fn infeasibility(path: &Path) -> Result<(InfeasibilityFile, Model), CliError> {
+    let read = || InfeasibilityFile::from_json(&read_text(path)?);
     read().map_err(|problem| CliError::file(path, problem))
 }
 

@@ -3,6 +3,7 @@
 mod check;
 mod error;
 mod export;
+mod feasibility;
 mod files;
 mod progress;
 mod report;
@@ -39,13 +40,15 @@ struct Cli {
 enum Verb {
     /// Design a controller for a model file and prove it
     Synthesize(synthesize::SynthesizeArgs),
-    /// Prove a design file from its numbers alone
+    /// Say whether any design exists for a model file, with a proof
+    Feasibility(feasibility::FeasibilityArgs),
+    /// Prove a design file or an infeasibility certificate from its numbers alone
     Verify(verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
     Simulate(simulate::SimulateArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
-    /// Read a model, design or scenario file and say whether it is valid
+    /// Read a file of any kind and say whether it is valid
     Check(check::CheckArgs),
     /// Print the JSON Schema of a kind of file
     Schema(schema::SchemaArgs),
@@ -66,6 +69,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let outcome = match &cli.verb {
         Verb::Synthesize(args) => synthesize::run(args),
+        Verb::Feasibility(args) => feasibility::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Report(args) => report::run(args),

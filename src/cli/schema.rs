@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use schemars::schema_for;
 use synth::design::DesignFile;
+use synth::feasibility::InfeasibilityFile;
 use synth::model::ModelFile;
 
 use super::{print, CliError};
@@ -26,6 +27,8 @@ enum KindArg {
     Design,
     /// What simulate runs
     Scenario,
+    /// What feasibility writes when no design exists
+    Infeasibility,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -34,6 +37,7 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
         KindArg::Scenario => schema_for!(ScenarioFile),
+        KindArg::Infeasibility => schema_for!(InfeasibilityFile),
     };
     // A schema is a JSON value already.
     print(&serde_json::to_string_pretty(&schema).unwrap_or_default());

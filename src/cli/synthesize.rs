@@ -6,13 +6,14 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use serde_json::{json, Value};
 use synth::certify::Verdict;
+use synth::feasibility::{Answer, Decision};
 use synth::model::Model;
 use synth::solve::{Clarabel, Padding, SolveError};
-use synth::synthesis::{self, Failure, Outcome, SynthesisError, Synthesized};
+use synth::synthesis::{self, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
 use super::verify::{certified_angle_deg, describe, exit_code};
-use super::{files, print, CliError, EXIT_NO, EXIT_SOLVER};
+use super::{feasibility, files, print, CliError, EXIT_NO, EXIT_SOLVER};
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]
@@ -69,12 +70,12 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     }
     match solve(args, &model, &text)? {
         Outcome::Solved(design) => finish(args, &model, *design),
-        Outcome::Infeasible(failure) => {
-            tell_failure(args, &model, &failure, "infeasible");
+        Outcome::Infeasible(decision) => {
+            tell_failure(args, &model, &decision, "infeasible");
             Ok(ExitCode::from(EXIT_NO))
         }
-        Outcome::SolverFailed(failure) => {
-            tell_failure(args, &model, &failure, "failed");
+        Outcome::SolverFailed(decision) => {
+            tell_failure(args, &model, &decision, "failed");
             Ok(ExitCode::from(EXIT_SOLVER))
         }
     }
@@ -90,14 +91,20 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
             padding: Padding::None,
         },
     };
-    match synthesis::synthesize(model, text, args.form.into(), &backend, observer) {
-        Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
+    let found = synthesis::synthesize(model, text, args.form.into(), &backend, observer);
+    found.map_err(|error| solver_problem(&args.model, error))
+}
+
+/// What a search that could not run means to the user.
+pub fn solver_problem(model: &Path, error: SynthesisError) -> CliError {
+    match error {
+        SynthesisError::Cancelled(_) => CliError::Interrupted,
         // The numbers overflow on the way from the model to the solver.
-        Err(SynthesisError::Solve(problem @ SolveError::NotFinite { .. })) => {
+        SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
             let reason = format!("{problem}; the model's numbers are too far apart");
-            Err(CliError::unsuitable(&args.model, reason))
+            CliError::unsuitable(model, reason)
         }
-        other => Ok(other?),
+        other => other.into(),
     }
 }
 
@@ -168,8 +175,8 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
     Ok(exit_code(report.verdict))
 }
 
-fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status: &str) {
-    let blocking: Vec<Value> = failure
+fn tell_failure(args: &SynthesizeArgs, model: &Model, decision: &Decision, status: &str) {
+    let blocking: Vec<Value> = decision
         .blocking
         .iter()
         .map(|(name, share)| json!({ "name": name, "share": share }))
@@ -186,35 +193,37 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
                 "vertices": model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
-                "slack": failure.slack,
+                "feasibility": feasibility::verdict(&decision.answer),
+                "bound": feasibility::bound(&decision.answer),
+                "slack": decision.slack,
                 "blocking": blocking,
-                "solve_seconds": failure.solve_seconds,
-                "solver_runs": failure.runs,
+                "solve_seconds": decision.solve_seconds,
+                "solver_runs": decision.runs,
             })
             .to_string(),
         );
         return;
     }
-    print(&headline(&args.model, status));
-    match failure.slack {
-        Some(slack) => print(&format!(
-            "smallest slack t with which every condition holds: {slack:.4e} (scaled units; above 0: they cannot hold)"
-        )),
+    print(&headline(&args.model, decision, status));
+    match feasibility::slack_line(decision.slack) {
+        Some(line) => print(&line),
         None => print("the smallest slack could not be computed either"),
     }
-    print("conditions that block (share of the dual solution):");
-    for (name, share) in failure.blocking.iter().take(12) {
-        print(&format!("  {:5.1} %  {name}", 100.0 * share));
+    for line in feasibility::blocking_lines(&decision.blocking) {
+        print(&line);
     }
     print("nothing written");
 }
 
-fn headline(model: &Path, status: &str) -> String {
-    match status {
-        "infeasible" => format!(
-            "{}: no design exists, says the solver (not proved)",
-            model.display()
-        ),
-        _ => format!("{}: the solver failed numerically", model.display()),
+fn headline(model: &Path, decision: &Decision, status: &str) -> String {
+    let model = model.display();
+    match (&decision.answer, status) {
+        (Answer::Infeasible(_), _) => {
+            format!("{model}: {}", feasibility::headline(&decision.answer))
+        }
+        (_, "infeasible") => {
+            format!("{model}: no design exists, says the solver (not proved)")
+        }
+        _ => format!("{model}: the solver failed numerically"),
     }
 }

@@ -1,29 +1,38 @@
-//! `steadfast verify DESIGN.json`
+//! `steadfast verify FILE.json`
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
+use synth::model::{kind_of, read_text, Kind};
 
-use super::{files, print, CliError, EXIT_NO};
+use super::{feasibility, files, print, CliError, EXIT_NO};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
 pub struct VerifyArgs {
-    /// Design file
-    design: PathBuf,
+    /// Design file or infeasibility certificate
+    file: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
 }
 
-/// Proves a design from its file alone. 0: proved; 2: not proved.
+/// Proves a design, or that none exists, from a file alone. 0: proved; 2: not proved.
 pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
-    let (design, model) = files::design(&args.design)?;
+    let text = read_text(&args.file).map_err(|problem| CliError::file(&args.file, problem))?;
+    match kind_of(&text) {
+        Some(Kind::Infeasibility) => feasibility::verify(&args.file, args.json),
+        _ => design(args),
+    }
+}
+
+fn design(args: &VerifyArgs) -> Result<ExitCode, CliError> {
+    let (design, model) = files::design(&args.file)?;
     let report = design
         .verify(&model)
-        .map_err(|problem| CliError::value(&args.design, problem))?;
+        .map_err(|problem| CliError::value(&args.file, problem))?;
     if args.json {
         let worst = report.worst();
         print(
@@ -43,7 +52,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         print(&format!(
             "design: {} ({})",
             design.name,
-            args.design.display()
+            args.file.display()
         ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));

@@ -3,11 +3,12 @@
 //! Data goes one way: a [`model`] becomes the matrix inequalities of [`conditions`] (made smaller by
 //! [`reduce`], put into convenient units by [`scaling`], lowered by [`lmi`]), [`solve`] returns a
 //! candidate, [`design`] turns it into a file, and [`certify`] proves the file. [`synthesis`] runs
-//! these steps.
+//! these steps. [`feasibility`] says, with a proof, whether there is any design.
 
 pub mod certify;
 pub mod conditions;
 pub mod design;
+pub mod feasibility;
 pub mod fuzzy;
 pub mod lmi;
 pub mod model;

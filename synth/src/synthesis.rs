@@ -3,8 +3,14 @@
 mod active;
 mod assemble;
 mod run;
+mod search;
+mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
 pub use run::{
-    scaled_task, synthesize, Cancelled, Failure, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
+    scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
 };
+
+pub(crate) use run::{containment_weights, STATE_UNITS};
+pub(crate) use search::Search;
+pub(crate) use subject::Subject;

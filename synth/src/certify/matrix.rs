@@ -84,6 +84,16 @@ impl<S: Scalar> Matrix<S> {
         Matrix::from_fn(1, self.columns, |_, c| self.at(row, c).clone())
     }
 
+    /// Rows `row..row + rows` and columns `column..column + columns`.
+    pub fn block(&self, row: usize, column: usize, rows: usize, columns: usize) -> Self {
+        Matrix::from_fn(rows, columns, |r, c| self.at(row + r, column + c).clone())
+    }
+
+    /// Sum of the diagonal.
+    pub fn trace(&self) -> S {
+        (0..self.rows.min(self.columns)).fold(S::zero(), |sum, k| sum + self.at(k, k).clone())
+    }
+
     /// Sum.
     pub fn plus(&self, other: &Self) -> Self {
         self.with(other, |a, b| a + b)

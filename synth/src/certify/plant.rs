@@ -56,6 +56,46 @@ impl<S: Scalar> DescriptorPlant<S> {
     pub fn states(&self) -> usize {
         self.input.nrows()
     }
+
+    /// The plant of a model solved for x': A_i, B and B_w multiplied by E^-1, E the identity.
+    ///
+    /// An inertia so close to singular that its inverse cannot be bounded gives unbounded entries,
+    /// which make every proof fail that uses them.
+    pub fn explicit(plant: &Plant) -> Self {
+        let implicit = DescriptorPlant::new(plant);
+        if let Plant::Vertices(_) = plant {
+            return implicit;
+        }
+        let inverse = inverse_of_descriptor(&implicit.descriptor);
+        DescriptorPlant {
+            descriptor: Matrix::identity(implicit.states(), S::one()),
+            vertices: implicit
+                .vertices
+                .iter()
+                .map(|vertex| inverse.times(vertex))
+                .collect(),
+            input: inverse.times(&implicit.input),
+            disturbance: inverse.times(&implicit.disturbance),
+            ..implicit
+        }
+    }
+}
+
+/// Inverse of diag(J, I), by the adjugate of the 3 x 3 block J.
+fn inverse_of_descriptor<S: Scalar>(descriptor: &Matrix<S>) -> Matrix<S> {
+    let at = |r: usize, c: usize| descriptor.at(r % 3, c % 3).clone();
+    // Indices modulo 3 carry the cofactors' signs.
+    let cofactor = |r: usize, c: usize| {
+        at(r + 1, c + 1) * at(r + 2, c + 2) - at(r + 1, c + 2) * at(r + 2, c + 1)
+    };
+    let determinant = (0..3).fold(S::zero(), |sum, c| sum + at(0, c) * cofactor(0, c));
+    let mut out = Matrix::identity(descriptor.nrows(), S::one());
+    for row in 0..3 {
+        for column in 0..3 {
+            out.set(row, column, cofactor(column, row) / determinant.clone());
+        }
+    }
+    out
 }
 
 fn spacecraft<S: Scalar>(craft: &ExactSpacecraft) -> DescriptorPlant<S> {

@@ -120,7 +120,9 @@ pub fn parse<T: DeserializeOwned + Serialize>(text: &str, expected: Kind) -> Res
 pub fn kind_of(text: &str) -> Option<Kind> {
     let value: serde_json::Value = serde_json::from_str(text).ok()?;
     let keys = value.as_object()?;
-    if keys.contains_key("certificate") {
+    if keys.contains_key("infeasibility") {
+        Some(Kind::Infeasibility)
+    } else if keys.contains_key("certificate") {
         Some(Kind::Design)
     } else if keys.contains_key("duration_s") {
         Some(Kind::Scenario)

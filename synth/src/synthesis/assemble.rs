@@ -35,7 +35,8 @@ pub enum Goal {
         /// The gain bound, at least the smallest one.
         gain_bound: f64,
     },
-    /// The smallest slack t with which all conditions hold: positive when they cannot hold.
+    /// The smallest slack t with which all conditions but the gain's hold: positive when they cannot
+    /// hold. Any gain bound large enough satisfies the gain's.
     SmallestSlack,
 }
 
@@ -114,7 +115,10 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
             (Strictness::unknown(margin), slack)
         }
     };
-    let mut conditions = xu2020::side_conditions(task, &design, &strictness);
+    let mut conditions = match goal {
+        Goal::SmallestSlack => xu2020::conditions_without_gain(task, &design, &strictness),
+        _ => xu2020::side_conditions(task, &design, &strictness),
+    };
     if let Goal::LargestMargin { .. } = goal {
         conditions.push(bounded_trigger_weight(&design));
     }

@@ -28,19 +28,24 @@ pub(super) fn peak_gain(
     strictness.positive("peak gain", lhs.finish())
 }
 
-/// gamma >= xi (in the units of xi) and xi <= xi_max (which [`Task::invariant_level`] relies on).
-pub(super) fn weight_bounds(
+/// gamma >= xi (in the units of xi).
+pub(super) fn gain_above_weight(
     task: &Task,
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
-) -> [Condition; 2] {
+) -> Condition {
     let weight = &unknowns.disturbance_weight;
+    strictness.positive(
+        "gain bound above disturbance weight",
+        1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
+    )
+}
+
+/// xi <= xi_max, which [`Task::invariant_level`] relies on.
+pub(super) fn weight_bound(task: &Task, unknowns: &DesignUnknowns) -> Condition {
     let largest = Affine::identity(1, task.specification.disturbance_weight_max);
-    [
-        strictness.positive(
-            "gain bound above disturbance weight",
-            1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
-        ),
-        Condition::semidefinite("disturbance weight bound", &largest - weight),
-    ]
+    Condition::semidefinite(
+        "disturbance weight bound",
+        &largest - &unknowns.disturbance_weight,
+    )
 }

@@ -1,0 +1,263 @@
+//! `steadfast feasibility MODEL.json`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde_json::{json, Value};
+use synth::certify::Verdict;
+use synth::feasibility::{decide, relaxations, Answer, Decision, Relaxation};
+use synth::model::Model;
+use synth::solve::Clarabel;
+
+use super::progress::SolverProgress;
+use super::synthesize::solver_problem;
+use super::verify::exit_code;
+use super::{files, print, CliError, EXIT_NO};
+
+/// Arguments of `feasibility`.
+#[derive(clap::Args)]
+pub struct FeasibilityArgs {
+    /// Model file
+    model: PathBuf,
+    /// File to write: a design when one exists, an infeasibility certificate when none does
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Do not search for the requirement whose relaxation makes an infeasible model feasible
+    #[arg(long)]
+    no_relaxations: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Says whether a design exists. 0: proved that one does; 2: proved that none does, or unknown.
+pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
+    let (text, model) = files::model(&args.model)?;
+    if let Some(output) = &args.output {
+        files::check_output(output, &args.model)?;
+    }
+    let backend = Clarabel::default();
+    let start = Instant::now();
+    let progress = SolverProgress::start("assembling the conditions");
+    let found = decide(&model, &text, &backend, Some(progress.observer()));
+    drop(progress);
+    let decision = found.map_err(|error| solver_problem(&args.model, error))?;
+    let seconds = start.elapsed().as_secs_f64();
+    let written = write(args.output.as_deref(), &decision)?;
+    if !args.json {
+        print(&describe(&args.model, &decision));
+        match (args.output.as_deref(), written) {
+            (Some(path), true) => print(&format!("written: {}", path.display())),
+            (Some(_), false) => print("nothing written"),
+            (None, _) => {}
+        }
+    }
+    let wanted = matches!(decision.answer, Answer::Infeasible(_)) && !args.no_relaxations;
+    let relaxed = match wanted {
+        true => Some(relax(args, &model, &backend)?),
+        false => None,
+    };
+    if args.json {
+        print(&report(&decision, seconds, relaxed.as_deref()).to_string());
+    } else if let Some(relaxed) = &relaxed {
+        print(&describe_relaxations(relaxed));
+    }
+    Ok(match decision.answer {
+        Answer::Feasible(_) => ExitCode::SUCCESS,
+        Answer::Infeasible(_) | Answer::Unknown => ExitCode::from(EXIT_NO),
+    })
+}
+
+fn relax(
+    args: &FeasibilityArgs,
+    model: &Model,
+    backend: &Clarabel,
+) -> Result<Vec<Relaxation>, CliError> {
+    let progress = SolverProgress::start("relaxing one requirement after the other");
+    let found = relaxations(model, backend, Some(progress.observer()));
+    found.map_err(|error| solver_problem(&args.model, error))
+}
+
+/// Writes the file that proves the answer, if there is one.
+fn write(path: Option<&Path>, decision: &Decision) -> Result<bool, CliError> {
+    let text = match &decision.answer {
+        Answer::Feasible(design) => design.file.to_json(),
+        Answer::Infeasible(proof) => proof.file.to_json(),
+        Answer::Unknown => return Ok(false),
+    };
+    match path {
+        Some(path) => files::write(path, &text).map(|()| true),
+        None => Ok(false),
+    }
+}
+
+/// The answer's name in reports.
+pub fn verdict(answer: &Answer) -> &'static str {
+    match answer {
+        Answer::Feasible(_) => "feasible",
+        Answer::Infeasible(_) => "infeasible",
+        Answer::Unknown => "unknown",
+    }
+}
+
+/// The bound of a proved no.
+pub fn bound(answer: &Answer) -> Option<f64> {
+    match answer {
+        Answer::Infeasible(proof) => Some(proof.bound),
+        _ => None,
+    }
+}
+
+fn report(decision: &Decision, seconds: f64, relaxed: Option<&[Relaxation]>) -> Value {
+    let blocks = !matches!(decision.answer, Answer::Feasible(_));
+    let blocking = decision.blocking.iter().filter(|_| blocks);
+    let names: Vec<&String> = blocking.clone().map(|(name, _)| name).collect();
+    let shares: Vec<f64> = blocking.map(|(_, share)| *share).collect();
+    let relaxations = relaxed.map(|relaxed| relaxed.iter().map(relaxation).collect::<Vec<_>>());
+    json!({
+        "verdict": verdict(&decision.answer),
+        "margin": decision.slack,
+        "blocking": names,
+        "blocking_shares": shares,
+        "bound": bound(&decision.answer),
+        "relaxations": relaxations,
+        "seconds": seconds,
+        "solve_seconds": decision.solve_seconds,
+        "solver_runs": decision.runs,
+    })
+}
+
+fn relaxation(relaxation: &Relaxation) -> Value {
+    json!({
+        "requirement": relaxation.requirement.symbol(),
+        "value": relaxation.feasible.map(|found| found.value),
+        "factor": relaxation.feasible.map(|found| found.factor),
+        "not_at_factor": relaxation.feasible.map(|found| found.not_at),
+        "solves": relaxation.solves,
+    })
+}
+
+fn describe_relaxations(relaxed: &[Relaxation]) -> String {
+    let mut lines = vec!["one requirement relaxed, all others kept:".to_string()];
+    lines.extend(relaxed.iter().map(|relaxation| {
+        let symbol = relaxation.requirement.symbol();
+        match relaxation.feasible {
+            Some(found) => format!(
+                "  {symbol}: feasible (proved) at {:.5}, {:.4} times the model's; not found at {:.4} times",
+                found.value, found.factor, found.not_at
+            ),
+            None => format!("  {symbol}: does not help alone"),
+        }
+    }));
+    lines.join("\n")
+}
+
+/// Proves from a file that no design exists. 0: proved; 2: not proved.
+pub fn verify(path: &Path, json: bool) -> Result<ExitCode, CliError> {
+    let (file, model) = files::infeasibility(path)?;
+    let outcomes = file.verify(&model);
+    let outcomes = outcomes.map_err(|problem| CliError::value(path, problem))?;
+    let proved = outcomes.iter().all(|outcome| outcome.proved);
+    let verdict = match proved {
+        true => Verdict::Proved,
+        false => Verdict::NotProved,
+    };
+    let bound = outcomes.iter().map(|outcome| outcome.bound);
+    let bound = bound.fold(f64::MAX, f64::min);
+    let conditions = outcomes.iter().flat_map(|outcome| &outcome.conditions);
+    let worst = conditions
+        .clone()
+        .min_by(|a, b| a.margin.total_cmp(&b.margin));
+    if json {
+        let report = json!({
+            "verdict": verdict,
+            "statement": "infeasible",
+            "bound": bound,
+            "worst": worst,
+            "conditions": conditions.collect::<Vec<_>>(),
+        });
+        print(&report.to_string());
+        return Ok(exit_code(verdict));
+    }
+    print(&format!(
+        "infeasibility of: {} ({})",
+        file.name,
+        path.display()
+    ));
+    match proved {
+        true => print(&format!("verdict: PROVED, {}", statement(bound))),
+        false => print("verdict: NOT PROVED"),
+    }
+    for (index, outcome) in outcomes.iter().enumerate() {
+        let constant = outcome.constant;
+        print(&format!(
+            "weights {}: constant {constant:.6e} (must be below 0), {} matrices checked",
+            index + 1,
+            outcome.conditions.len()
+        ));
+    }
+    for condition in conditions.filter(|condition| condition.margin < 0.0) {
+        print(&format!(
+            "  not proved: {}, margin {:.3e}",
+            condition.name, condition.margin
+        ));
+    }
+    Ok(exit_code(verdict))
+}
+
+/// What an infeasibility certificate states.
+fn statement(bound: f64) -> String {
+    match bound == f64::MAX {
+        true => "no design satisfies the conditions".to_string(),
+        false => format!(
+            "no design with multiplier entries up to R = {bound:.3e} (SI units) satisfies the conditions"
+        ),
+    }
+}
+
+fn describe(model: &Path, decision: &Decision) -> String {
+    let mut lines = vec![format!(
+        "{}: {}",
+        model.display(),
+        headline(&decision.answer)
+    )];
+    lines.extend(slack_line(decision.slack));
+    if !matches!(decision.answer, Answer::Feasible(_)) {
+        lines.extend(blocking_lines(&decision.blocking));
+    }
+    lines.join("\n")
+}
+
+/// The answer in words.
+pub fn headline(answer: &Answer) -> String {
+    match answer {
+        Answer::Feasible(design) => format!(
+            "FEASIBLE, proved by a design with gamma {:.6} (not the smallest)",
+            design.file.certificate.gamma
+        ),
+        Answer::Infeasible(proof) => format!("INFEASIBLE, proved: {}", statement(proof.bound)),
+        Answer::Unknown => {
+            "UNKNOWN: neither a design nor its impossibility could be proved".to_string()
+        }
+    }
+}
+
+/// The smallest slack in words.
+pub fn slack_line(slack: Option<f64>) -> Option<String> {
+    let slack = slack?;
+    Some(format!(
+        "smallest slack t with which every condition holds: {slack:.4e} (scaled units; the solver's number; above 0: they cannot hold)"
+    ))
+}
+
+/// The conditions that block.
+pub fn blocking_lines(blocking: &[(String, f64)]) -> Vec<String> {
+    if blocking.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec!["conditions that block (share of the dual solution):".to_string()];
+    let shares = blocking.iter().take(12);
+    lines.extend(shares.map(|(name, share)| format!("  {:5.1} %  {name}", 100.0 * share)));
+    lines
+}

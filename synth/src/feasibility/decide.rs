@@ -1,0 +1,271 @@
+//! One solve, one proof.
+
+use std::collections::BTreeMap;
+
+use super::candidate::Source;
+use super::centre::centred;
+use super::file::{InfeasibilityFile, WeightsFile};
+use crate::certify::infeasible::{refute, Refutation, Weights};
+use crate::certify::Verdict;
+use crate::design::{recover, ProblemUnits, SolverRun};
+use crate::lmi::{svec_index, Affine};
+use crate::model::Model;
+use crate::scaling::Scaling;
+use crate::solve::{Backend, Observer, Solution, Status};
+use crate::synthesis::{
+    containment_weights, scaled_task, Assembled, Form, Goal, Search, Subject, SynthesisError,
+    Synthesized, STATE_UNITS,
+};
+
+/// A proved no.
+#[derive(Debug, Clone)]
+pub struct Infeasible {
+    /// The file that proves it.
+    pub file: InfeasibilityFile,
+    /// No design exists whose multiplier Qh has all entries (SI units) within this bound; the largest
+    /// double when none is needed.
+    pub bound: f64,
+}
+
+/// The answer.
+#[derive(Debug, Clone)]
+pub enum Answer {
+    /// A design exists: this one is proved. Its gain is not the smallest.
+    Feasible(Box<Synthesized>),
+    /// No design exists: proved.
+    Infeasible(Box<Infeasible>),
+    /// Neither is proved.
+    Unknown,
+}
+
+/// The answer and what is known beside it.
+#[derive(Debug, Clone)]
+pub struct Decision {
+    /// The answer.
+    pub answer: Answer,
+    /// The smallest slack t with which every condition but the gain's holds, in scaled units, where
+    /// the solver found it: an estimate, not proved. Above 0 they cannot hold with the margin of the
+    /// model.
+    pub slack: Option<f64>,
+    /// The conditions with the largest share of the dual solution: those that block, when t is
+    /// above 0.
+    pub blocking: Vec<(String, f64)>,
+    /// Time spent in solvers (s).
+    pub solve_seconds: f64,
+    /// The solver's runs.
+    pub runs: Vec<SolverRun>,
+}
+
+/// Decides whether a design exists for a model. `model_text` is its file's text.
+pub fn decide(
+    model: &Model,
+    model_text: &str,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<Decision, SynthesisError> {
+    let form = Form::Reduced;
+    let subject = Subject {
+        model,
+        model_text,
+        form,
+    };
+    decide_after(subject, &mut Search::new(form, backend, observer))
+}
+
+/// The same after other runs, which are counted.
+pub(crate) fn decide_after(
+    subject: Subject,
+    search: &mut Search,
+) -> Result<Decision, SynthesisError> {
+    // Only the reduced form's dual solution has the blocks of a proof.
+    let mut own = search.fresh(Form::Reduced);
+    let subject = Subject {
+        form: Form::Reduced,
+        ..subject
+    };
+    let found = settle(subject, &mut own);
+    search.runs.append(&mut own.runs);
+    let found = found?;
+    Ok(Decision {
+        answer: found.answer,
+        slack: found.slack,
+        blocking: found.blocking,
+        solve_seconds: search.seconds(),
+        runs: search.runs.clone(),
+    })
+}
+
+struct Found {
+    answer: Answer,
+    slack: Option<f64>,
+    blocking: Vec<(String, f64)>,
+}
+
+/// What one containment weight gave.
+enum Part {
+    Point(Box<Synthesized>),
+    Refuted(WeightsFile, Refutation),
+    Open,
+}
+
+fn settle(subject: Subject, search: &mut Search) -> Result<Found, SynthesisError> {
+    let mut out = Found {
+        answer: Answer::Unknown,
+        slack: None,
+        blocking: Vec::new(),
+    };
+    let mut refuted = Vec::new();
+    let mut open = false;
+    let mut last_units = None;
+    for &containment_weight in containment_weights(subject.model) {
+        let mut part = Part::Open;
+        for state_fraction in STATE_UNITS {
+            let units = ProblemUnits {
+                state_fraction,
+                containment_weight,
+            };
+            last_units = Some(units);
+            part = attempt(subject, search, units, &mut out)?;
+            if !matches!(part, Part::Open) {
+                break;
+            }
+        }
+        match part {
+            Part::Point(mut design) => {
+                design.solve_seconds = search.seconds();
+                design.file.provenance.solver_runs = search.runs.clone();
+                out.answer = Answer::Feasible(design);
+                return Ok(out);
+            }
+            Part::Refuted(weights, refutation) => refuted.push((weights, refutation)),
+            Part::Open => open = true,
+        }
+    }
+    if let (false, Some(units)) = (open, last_units) {
+        let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
+        let bound = bounds.fold(f64::MAX, f64::min);
+        let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
+        let mut provenance = subject.provenance(units);
+        provenance.solver_runs = search.runs.clone();
+        let file = InfeasibilityFile::new(subject.model, weights, provenance);
+        out.answer = Answer::Infeasible(Box::new(Infeasible { file, bound }));
+    }
+    Ok(out)
+}
+
+fn attempt(
+    subject: Subject,
+    search: &mut Search,
+    units: ProblemUnits,
+    out: &mut Found,
+) -> Result<Part, SynthesisError> {
+    let (scaling, task) = scaled_task(subject.model, units);
+    let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
+    if matches!(solution.status, Status::Solved | Status::Inaccurate) {
+        let smaller = out.slack.map_or(true, |slack| solution.objective < slack);
+        if smaller {
+            out.slack = Some(solution.objective);
+            out.blocking = blocking(&assembled, &solution);
+        }
+    }
+    if solution.objective < task.specification.margin {
+        if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
+            return Ok(Part::Point(design));
+        }
+    }
+    let margin = task.specification.margin;
+    let excess = solution.objective - margin;
+    if !(excess > 0.0) {
+        return Ok(Part::Open);
+    }
+    let problem = assembled.problem.lower();
+    let Some(duals) = centred(&problem, &solution.duals, -(margin + KEPT * excess)) else {
+        return Ok(Part::Open);
+    };
+    let source = Source {
+        model: subject.model,
+        scaling: &scaling,
+        task: &task,
+        assembled: &assembled,
+        duals: &duals,
+        size: KEPT * excess,
+    };
+    if let Some((file, weights)) = as_read(&source) {
+        let refutation = refute(subject.model, &weights);
+        if refutation.proved {
+            return Ok(Part::Refuted(file, refutation));
+        }
+    }
+    Ok(Part::Open)
+}
+
+/// The weights as a reader of their file gets them, `None` where no file may hold them.
+fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
+    let file = WeightsFile::new(&source.weights()?, source.model);
+    let weights = file.weights(source.model).ok()?;
+    Some((file, weights))
+}
+
+/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
+const KEPT: f64 = 0.5;
+
+/// Stands for a gain bound that is not known yet.
+const UNKNOWN_GAIN: f64 = 1e300;
+
+/// Room above the smallest gain bound that a point admits.
+const GAIN_ROOM: f64 = 1e-3;
+
+/// The solver's point as a proved design, with the gain bound it admits.
+fn point(
+    subject: Subject,
+    assembled: &Assembled,
+    solution: &Solution,
+    scaling: &Scaling,
+    units: ProblemUnits,
+) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+    let mut unknowns = assembled.design.clone();
+    unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
+    let Ok(mut certificate) = recover(subject.model, &unknowns, &solution.values, scaling) else {
+        return Ok(None);
+    };
+    let xi = certificate.disturbance_weight;
+    let guaranteed = certificate.guaranteed_gain;
+    let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_ROOM);
+    if !(gain_bound > 0.0 && gain_bound.is_finite()) {
+        return Ok(None);
+    }
+    certificate.gain_bound = gain_bound;
+    certificate.guaranteed_gain = guaranteed.min(gain_bound);
+    let design = match subject.design(&certificate, units) {
+        Ok(design) => design,
+        // Numbers that no design file may hold prove nothing.
+        Err(SynthesisError::Invalid(_)) => return Ok(None),
+        Err(other) => return Err(other),
+    };
+    Ok((design.report.verdict == Verdict::Proved).then_some(design))
+}
+
+/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
+/// The cliques of a reduced condition (18) count together, at all its vertices.
+fn blocking(assembled: &Assembled, solution: &Solution) -> Vec<(String, f64)> {
+    let mut traces = BTreeMap::<String, f64>::new();
+    for (condition, dual) in assembled.problem.conditions.iter().zip(&solution.duals) {
+        let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
+        let trace: f64 = diagonal.sum();
+        let whole = match condition.name().split_once(" clique ") {
+            Some((whole, _)) => format!("{whole} all vertices"),
+            None => condition.name().to_string(),
+        };
+        if trace.is_finite() {
+            *traces.entry(whole).or_default() += trace;
+        }
+    }
+    let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
+    let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
+    shares
+        .iter_mut()
+        .for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
+    shares.retain(|(_, share)| *share >= 0.01);
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares
+}

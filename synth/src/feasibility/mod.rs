@@ -1,0 +1,18 @@
+//! Does any design exist? A proved yes, a proved no, or an honest unknown.
+//!
+//! One problem is solved: the smallest slack t with which all conditions hold. Where t is below the
+//! margin its point is a candidate for a design, which the check of designs proves; where t is above,
+//! its dual solution is a candidate for the weights that
+//! [`certify::infeasible`](crate::certify::infeasible) proves.
+
+mod candidate;
+mod centre;
+mod decide;
+mod file;
+mod relax;
+
+pub use decide::{decide, Answer, Decision, Infeasible};
+pub use file::{InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
+pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
+
+pub(crate) use decide::decide_after;

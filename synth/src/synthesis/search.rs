@@ -1,0 +1,120 @@
+//! Runs of a solver for one model.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::active::{self, MANY_VERTICES};
+use super::run::{Cancelled, SynthesisError};
+use super::{assemble_at, Assembled, Form, Goal};
+use crate::conditions::Task;
+use crate::design::SolverRun;
+use crate::solve::{Backend, Observer, Solution, Status};
+
+/// A solver, what it is asked, and what it has done so far.
+pub(crate) struct Search<'a> {
+    form: Form,
+    backend: &'a dyn Backend,
+    observer: Option<Observer>,
+    /// The solver's runs.
+    pub runs: Vec<SolverRun>,
+    /// The vertices that mattered so far, where not all are used.
+    chosen: Vec<usize>,
+}
+
+impl<'a> Search<'a> {
+    pub fn new(form: Form, backend: &'a dyn Backend, observer: Option<Observer>) -> Self {
+        Search {
+            form,
+            backend,
+            observer,
+            runs: Vec::new(),
+            chosen: Vec::new(),
+        }
+    }
+
+    /// A search with the same solver that has not begun.
+    pub fn fresh(&self, form: Form) -> Self {
+        Search::new(form, self.backend, self.observer.clone())
+    }
+
+    /// Time spent in solvers (s).
+    pub fn seconds(&self) -> f64 {
+        self.runs.iter().map(|run| run.seconds).sum()
+    }
+
+    /// Solves with all vertices, or, where there are many, with those that matter: vertices that the
+    /// solution violates are added until there are none, which makes the solution that of the whole.
+    pub fn solve(
+        &mut self,
+        task: &Task,
+        goal: Goal,
+    ) -> Result<(Assembled, Solution), SynthesisError> {
+        let all: Vec<usize> = (0..task.system.vertices.len()).collect();
+        if self.form == Form::Full || all.len() <= MANY_VERTICES {
+            return self.solve_at(task, goal, &all);
+        }
+        if self.chosen.is_empty() {
+            self.chosen = active::first_choice(&task.system.vertices);
+        }
+        loop {
+            let chosen = self.chosen.clone();
+            let (assembled, solution) = self.solve_at(task, goal, &chosen)?;
+            let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
+            let violated = match usable {
+                true => active::violated(task, goal, &assembled, &solution, &chosen),
+                // A relaxation that cannot be solved settles the whole.
+                false => Vec::new(),
+            };
+            if violated.is_empty() {
+                return Ok((assembled, solution));
+            }
+            self.chosen.extend(violated);
+        }
+    }
+
+    fn solve_at(
+        &mut self,
+        task: &Task,
+        goal: Goal,
+        chosen: &[usize],
+    ) -> Result<(Assembled, Solution), SynthesisError> {
+        let assembled = assemble_at(task, self.form, goal, chosen);
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let observer = self.observer.clone().map(|observer| -> Observer {
+            let cancelled = Arc::clone(&cancelled);
+            Arc::new(move |progress| {
+                let go_on = observer(progress);
+                if !go_on {
+                    cancelled.store(true, Ordering::Relaxed);
+                }
+                go_on
+            })
+        });
+        let start = Instant::now();
+        let solution =
+            self.backend
+                .solve(&assembled.problem.lower(), goal.accuracy(task), observer)?;
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(Cancelled.into());
+        }
+        self.runs.push(SolverRun {
+            goal: goal.name().to_string(),
+            vertices: chosen.len(),
+            solver: self.backend.name(),
+            status: solution.status_text.clone(),
+            objective: finite_or_zero(solution.objective),
+            iterations: solution.iterations,
+            seconds: start.elapsed().as_secs_f64(),
+        });
+        Ok((assembled, solution))
+    }
+}
+
+fn finite_or_zero(value: f64) -> f64 {
+    if value.is_finite() {
+        value
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,70 @@
+//! What is designed for, and the files that say so.
+
+use sha2::{Digest, Sha256};
+use time::format_description::well_known::Rfc3339;
+use time::OffsetDateTime;
+
+use super::{Form, SynthesisError, Synthesized};
+use crate::certify::theorem1::Certificate;
+use crate::certify::Verdict;
+use crate::design::{
+    CertificateFile, DesignFile, ProblemUnits, Provenance, VerdictFile, DESIGN_SCHEMA_VERSION,
+};
+use crate::model::Model;
+
+/// A model, its file's text and the form of its problem.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Subject<'a> {
+    pub model: &'a Model,
+    pub model_text: &'a str,
+    pub form: Form,
+}
+
+impl Subject<'_> {
+    /// Puts a design file together and checks what a reader of its text would get.
+    pub fn design(
+        &self,
+        certificate: &Certificate,
+        units: ProblemUnits,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
+        let (controller, certificate) = CertificateFile::split(certificate);
+        let mut file = DesignFile {
+            schema_version: DESIGN_SCHEMA_VERSION,
+            name: self.model.file.name.clone(),
+            model: self.model.file.clone(),
+            controller,
+            certificate,
+            verdict: VerdictFile {
+                verdict: Verdict::NotProved,
+                conditions: Vec::new(),
+                not_covered: Vec::new(),
+            },
+            provenance: self.provenance(units),
+        };
+        let report = file.verify(self.model)?;
+        file.verdict = VerdictFile::new(&report);
+        Ok(Box::new(Synthesized {
+            file,
+            report,
+            solve_seconds: 0.0,
+        }))
+    }
+
+    /// Who made a file from which model and when.
+    pub fn provenance(&self, problem: ProblemUnits) -> Provenance {
+        let now = OffsetDateTime::now_utc().replace_nanosecond(0);
+        let date = now.ok().and_then(|now| now.format(&Rfc3339).ok());
+        Provenance {
+            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            model_sha256: hex(&Sha256::digest(self.model_text.as_bytes())),
+            date: date.unwrap_or_default(),
+            form: self.form.name().to_string(),
+            problem,
+            solver_runs: Vec::new(),
+        }
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
