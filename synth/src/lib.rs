@@ -3,7 +3,7 @@
 //! Data goes one way: a [`model`] becomes the matrix inequalities of [`conditions`] (made smaller by
 //! [`reduce`], put into convenient units by [`scaling`], lowered by [`lmi`]), [`solve`] returns a
 //! candidate, [`design`] turns it into a file, and [`certify`] proves the file. [`synthesis`] runs
-//! these steps.
+//! these steps. [`problem`] takes other design problems the same way.
 
 pub mod certify;
 pub mod conditions;
@@ -11,6 +11,7 @@ pub mod design;
 pub mod fuzzy;
 pub mod lmi;
 pub mod model;
+pub mod problem;
 pub mod reduce;
 pub mod scaling;
 pub mod solve;

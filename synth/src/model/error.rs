@@ -11,6 +11,10 @@ pub enum Kind {
     Design,
     /// A scenario file.
     Scenario,
+    /// A problem file: a model file with a `problem` in place of `specs`.
+    Problem,
+    /// The design file of a problem.
+    ProblemDesign,
 }
 
 impl fmt::Display for Kind {
@@ -19,6 +23,8 @@ impl fmt::Display for Kind {
             Kind::Model => "model",
             Kind::Design => "design",
             Kind::Scenario => "scenario",
+            Kind::Problem => "problem",
+            Kind::ProblemDesign => "problem design",
         })
     }
 }
