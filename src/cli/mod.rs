@@ -4,6 +4,7 @@ mod check;
 mod error;
 mod export;
 mod files;
+mod problem;
 mod progress;
 mod report;
 mod schema;

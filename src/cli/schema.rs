@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use schemars::schema_for;
 use synth::design::DesignFile;
 use synth::model::ModelFile;
+use synth::problem::{ProblemDesignFile, ProblemFile};
 
 use super::{print, CliError};
 use crate::harness::scenario::ScenarioFile;
@@ -26,6 +27,10 @@ enum KindArg {
     Design,
     /// What simulate runs
     Scenario,
+    /// A design problem for a state feedback
+    Problem,
+    /// What synthesize writes for a problem
+    ProblemDesign,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -34,6 +39,8 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
         KindArg::Scenario => schema_for!(ScenarioFile),
+        KindArg::Problem => schema_for!(ProblemFile),
+        KindArg::ProblemDesign => schema_for!(ProblemDesignFile),
     };
     // A schema is a JSON value already.
     print(&serde_json::to_string_pretty(&schema).unwrap_or_default());

@@ -5,8 +5,9 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
+use synth::model::{kind_of, Kind};
 
-use super::{files, print, CliError, EXIT_NO};
+use super::{files, print, problem, CliError, EXIT_NO};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -20,7 +21,11 @@ pub struct VerifyArgs {
 
 /// Proves a design from its file alone. 0: proved; 2: not proved.
 pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
-    let (design, model) = files::design(&args.design)?;
+    let text = files::text(&args.design)?;
+    if kind_of(&text) == Some(Kind::ProblemDesign) {
+        return problem::verify(&args.design, &text, args.json);
+    }
+    let (design, model) = files::design_of(&args.design, &text)?;
     let report = design
         .verify(&model)
         .map_err(|problem| CliError::value(&args.design, problem))?;

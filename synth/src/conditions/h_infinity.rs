@@ -65,8 +65,16 @@ impl DesignProblem for HInfinity {
         hatted: &Hatted,
         strictness: &Strictness,
     ) -> Vec<Condition> {
-        let (n, d, p) = (plant.states(), self.disturbance.ncols(), self.output.nrows());
-        let gamma = |side| hatted.objective.times_matrix(&DMatrix::identity(side, side));
+        let (n, d, p) = (
+            plant.states(),
+            self.disturbance.ncols(),
+            self.output.nrows(),
+        );
+        let gamma = |side| {
+            hatted
+                .objective
+                .times_matrix(&DMatrix::identity(side, side))
+        };
         let q = &hatted.inverse;
         let output = &self.output * q + &self.input_to_output * &hatted.gain;
         let mut out = vec![strictness.positive("inverse positive", q.clone())];
@@ -76,7 +84,11 @@ impl DesignProblem for HInfinity {
             lhs.add(0, 1, &Affine::constant(&self.disturbance));
             lhs.add(0, 2, &output.transposed());
             lhs.add(1, 1, &-gamma(d));
-            lhs.add(1, 2, &Affine::constant(&self.disturbance_to_output.transpose()));
+            lhs.add(
+                1,
+                2,
+                &Affine::constant(&self.disturbance_to_output.transpose()),
+            );
             lhs.add(2, 2, &-gamma(p));
             let name = format!("bounded real vertex {}", index + 1);
             out.push(strictness.positive(name, -lhs.finish()));

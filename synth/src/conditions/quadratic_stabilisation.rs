@@ -76,7 +76,10 @@ impl DesignProblem for QuadraticStabilisation {
         }
         let p = &proof.lyapunov;
         let identity = |value| Matrix::identity(p.nrows(), value);
-        tell("lyapunov above identity".into(), p.minus(&identity(S::one())));
+        tell(
+            "lyapunov above identity".into(),
+            p.minus(&identity(S::one())),
+        );
         let square = proof.guarantee.clone() * proof.guarantee.clone();
         tell("overshoot".into(), identity(square).minus(p));
     }

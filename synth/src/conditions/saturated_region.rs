@@ -51,7 +51,8 @@ impl SaturatedRegion {
     /// For every choice, true where an input takes H x in place of F x.
     fn choices(&self) -> impl Iterator<Item = Vec<bool>> {
         let inputs = self.input_limit.len();
-        (0..1_usize << inputs).map(move |choice| (0..inputs).map(|s| choice >> s & 1 == 1).collect())
+        (0..1_usize << inputs)
+            .map(move |choice| (0..inputs).map(|s| choice >> s & 1 == 1).collect())
     }
 }
 
@@ -130,14 +131,25 @@ impl DesignProblem for SaturatedRegion {
             out.push(strictness.positive(name, lhs.finish()));
         };
         for (s, &limit) in self.input_limit.iter().enumerate() {
-            within(format!("limit input {}", s + 1), z.row(s).transposed(), limit);
+            within(
+                format!("limit input {}", s + 1),
+                z.row(s).transposed(),
+                limit,
+            );
         }
         for (index, (row, bound)) in self.region.iter().enumerate() {
-            within(format!("box row {}", index + 1), q * &row.transpose(), *bound);
+            within(
+                format!("box row {}", index + 1),
+                q * &row.transpose(),
+                *bound,
+            );
         }
         out.extend(self.containment(n, hatted));
         let least = Affine::identity(1, LARGEST_SCALE.powi(-2));
-        out.push(Condition::semidefinite("largest scale", &hatted.objective - &least));
+        out.push(Condition::semidefinite(
+            "largest scale",
+            &hatted.objective - &least,
+        ));
         out
     }
 
@@ -175,7 +187,10 @@ impl DesignProblem for SaturatedRegion {
             }
         }
         for (s, &limit) in self.input_limit.iter().enumerate() {
-            tell(format!("limit input {}", s + 1), proof.within(&h.row(s), limit));
+            tell(
+                format!("limit input {}", s + 1),
+                proof.within(&h.row(s), limit),
+            );
         }
         for (index, (row, bound)) in self.region.iter().enumerate() {
             let row = Matrix::exactly(row);

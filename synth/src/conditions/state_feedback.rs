@@ -111,10 +111,7 @@ impl VertexPlant {
         VertexPlant {
             vertices: self.vertices.iter().map(|a| units.time * a).collect(),
             input: &self.input * inputs * (units.time / units.state),
-            gain: self
-                .gain
-                .as_ref()
-                .map(|gain| inverse * gain * units.state),
+            gain: self.gain.as_ref().map(|gain| inverse * gain * units.state),
         }
     }
 
@@ -164,7 +161,13 @@ impl Hatted {
 
     /// `A Q + Q A' + B Y + Y'B' + 2 alpha Q` with Y any hatted gain: negative where V decays at
     /// twice the rate alpha.
-    pub fn decay(&self, vertex: &DMatrix<f64>, input: &DMatrix<f64>, gain: &Affine, rate: f64) -> Affine {
+    pub fn decay(
+        &self,
+        vertex: &DMatrix<f64>,
+        input: &DMatrix<f64>,
+        gain: &Affine,
+        rate: f64,
+    ) -> Affine {
         let closed = vertex * &self.inverse + input * gain;
         closed.symmetrised() + 2.0 * rate * &self.inverse
     }

@@ -13,8 +13,8 @@ use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SAT
 use crate::conditions::state_feedback::VertexPlant;
 use crate::model::{
     check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_state_matrices, parse, FileError, Kind, ModelError,
-    MAX_BOUNDS, MAX_COLUMNS,
+    check_positive_definite, check_state_matrices, parse, FileError, Kind, ModelError, MAX_BOUNDS,
+    MAX_COLUMNS,
 };
 
 /// A checked problem file.
@@ -73,8 +73,14 @@ fn check_plant(hull: &HullFile, gain: Option<&[Vec<f64>]>) -> Result<VertexPlant
     let input = check_matrix(field, &hull.input_matrix, (Some(states), None))?;
     check_count(field, "columns", input.ncols(), MAX_COLUMNS)?;
     let size = (Some(input.ncols()), Some(states));
-    let gain = gain.map(|rows| check_matrix("gain", rows, size)).transpose()?;
-    Ok(VertexPlant { vertices, input, gain })
+    let gain = gain
+        .map(|rows| check_matrix("gain", rows, size))
+        .transpose()?;
+    Ok(VertexPlant {
+        vertices,
+        input,
+        gain,
+    })
 }
 
 fn check_h_infinity(asked: &HInfinityFile, plant: &VertexPlant) -> Result<HInfinity, ModelError> {
@@ -86,7 +92,11 @@ fn check_h_infinity(asked: &HInfinityFile, plant: &VertexPlant) -> Result<HInfin
         Ok::<_, ModelError>(matrix)
     };
     let (n, m) = (plant.states(), plant.inputs());
-    let disturbance = matrix("disturbance_matrix", &asked.disturbance_matrix, (Some(n), None))?;
+    let disturbance = matrix(
+        "disturbance_matrix",
+        &asked.disturbance_matrix,
+        (Some(n), None),
+    )?;
     let output = matrix("output_matrix", &asked.output_matrix, (None, Some(n)))?;
     let (d, p) = (disturbance.ncols(), output.nrows());
     let direct = |key: &str, rows: &Option<Vec<Vec<f64>>>, columns: usize| match rows {
@@ -109,7 +119,12 @@ fn check_region(
 ) -> Result<SaturatedRegion, ModelError> {
     let field = |key: &str| format!("problem.saturated_region.{key}");
     let (n, m) = (plant.states(), plant.inputs());
-    check_count("plant.vertices.input_matrix", "columns (for saturated_region)", m, MAX_SATURATED_INPUTS)?;
+    check_count(
+        "plant.vertices.input_matrix",
+        "columns (for saturated_region)",
+        m,
+        MAX_SATURATED_INPUTS,
+    )?;
     if asked.input_limit.len() != m {
         return Err(ModelError::WrongShape {
             field: field("input_limit"),
@@ -146,13 +161,18 @@ fn check_region(
 fn check_points(field: &str, points: &[Vec<f64>], n: usize) -> Result<ReferenceSet, ModelError> {
     check_count(field, "points", points.len(), MAX_BOUNDS)?;
     let matrix = check_matrix(field, points, (None, Some(n)))?;
-    if let Some(zero) = matrix.row_iter().position(|row| row.iter().all(|&x| x == 0.0)) {
+    if let Some(zero) = matrix
+        .row_iter()
+        .position(|row| row.iter().all(|&x| x == 0.0))
+    {
         return Err(ModelError::OutOfRange {
             field: format!("{field}[{zero}]"),
             value: 0.0,
             allowed: "a point with an entry that is not 0".to_string(),
         });
     }
-    let points = matrix.row_iter().map(|row| DMatrix::from_column_slice(n, 1, &row.transpose().as_slice().to_vec()));
+    let points = matrix
+        .row_iter()
+        .map(|row| DMatrix::from_column_slice(n, 1, &row.transpose().as_slice().to_vec()));
     Ok(ReferenceSet::Points(points.collect()))
 }

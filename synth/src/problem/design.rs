@@ -135,7 +135,9 @@ impl ProblemDesignFile {
 /// Checks every condition of a problem's proof.
 pub fn verify(problem: &Problem, found: &StateFeedback) -> Report {
     judge_all(problem.task.assumptions(), |check| {
-        problem.task.for_each_condition(&problem.plant, found, check);
+        problem
+            .task
+            .for_each_condition(&problem.plant, found, check);
     })
 }
 

@@ -11,7 +11,7 @@ mod file;
 mod run;
 
 pub use checked::Problem;
-pub use design::{FeedbackFile, ProblemDesignFile, ProofFile, ProblemProvenance};
+pub use design::{FeedbackFile, ProblemDesignFile, ProblemProvenance, ProofFile};
 pub use file::{
     HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile,
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,

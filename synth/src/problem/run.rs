@@ -8,9 +8,7 @@ use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
 use super::{with_problem, DesignTask};
 use crate::certify::{Report, Verdict};
-use crate::conditions::state_feedback::{
-    DesignProblem, Hatted, StateFeedback, Units, VertexPlant,
-};
+use crate::conditions::state_feedback::{DesignProblem, Hatted, StateFeedback, Units, VertexPlant};
 use crate::conditions::xu2020::Strictness;
 use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
 use crate::lmi::{self, Affine, Semidefinite, Unknowns};
