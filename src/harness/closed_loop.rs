@@ -12,10 +12,10 @@ use super::plant::Plant;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
 
-/// Watches a run. Times are in s.
-pub trait Observer<const N: usize, const M: usize, const D: usize> {
+/// Watches a run with a controller `C`. Times are in s.
+pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
     /// The initial state, before the first sample.
-    fn start(&mut self, state: &SVector<f64, N>, disturbance: &SVector<f64, D>);
+    fn start(&mut self, state: &SVector<f64, N>, disturbance: &SVector<f64, D>, controller: &C);
 
     /// A sample was taken; `mismatch` is the largest difference of a membership from the sample sent
     /// last.
@@ -25,6 +25,7 @@ pub trait Observer<const N: usize, const M: usize, const D: usize> {
         state: &SVector<f64, N>,
         command: &Command<M>,
         mismatch: Option<f64>,
+        controller: &C,
     );
 
     /// From `time_s` on this torque acts.
@@ -40,6 +41,7 @@ pub trait Observer<const N: usize, const M: usize, const D: usize> {
         step_s: f64,
         state: &SVector<f64, N>,
         disturbance: &SVector<f64, D>,
+        controller: &C,
     );
 }
 
@@ -96,7 +98,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         P: Plant<N, M, D>,
         S: Sensor<N>,
         C: Controller<S::Measurement, M>,
-        O: Observer<N, M, D>,
+        O: Observer<C, N, M, D>,
     {
         let mut at = Progress {
             time: 0.0,
@@ -107,7 +109,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         let mut next_breakpoint = 0;
         let mut actuators = Actuators::new(self.actuators);
         let mut reference = self.reference_integrator();
-        observer.start(&at.state, at.walker.now());
+        observer.start(&at.state, at.walker.now(), &self.controller);
         while at.time < self.duration_s {
             if at.time >= at.next_sample {
                 self.take_sample(&mut at, &mut actuators, observer);
@@ -131,7 +133,8 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
                 Some(reference) => {
                     while at.time < event {
                         let (time, state) = reference.step(at.time, event, &at.state, &torque);
-                        observer.step(time, time - at.time, &state, &self.disturbance.at(time));
+                        let disturbance = self.disturbance.at(time);
+                        observer.step(time, time - at.time, &state, &disturbance, &self.controller);
                         (at.time, at.state) = (time, state);
                     }
                 }
@@ -165,7 +168,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
     ) where
         S: Sensor<N>,
         C: Controller<S::Measurement, M>,
-        O: Observer<N, M, D>,
+        O: Observer<C, N, M, D>,
     {
         at.next_sample = self.sampling.after(at.time);
         if self.sampling.lost() {
@@ -175,7 +178,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         let mismatch = self.controller.membership_mismatch(&measurement);
         let command = self.controller.step(at.time, &measurement);
         actuators.command(at.time, &command.torque);
-        observer.sample(at.time, &at.state, &command, mismatch);
+        observer.sample(at.time, &at.state, &command, mismatch, &self.controller);
     }
 
     /// Steps of equal length to `event`, or to where a trigger that is watched continuously fires.
@@ -190,7 +193,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         P: Plant<N, M, D>,
         S: Sensor<N>,
         C: Controller<S::Measurement, M>,
-        O: Observer<N, M, D>,
+        O: Observer<C, N, M, D>,
     {
         let Method::RungeKutta4 { step_s } = self.method else {
             return;
@@ -213,12 +216,19 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
                 if self.fires(at.time, &at.state) {
                     self.find_event(at, (start, start_state, step), resolution_s, torque);
                     let fired = at.time;
-                    observer.step(fired, fired - start, &at.state, at.walker.now());
+                    let disturbance = at.walker.now();
+                    observer.step(
+                        fired,
+                        fired - start,
+                        &at.state,
+                        disturbance,
+                        &self.controller,
+                    );
                     at.next_sample = fired;
                     return;
                 }
             }
-            observer.step(at.time, step, &at.state, &values[2]);
+            observer.step(at.time, step, &at.state, &values[2], &self.controller);
         }
     }
 

@@ -19,6 +19,26 @@ pub trait Controller<T, const M: usize> {
     fn membership_mismatch(&self, _measurement: &T) -> Option<f64> {
         None
     }
+
+    /// Names, with units, of what the controller shows of itself: columns of the trajectory.
+    fn signal_names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// The values of the signals at the true state, in the order of their names.
+    fn signals(&self, _time_s: f64, _truth: &T, _values: &mut [f64]) {}
+
+    /// The largest share of the prescribed bounds on its error that the true state uses, 1 at the edge;
+    /// `None` without such bounds.
+    fn funnel_ratio(&self, _time_s: f64, _truth: &T) -> Option<f64> {
+        None
+    }
+
+    /// What the trigger watches over its threshold at the true state, 1 where it should fire; `None`
+    /// where that is not watched.
+    fn threshold_ratio(&self, _time_s: f64, _truth: &T) -> Option<f64> {
+        None
+    }
 }
 
 impl Controller<AttitudeMeasurement, 3> for wu2018::Controller {
@@ -141,5 +161,21 @@ impl<T, const M: usize> Controller<T, M> for AnyController<T, M> {
 
     fn membership_mismatch(&self, measurement: &T) -> Option<f64> {
         self.as_ref().membership_mismatch(measurement)
+    }
+
+    fn signal_names(&self) -> &'static [&'static str] {
+        self.as_ref().signal_names()
+    }
+
+    fn signals(&self, time_s: f64, truth: &T, values: &mut [f64]) {
+        self.as_ref().signals(time_s, truth, values);
+    }
+
+    fn funnel_ratio(&self, time_s: f64, truth: &T) -> Option<f64> {
+        self.as_ref().funnel_ratio(time_s, truth)
+    }
+
+    fn threshold_ratio(&self, time_s: f64, truth: &T) -> Option<f64> {
+        self.as_ref().threshold_ratio(time_s, truth)
     }
 }

@@ -27,3 +27,4 @@ pub mod scenario;
 pub mod sensor;
 pub mod simulation;
 pub mod summary;
+pub mod usage;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::scenario::{Metric, RequirementFile};
+use super::usage::Usage;
 
 /// The version of the summary's format.
 pub const SUMMARY_SCHEMA_VERSION: u32 = 1;
@@ -74,7 +75,8 @@ pub struct Summary {
     pub max_torque: f64,
     /// Integral over time of the magnitudes of all axes' torques, N m s.
     pub impulse: f64,
-    /// Steps at which a claim of the controller's certificate was broken; zero without one.
+    /// Steps at which a claim of the controller's certificate was broken or its error was outside of its
+    /// prescribed bounds; zero without either.
     pub violations: u64,
     /// The requirements with their outcome.
     pub requirements: Vec<RequirementOutcome>,
@@ -98,6 +100,12 @@ pub struct Summary {
     pub largest_membership_mismatch: Option<f64>,
     /// What became of the design's certificate.
     pub certificate: Option<CertificateOutcome>,
+    /// Use of the prescribed bounds on the error, for a controller that has them.
+    #[serde(default)]
+    pub funnel: Option<Usage>,
+    /// What the trigger watches over its threshold, for a controller that watches it.
+    #[serde(default)]
+    pub threshold: Option<Usage>,
     /// What else is worth saying.
     pub notes: Vec<String>,
     /// Numbers the figures need.
@@ -211,6 +219,8 @@ impl Summary {
             Metric::Violations => Some(self.violations as f64),
             Metric::ShortestIntervalS => self.shortest_interval_s,
             Metric::MeanIntervalS => self.mean_interval_s,
+            Metric::FunnelRatio => self.funnel.as_ref().map(|usage| usage.largest_ratio),
+            Metric::ThresholdRatio => self.threshold.as_ref().map(|usage| usage.largest_ratio),
             Metric::LyapunovRatio => {
                 let certificate = self.certificate.as_ref();
                 certificate.map(|outcome| outcome.largest_lyapunov_ratio)

@@ -218,7 +218,8 @@ pub enum Metric {
     MaxTorque,
     /// Integral of the magnitudes of all axes' torques [N m s].
     Impulse,
-    /// Steps at which a claim of the controller's certificate was broken.
+    /// Steps at which a claim of the controller's certificate was broken or its error was outside of its
+    /// prescribed bounds.
     Violations,
     /// Shortest time between two messages (s).
     ShortestIntervalS,
@@ -226,6 +227,11 @@ pub enum Metric {
     MeanIntervalS,
     /// Largest x'Ux over its bound, for a design.
     LyapunovRatio,
+    /// Largest share of the prescribed bounds on the error, for a controller that has them; 1 is at the
+    /// edge.
+    FunnelRatio,
+    /// Largest ratio of what the trigger watches to its threshold, for a controller that watches it.
+    ThresholdRatio,
 }
 
 /// What is written of the trajectory.

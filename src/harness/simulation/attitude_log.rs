@@ -5,6 +5,7 @@ use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
 
 use crate::harness::closed_loop::Observer;
+use crate::harness::controller::Controller;
 use crate::harness::effort::Effort;
 use crate::harness::events::EventCount;
 use crate::harness::lyapunov::LyapunovMonitor;
@@ -12,8 +13,9 @@ use crate::harness::plant::{body_rate, RigidBodyState};
 use crate::harness::pointing::ErrorStatistics;
 use crate::harness::recorder::Recorder;
 use crate::harness::reference::Reference;
+use crate::harness::usage::Usage;
 
-/// Columns of the trajectory before those of a certificate.
+/// Columns of the trajectory before those of a certificate and of the controller's signals.
 const COLUMNS: [&str; 16] = [
     "time_s",
     "error_q0_scalar",
@@ -33,11 +35,8 @@ const COLUMNS: [&str; 16] = [
     "sent",
 ];
 const FIRST_TORQUE: usize = 8;
-const SENT: usize = 15;
 /// Columns with a certificate.
 const CERTIFICATE_COLUMNS: [&str; 2] = ["lyapunov", "lyapunov_bound"];
-/// All columns.
-const WIDTH: usize = COLUMNS.len() + CERTIFICATE_COLUMNS.len();
 
 /// Metrics, certificate and trajectory of one run.
 #[derive(Debug, Clone)]
@@ -59,25 +58,33 @@ pub struct AttitudeLog {
     pub last: Option<AttitudeMeasurement>,
     /// The certificate's claims along the run.
     pub lyapunov: Option<LyapunovMonitor<6>>,
+    /// Use of the controller's prescribed bounds.
+    pub funnel: Option<Usage>,
+    /// Use of its trigger's threshold.
+    pub threshold: Option<Usage>,
     recorder: Option<Recorder>,
+    row: Vec<f64>,
     torque: Vector3<f64>,
     disturbance: Vector3<f64>,
 }
 
 impl AttitudeLog {
     /// Nothing yet. Settled means an attitude error of at most `settle_tolerance_rad`; the tail begins
-    /// at `tail_from_s`; a trajectory is kept when `interval_s` says how dense.
+    /// at `tail_from_s`; a trajectory is kept when `interval_s` says how dense, with the controller's
+    /// `signals` in its last columns.
     pub fn new(
         reference: Reference,
         settle_tolerance_rad: f64,
         tail_from_s: f64,
         lyapunov: Option<LyapunovMonitor<6>>,
         interval_s: Option<f64>,
+        signals: &[&str],
     ) -> Self {
         let mut columns: Vec<String> = COLUMNS.map(str::to_string).into();
         if lyapunov.is_some() {
             columns.extend(CERTIFICATE_COLUMNS.map(str::to_string));
         }
+        columns.extend(signals.iter().map(|name| name.to_string()));
         // |q| = sin(angle / 2).
         let tolerance = libm::sin(0.5 * settle_tolerance_rad);
         Self {
@@ -90,6 +97,9 @@ impl AttitudeLog {
             start: None,
             last: None,
             lyapunov,
+            funnel: None,
+            threshold: None,
+            row: Vec::with_capacity(columns.len()),
             recorder: interval_s.map(|interval| Recorder::new(columns, interval)),
             torque: Vector3::zeros(),
             disturbance: Vector3::zeros(),
@@ -101,32 +111,43 @@ impl AttitudeLog {
         self.recorder.map(Recorder::into_table)
     }
 
-    fn row(&self, time_s: f64, error: &AttitudeMeasurement, sent: bool) -> [f64; WIDTH] {
-        let [q0, q1, q2, q3] = error.error.to_scalar_first();
-        let [[w1, w2, w3]] = error.rate_rad_s.data.0;
-        let [[u1, u2, u3]] = self.torque.data.0;
-        let [[d1, d2, d3]] = self.disturbance.data.0;
+    fn write<C: Controller<AttitudeMeasurement, 3>>(
+        &mut self,
+        time_s: f64,
+        error: &AttitudeMeasurement,
+        sent: bool,
+        controller: &C,
+    ) {
         let angle = error.error.rotation_angle_rad().to_degrees();
-        let (level, bound) = match &self.lyapunov {
-            Some(monitor) => (monitor.level, monitor.bound()),
-            None => (0.0, 0.0),
-        };
-        let sent = f64::from(u8::from(sent));
-        [
-            time_s, q0, q1, q2, q3, w1, w2, w3, u1, u2, u3, d1, d2, d3, angle, sent, level, bound,
-        ]
+        self.row.clear();
+        self.row.push(time_s);
+        self.row.extend(error.error.to_scalar_first());
+        for vector in [&error.rate_rad_s, &self.torque, &self.disturbance] {
+            self.row.extend(vector.iter());
+        }
+        self.row.extend([angle, f64::from(u8::from(sent))]);
+        if let Some(monitor) = &self.lyapunov {
+            self.row.extend([monitor.level, monitor.bound()]);
+        }
+        let first = self.row.len();
+        self.row
+            .resize(first + controller.signal_names().len(), 0.0);
+        controller.signals(time_s, error, &mut self.row[first..]);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.write(&self.row);
+        }
     }
 
-    fn write(&mut self, time_s: f64, error: &AttitudeMeasurement, sent: bool) {
-        let row = self.row(time_s, error, sent);
-        let width = if self.lyapunov.is_some() {
-            WIDTH
-        } else {
-            COLUMNS.len()
-        };
-        if let Some(recorder) = &mut self.recorder {
-            recorder.write(&row[..width]);
-        }
+    fn watch<C: Controller<AttitudeMeasurement, 3>>(
+        &mut self,
+        time_s: f64,
+        error: &AttitudeMeasurement,
+        controller: &C,
+    ) {
+        let funnel = controller.funnel_ratio(time_s, error);
+        Usage::record(&mut self.funnel, time_s, funnel);
+        let threshold = controller.threshold_ratio(time_s, error);
+        Usage::record(&mut self.threshold, time_s, threshold);
     }
 }
 
@@ -143,8 +164,8 @@ fn fuzzy_state(measurement: &AttitudeMeasurement) -> Vector6<f64> {
     Vector6::new(w1, w2, w3, sign * q1, sign * q2, sign * q3)
 }
 
-impl Observer<7, 3, 3> for AttitudeLog {
-    fn start(&mut self, state: &RigidBodyState, disturbance: &Vector3<f64>) {
+impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog {
+    fn start(&mut self, state: &RigidBodyState, disturbance: &Vector3<f64>, controller: &C) {
         let error = self.reference.error(0.0, state);
         self.disturbance = *disturbance;
         self.start = Some(error);
@@ -154,8 +175,9 @@ impl Observer<7, 3, 3> for AttitudeLog {
         if let Some(monitor) = &mut self.lyapunov {
             monitor.start(&error.rigid_body_state(), disturbance.norm_squared());
         }
+        self.watch(0.0, &error, controller);
         if self.recorder.is_some() {
-            self.write(0.0, &error, false);
+            self.write(0.0, &error, false, controller);
         }
     }
 
@@ -166,11 +188,12 @@ impl Observer<7, 3, 3> for AttitudeLog {
         state: &RigidBodyState,
         command: &Command<3>,
         mismatch: Option<f64>,
+        controller: &C,
     ) {
         self.events.record(time_s, command, mismatch);
         if command.sent && self.recorder.is_some() {
             let error = self.reference.error(time_s, state);
-            self.write(time_s, &error, true);
+            self.write(time_s, &error, true, controller);
         }
     }
 
@@ -195,6 +218,7 @@ impl Observer<7, 3, 3> for AttitudeLog {
         step_s: f64,
         state: &RigidBodyState,
         disturbance: &Vector3<f64>,
+        controller: &C,
     ) {
         self.steps += 1;
         let error = self.reference.error(time_s, state);
@@ -212,6 +236,7 @@ impl Observer<7, 3, 3> for AttitudeLog {
                 disturbance.norm_squared(),
             );
         }
+        self.watch(time_s, &error, controller);
         self.last = Some(error);
         self.disturbance = *disturbance;
         if self
@@ -219,9 +244,7 @@ impl Observer<7, 3, 3> for AttitudeLog {
             .as_ref()
             .is_some_and(|recorder| recorder.due(time_s))
         {
-            self.write(time_s, &error, false);
+            self.write(time_s, &error, false, controller);
         }
     }
 }
-
-const _: () = assert!(SENT + 1 == COLUMNS.len());

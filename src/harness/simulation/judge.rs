@@ -9,6 +9,7 @@ use crate::harness::scenario::{Scenario, XuChoice};
 use crate::harness::summary::{
     CertificateOutcome, RunProvenance, RunVerdict, Scales, Summary, SUMMARY_SCHEMA_VERSION,
 };
+use crate::harness::usage::Usage;
 
 /// What every kind of plant measures.
 pub(super) struct Parts<'a> {
@@ -22,6 +23,8 @@ pub(super) struct Parts<'a> {
     pub torque_limit: Vec<f64>,
     pub settle_tolerance: f64,
     pub notes: Vec<String>,
+    pub funnel: Option<Usage>,
+    pub threshold: Option<Usage>,
     pub end: End,
 }
 
@@ -40,9 +43,11 @@ pub(super) fn summary(
             "The state was no longer finite at {time_s} s; the run stopped there."
         ));
     }
-    let violations = certificate.as_ref().map_or(0, |outcome| {
+    let broken = certificate.as_ref().map_or(0, |outcome| {
         outcome.outside_steps.max(outcome.bound_broken_steps)
     });
+    let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
+    let violations = broken.max(left);
     Summary {
         schema_version: SUMMARY_SCHEMA_VERSION,
         scenario: scenario.name.clone(),
@@ -74,6 +79,8 @@ pub(super) fn summary(
         late_samples: events.late,
         largest_membership_mismatch: events.largest_mismatch,
         certificate,
+        funnel: parts.funnel,
+        threshold: parts.threshold,
         notes,
         scales: Scales {
             duration_s: scenario.duration_s,

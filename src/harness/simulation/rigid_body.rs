@@ -26,27 +26,24 @@ pub(super) fn run(
     trajectory: bool,
 ) -> Result<Outcome, SimulateError> {
     let monitor = design.map(|design| LyapunovMonitor::new(design.claims::<6>()));
-    let log = AttitudeLog::new(
-        system.reference,
-        scenario.settle_tolerance_rad,
-        scenario.duration_s - scenario.tail_s,
+    let watch = Watch {
         monitor,
-        trajectory.then_some(scenario.output_interval_s),
-    );
+        trajectory,
+    };
     let (end, log, name, limit) = match (&scenario.controller, design) {
         (ControllerChoice::Wu(parameters), _) => {
             let controller = wu2018::Controller::new(*parameters)?;
-            let (end, log) = fly(scenario, system, controller, log);
+            let (end, log) = fly(scenario, system, controller, watch);
             (end, log, wu_name(parameters), parameters.torque_limit)
         }
         (ControllerChoice::Xu(choice), _) => {
-            let (end, log) = fly(scenario, system, fuzzy(choice)?, log);
+            let (end, log) = fly(scenario, system, fuzzy(choice)?, watch);
             let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
             (end, log, name, choice.torque_limit)
         }
         (ControllerChoice::Design(_), Some(design)) => {
             let (controller, limit) = designed(design)?;
-            let (end, log) = fly(scenario, system, controller, log);
+            let (end, log) = fly(scenario, system, controller, watch);
             let name = format!(
                 "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
                 design.file.name
@@ -58,13 +55,29 @@ pub(super) fn run(
     Ok(finish(scenario, design, end, log, (name, limit)))
 }
 
-/// The closed loop with a controller, watched by `log`.
+/// What is watched beside the metrics.
+struct Watch {
+    /// The claims of a certificate.
+    monitor: Option<LyapunovMonitor<6>>,
+    /// Whether the trajectory is kept.
+    trajectory: bool,
+}
+
+/// The closed loop with a controller.
 fn fly<C: Controller<AttitudeMeasurement, 3>>(
     scenario: &Scenario,
     system: &RigidBodySystem,
     controller: C,
-    mut log: AttitudeLog,
+    watch: Watch,
 ) -> (End, AttitudeLog) {
+    let mut log = AttitudeLog::new(
+        system.reference,
+        scenario.settle_tolerance_rad,
+        scenario.duration_s - scenario.tail_s,
+        watch.monitor,
+        watch.trajectory.then_some(scenario.output_interval_s),
+        controller.signal_names(),
+    );
     let mut breakpoints_s = system.actuators.fault_edges_s();
     breakpoints_s.extend(system.reference.kinks_s());
     breakpoints_s.extend(system.disturbance.kinks_s());
@@ -170,6 +183,8 @@ fn finish(
         torque_limit: limit.iter().copied().collect(),
         settle_tolerance: scenario.settle_tolerance_rad.to_degrees(),
         notes,
+        funnel: log.funnel.clone(),
+        threshold: log.threshold.clone(),
         end,
     };
     let certificate = match (design, &log.lyapunov) {

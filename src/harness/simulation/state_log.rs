@@ -87,8 +87,8 @@ impl<const N: usize, const M: usize> StateLog<N, M> {
     }
 }
 
-impl<const N: usize, const M: usize> Observer<N, M, N> for StateLog<N, M> {
-    fn start(&mut self, state: &SVector<f64, N>, disturbance: &SVector<f64, N>) {
+impl<C, const N: usize, const M: usize> Observer<C, N, M, N> for StateLog<N, M> {
+    fn start(&mut self, state: &SVector<f64, N>, disturbance: &SVector<f64, N>, _controller: &C) {
         self.start = *state;
         self.last = *state;
         self.error.start(state.norm_squared());
@@ -102,6 +102,7 @@ impl<const N: usize, const M: usize> Observer<N, M, N> for StateLog<N, M> {
         state: &SVector<f64, N>,
         command: &Command<M>,
         mismatch: Option<f64>,
+        _controller: &C,
     ) {
         self.events.record(time_s, command, mismatch);
         if command.sent {
@@ -128,6 +129,7 @@ impl<const N: usize, const M: usize> Observer<N, M, N> for StateLog<N, M> {
         step_s: f64,
         state: &SVector<f64, N>,
         disturbance: &SVector<f64, N>,
+        _controller: &C,
     ) {
         self.steps += 1;
         let square = state.norm_squared();

@@ -95,6 +95,8 @@ fn run_padded<const N: usize, const M: usize>(
         torque_limit: limit.iter().copied().collect(),
         settle_tolerance: scenario.settle_tolerance_state,
         notes: Vec::new(),
+        funnel: None,
+        threshold: None,
         end,
     };
     let from_rest = log.start.norm() == 0.0;
