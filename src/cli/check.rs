@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use serde_json::json;
-use synth::model::{kind_of, read_text, Kind, Model};
+use synth::model::{kind_of, Kind, Model};
+use synth::problem::Problem;
 
 use super::{files, print, CliError};
 use crate::harness::scenario::Scenario;
@@ -21,10 +22,10 @@ pub struct CheckArgs {
 
 /// Reads a file of any kind and says what it is. Nothing is proved here.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
-    let text = read_text(&args.file).map_err(|problem| CliError::file(&args.file, problem))?;
+    let text = files::text(&args.file)?;
     let (kind, summary) = match kind_of(&text) {
         Some(Kind::Design) => {
-            let (design, model) = files::design(&args.file)?;
+            let (design, model) = files::design_of(&args.file, &text)?;
             (
                 Kind::Design,
                 format!("{}, {}", design.name, describe(&model)),
@@ -32,15 +33,23 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
         }
         Some(Kind::Scenario) => (Kind::Scenario, scenario(args, &text)?),
         Some(Kind::Infeasibility) => {
-            let (file, model) = files::infeasibility(&args.file)?;
+            let (file, model) = files::infeasibility_of(&args.file, &text)?;
             (
                 Kind::Infeasibility,
                 format!("{}, {}", file.name, describe(&model)),
             )
         }
+        Some(Kind::Problem) => {
+            let problem = files::problem_of(&args.file, &text)?;
+            (Kind::Problem, describe_problem(&problem))
+        }
+        Some(Kind::ProblemDesign) => {
+            let (_, problem) = files::problem_design_of(&args.file, &text)?;
+            (Kind::ProblemDesign, describe_problem(&problem))
+        }
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {
-            let (_, model) = files::model(&args.file)?;
+            let model = files::model_of(&args.file, &text)?;
             (
                 Kind::Model,
                 format!("{}, {}", model.file.name, describe(&model)),
@@ -63,6 +72,18 @@ fn describe(model: &Model) -> String {
     let vertices = model.task().system.vertices.len();
     format!(
         "{vertices} vertices, {states} states, {inputs} inputs, {disturbances} disturbances, {outputs} outputs"
+    )
+}
+
+fn describe_problem(problem: &Problem) -> String {
+    let plant = &problem.plant;
+    format!(
+        "{}, {}, {} vertices, {} states, {} inputs",
+        problem.file.name,
+        problem.task.name(),
+        plant.vertices.len(),
+        plant.states(),
+        plant.inputs()
     )
 }
 

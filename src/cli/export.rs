@@ -5,7 +5,9 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use synth::design::ProblemUnits;
-use synth::model::{kind_of, read_text, Kind, Model};
+use synth::lmi::Semidefinite;
+use synth::model::{kind_of, Kind, Model};
+use synth::problem::{first_program, Problem};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
 use super::synthesize::FormArg;
@@ -14,7 +16,7 @@ use super::{files, print, CliError};
 /// Arguments of `export`.
 #[derive(clap::Args)]
 pub struct ExportArgs {
-    /// Model or design file
+    /// Model, design or problem file
     file: PathBuf,
     /// Format to write
     #[arg(long)]
@@ -35,23 +37,15 @@ enum FormatArg {
     Sdpa,
 }
 
-/// Writes the semidefinite program of a model or of a design's model.
+/// Writes the semidefinite program of a model, of a problem, or of what is inside a design.
 pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.file)?;
     }
-    let (model, units, own_form) = source(args)?;
-    let form = args.form.map_or(own_form, Form::from);
     let FormatArg::Sdpa = args.format;
-    let (_, task) = scaled_task(&model, units);
-    let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
-    let title = format!(
-        "{}, {} form, smallest gain, by steadfast {}",
-        model.file.name,
-        form.name(),
-        env!("CARGO_PKG_VERSION")
-    );
-    let text = problem.to_sdpa(&title);
+    let (program, what) = program(args)?;
+    let title = format!("{what}, by steadfast {}", env!("CARGO_PKG_VERSION"));
+    let text = program.to_sdpa(&title);
     match &args.output {
         Some(path) => files::write(path, &text)?,
         None => print(text.trim_end()),
@@ -59,13 +53,43 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn source(args: &ExportArgs) -> Result<(Model, ProblemUnits, Form), CliError> {
-    let text = read_text(&args.file).map_err(|problem| CliError::file(&args.file, problem))?;
-    if kind_of(&text) != Some(Kind::Design) {
-        let (_, model) = files::model(&args.file)?;
-        return Ok((model, FIRST_UNITS, Form::Reduced));
+/// The program and its name.
+fn program(args: &ExportArgs) -> Result<(Semidefinite, String), CliError> {
+    let text = files::text(&args.file)?;
+    let (model, units, own_form) = match kind_of(&text) {
+        Some(Kind::Problem) => {
+            return problem_program(args, &files::problem_of(&args.file, &text)?);
+        }
+        Some(Kind::ProblemDesign) => {
+            return problem_program(args, &files::problem_design_of(&args.file, &text)?.1);
+        }
+        Some(Kind::Design) => of_design(args, &text)?,
+        _ => {
+            let model = files::model_of(&args.file, &text)?;
+            (model, FIRST_UNITS, Form::Reduced)
+        }
+    };
+    let form = args.form.map_or(own_form, Form::from);
+    let (_, task) = scaled_task(&model, units);
+    let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
+    let what = format!("{}, {} form, smallest gain", model.file.name, form.name());
+    Ok((problem, what))
+}
+
+fn problem_program(
+    args: &ExportArgs,
+    problem: &Problem,
+) -> Result<(Semidefinite, String), CliError> {
+    if args.form.is_some() {
+        let reason = "this file asks for a design problem, for which --form has no meaning";
+        return Err(CliError::unsuitable(&args.file, reason));
     }
-    let (design, model) = files::design(&args.file)?;
+    let what = format!("{}, {}", problem.file.name, problem.task.name());
+    Ok((first_program(problem), what))
+}
+
+fn of_design(args: &ExportArgs, text: &str) -> Result<(Model, ProblemUnits, Form), CliError> {
+    let (design, model) = files::design_of(&args.file, text)?;
     let form = match design.provenance.form == Form::Full.name() {
         true => Form::Full,
         false => Form::Reduced,

@@ -33,7 +33,8 @@ pub struct FeasibilityArgs {
 
 /// Says whether a design exists. 0: proved that one does; 2: proved that none does, or unknown.
 pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
-    let (text, model) = files::model(&args.model)?;
+    let text = files::text(&args.model)?;
+    let model = files::model_of(&args.model, &text)?;
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
@@ -154,8 +155,8 @@ fn describe_relaxations(relaxed: &[Relaxation]) -> String {
 }
 
 /// Proves from a file that no design exists. 0: proved; 2: not proved.
-pub fn verify(path: &Path, json: bool) -> Result<ExitCode, CliError> {
-    let (file, model) = files::infeasibility(path)?;
+pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError> {
+    let (file, model) = files::infeasibility_of(path, text)?;
     let outcomes = file.verify(&model);
     let outcomes = outcomes.map_err(|problem| CliError::value(path, problem))?;
     let proved = outcomes.iter().all(|outcome| outcome.proved);

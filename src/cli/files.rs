@@ -4,30 +4,42 @@ use std::path::Path;
 
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
-use synth::model::{read_text, FileError, Model};
+use synth::model::{read_text, Model};
+use synth::problem::{Problem, ProblemDesignFile};
 
 use super::CliError;
 
-/// A model file: its text and its checked content.
-pub fn model(path: &Path) -> Result<(String, Model), CliError> {
-    let read = || -> Result<(String, Model), FileError> {
-        let text = read_text(path)?;
-        let model = Model::from_json(&text)?;
-        Ok((text, model))
-    };
-    read().map_err(|problem| CliError::file(path, problem))
+/// A file's text.
+pub fn text(path: &Path) -> Result<String, CliError> {
+    read_text(path).map_err(|problem| CliError::file(path, problem))
 }
 
-/// A design file and the checked model inside it.
-pub fn design(path: &Path) -> Result<(DesignFile, Model), CliError> {
-    let read = || DesignFile::from_json(&read_text(path)?);
-    read().map_err(|problem| CliError::file(path, problem))
+/// The checked content of a model file with this text.
+pub fn model_of(path: &Path, text: &str) -> Result<Model, CliError> {
+    Model::from_json(text).map_err(|problem| CliError::file(path, problem))
 }
 
-/// An infeasibility certificate and the checked model inside it.
-pub fn infeasibility(path: &Path) -> Result<(InfeasibilityFile, Model), CliError> {
-    let read = || InfeasibilityFile::from_json(&read_text(path)?);
-    read().map_err(|problem| CliError::file(path, problem))
+/// A design file with this text, and the checked model inside it.
+pub fn design_of(path: &Path, text: &str) -> Result<(DesignFile, Model), CliError> {
+    DesignFile::from_json(text).map_err(|problem| CliError::file(path, problem))
+}
+
+/// The checked content of a problem file with this text.
+pub fn problem_of(path: &Path, text: &str) -> Result<Problem, CliError> {
+    Problem::from_json(text).map_err(|problem| CliError::file(path, problem))
+}
+
+/// The design file of a problem with this text, and the checked problem inside it.
+pub fn problem_design_of(
+    path: &Path,
+    text: &str,
+) -> Result<(ProblemDesignFile, Problem), CliError> {
+    ProblemDesignFile::from_json(text).map_err(|problem| CliError::file(path, problem))
+}
+
+/// An infeasibility certificate with this text, and the checked model inside it.
+pub fn infeasibility_of(path: &Path, text: &str) -> Result<(InfeasibilityFile, Model), CliError> {
+    InfeasibilityFile::from_json(text).map_err(|problem| CliError::file(path, problem))
 }
 
 /// Refuses an output path that cannot be written or that is the input, before any long work.

@@ -5,6 +5,7 @@ mod error;
 mod export;
 mod feasibility;
 mod files;
+mod problem;
 mod progress;
 mod report;
 mod schema;

@@ -7,6 +7,7 @@ use schemars::schema_for;
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
 use synth::model::ModelFile;
+use synth::problem::{ProblemDesignFile, ProblemFile};
 
 use super::{print, CliError};
 use crate::harness::scenario::ScenarioFile;
@@ -29,6 +30,10 @@ enum KindArg {
     Scenario,
     /// What feasibility writes when no design exists
     Infeasibility,
+    /// A design problem for a state feedback
+    Problem,
+    /// What synthesize writes for a problem
+    ProblemDesign,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -38,6 +43,8 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
         KindArg::Design => schema_for!(DesignFile),
         KindArg::Scenario => schema_for!(ScenarioFile),
         KindArg::Infeasibility => schema_for!(InfeasibilityFile),
+        KindArg::Problem => schema_for!(ProblemFile),
+        KindArg::ProblemDesign => schema_for!(ProblemDesignFile),
     };
     // A schema is a JSON value already.
     print(&serde_json::to_string_pretty(&schema).unwrap_or_default());

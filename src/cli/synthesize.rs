@@ -6,32 +6,48 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use serde_json::{json, Value};
 use synth::certify::Verdict;
+use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision};
-use synth::model::Model;
+use synth::model::{kind_of, Kind, Model};
 use synth::solve::{Clarabel, Padding, SolveError};
 use synth::synthesis::{self, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
 use super::verify::{certified_angle_deg, describe, exit_code};
-use super::{feasibility, files, print, CliError, EXIT_NO, EXIT_SOLVER};
+use super::{feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]
 pub struct SynthesizeArgs {
-    /// Model file
-    model: PathBuf,
+    /// Model or problem file
+    pub(super) model: PathBuf,
     /// Design file to write
     #[arg(short, long)]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// What to optimise, in place of the model's own objective
     #[arg(long)]
     objective: Option<ObjectiveArg>,
-    /// Form of the decrease condition
-    #[arg(long, default_value = "reduced")]
-    form: FormArg,
+    /// Form of the decrease condition; reduced when left out
+    #[arg(long)]
+    form: Option<FormArg>,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
+}
+
+impl SynthesizeArgs {
+    fn form(&self) -> FormArg {
+        self.form.unwrap_or(FormArg::Reduced)
+    }
+
+    /// An option given that says nothing about a problem file.
+    pub(super) fn option_without_use(&self) -> Option<&'static str> {
+        match (self.form, self.objective) {
+            (Some(_), _) => Some("--form"),
+            (None, Some(_)) => Some("--objective"),
+            (None, None) => None,
+        }
+    }
 }
 
 /// What to optimise.
@@ -61,7 +77,11 @@ impl From<FormArg> for synthesis::Form {
 
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
-    let (text, mut model) = files::model(&args.model)?;
+    let text = files::text(&args.model)?;
+    if kind_of(&text) == Some(Kind::Problem) {
+        return problem::synthesize(args, &text);
+    }
+    let mut model = files::model_of(&args.model, &text)?;
     if let Some(ObjectiveArg::Gain) = args.objective {
         model.file.specs.objective = synth::model::Objective::Gain;
     }
@@ -85,13 +105,13 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
     // Padding makes the full form faster but costs it digits, and it is there for comparison.
-    let backend = match args.form {
+    let backend = match args.form() {
         FormArg::Reduced => Clarabel::default(),
         FormArg::Full => Clarabel {
             padding: Padding::None,
         },
     };
-    let found = synthesis::synthesize(model, text, args.form.into(), &backend, observer);
+    let found = synthesis::synthesize(model, text, args.form().into(), &backend, observer);
     found.map_err(|error| solver_problem(&args.model, error))
 }
 
@@ -117,7 +137,7 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
     if let Some(path) = kept {
         files::write(path, &design.file.to_json())?;
         // What counts is what a reader of the file gets.
-        let (file, model) = files::design(path)?;
+        let (file, model) = files::design_of(path, &files::text(path)?)?;
         report = file
             .verify(&model)
             .map_err(|problem| CliError::value(path, problem))?;
@@ -151,10 +171,7 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
         design.file.name
     ));
     for run in &design.file.provenance.solver_runs {
-        print(&format!(
-            "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
-            run.solver, run.goal, run.vertices, run.status, run.iterations, run.seconds
-        ));
+        print(&describe_run(run));
     }
     print(&format!("gamma: {:.6}", part.gamma));
     print(&format!(
@@ -189,7 +206,7 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, decision: &Decision, statu
                 "gamma": null,
                 "guaranteed_gain": null,
                 "xi": null,
-                "form": synthesis::Form::from(args.form).name(),
+                "form": synthesis::Form::from(args.form()).name(),
                 "vertices": model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
@@ -212,7 +229,14 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, decision: &Decision, statu
     for line in feasibility::blocking_lines(&decision.blocking) {
         print(&line);
     }
-    print("nothing written");
+}
+
+/// A solver's run in words.
+pub(super) fn describe_run(run: &SolverRun) -> String {
+    format!(
+        "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
+        run.solver, run.goal, run.vertices, run.status, run.iterations, run.seconds
+    )
 }
 
 fn headline(model: &Path, decision: &Decision, status: &str) -> String {

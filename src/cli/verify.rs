@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
-use synth::model::{kind_of, read_text, Kind};
+use synth::model::{kind_of, Kind};
 
-use super::{feasibility, files, print, CliError, EXIT_NO};
+use super::{feasibility, files, print, problem, CliError, EXIT_NO};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -21,15 +21,16 @@ pub struct VerifyArgs {
 
 /// Proves a design, or that none exists, from a file alone. 0: proved; 2: not proved.
 pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
-    let text = read_text(&args.file).map_err(|problem| CliError::file(&args.file, problem))?;
+    let text = files::text(&args.file)?;
     match kind_of(&text) {
-        Some(Kind::Infeasibility) => feasibility::verify(&args.file, args.json),
-        _ => design(args),
+        Some(Kind::Infeasibility) => feasibility::verify(&args.file, &text, args.json),
+        Some(Kind::ProblemDesign) => problem::verify(&args.file, &text, args.json),
+        _ => design(args, &text),
     }
 }
 
-fn design(args: &VerifyArgs) -> Result<ExitCode, CliError> {
-    let (design, model) = files::design(&args.file)?;
+fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
+    let (design, model) = files::design_of(&args.file, text)?;
     let report = design
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;

@@ -4,6 +4,7 @@ mod active;
 mod assemble;
 mod run;
 mod search;
+mod solver;
 mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
@@ -13,4 +14,5 @@ pub use run::{
 
 pub(crate) use run::{containment_weights, STATE_UNITS};
 pub(crate) use search::Search;
+pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, Sought};
 pub(crate) use subject::Subject;

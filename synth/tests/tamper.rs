@@ -3,24 +3,21 @@
 
 #[path = "support/exact.rs"]
 mod exact;
+#[path = "support/tampering.rs"]
+mod tampering;
 
 use std::sync::OnceLock;
 
-use exact::{is_positive_definite, Exact, Stream};
-use nalgebra::DMatrix;
+use exact::{Exact, Stream};
 use serde_json::Value;
 use synth::certify::interval::Interval;
-use synth::certify::matrix::Matrix;
-use synth::certify::theorem1::{for_each_condition, Certificate, Statement};
+use synth::certify::theorem1::{for_each_condition, Certificate};
 use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::model::Model;
 use synth::solve::Clarabel;
 use synth::synthesis::{synthesize, Form, Outcome};
-
-/// A true condition may be refused when its smallest eigenvalue, after scaling to a unit diagonal,
-/// is below this.
-const ROOM: f64 = 1e-9;
+use tampering::*;
 
 fn synthesized(text: &str) -> Value {
     let model = Model::from_json(text).expect("a valid model");
@@ -41,92 +38,6 @@ fn xu2020() -> &'static Value {
     static DESIGN: OnceLock<Value> = OnceLock::new();
     DESIGN.get_or_init(|| synthesized(include_str!("../../models/xu2020.json")))
 }
-
-/// Paths (JSON pointers) of all numbers below a value.
-fn numbers(value: &Value, path: &str, out: &mut Vec<String>) {
-    match value {
-        Value::Number(_) => out.push(path.to_string()),
-        Value::Array(items) => {
-            for (index, item) in items.iter().enumerate() {
-                numbers(item, &format!("{path}/{index}"), out);
-            }
-        }
-        Value::Object(entries) => {
-            for (key, item) in entries {
-                numbers(item, &format!("{path}/{key}"), out);
-            }
-        }
-        _ => {}
-    }
-}
-
-/// Every number of the parts that a proof reads.
-fn numbers_of_proof(design: &Value) -> Vec<String> {
-    let mut out = Vec::new();
-    for part in ["model", "controller", "certificate"] {
-        numbers(&design[part], &format!("/{part}"), &mut out);
-    }
-    out
-}
-
-/// The entry that mirrors an entry of a symmetric matrix.
-fn mirrored(path: &str) -> Option<String> {
-    let symmetric = [
-        "trigger_weight",
-        "lyapunov",
-        "integral_weight",
-        "inertia_kg_m2",
-    ];
-    let mut parts: Vec<&str> = path.split('/').collect();
-    let last = parts.len() - 1;
-    if !symmetric.contains(parts.get(last.checked_sub(2)?)?) || parts[last] == parts[last - 1] {
-        return None;
-    }
-    parts.swap(last, last - 1);
-    Some(parts.join("/"))
-}
-
-/// One changed number, or two that mirror each other.
-struct Change {
-    paths: Vec<String>,
-    value: f64,
-}
-
-impl Change {
-    fn text(&self, design: &Value) -> String {
-        let mut changed = design.clone();
-        for path in &self.paths {
-            *changed.pointer_mut(path).expect("a path of the design") = Value::from(self.value);
-        }
-        changed.to_string()
-    }
-}
-
-/// The changes `by` of every number; of a symmetric matrix one-sided and mirrored ones.
-fn changes(design: &Value, by: &[fn(f64) -> f64]) -> Vec<Change> {
-    let mut out = Vec::new();
-    for path in numbers_of_proof(design) {
-        let before = design
-            .pointer(&path)
-            .and_then(Value::as_f64)
-            .expect("a number");
-        for change in by {
-            let value = change(before);
-            if value == before {
-                continue;
-            }
-            let mut sets = vec![vec![path.clone()]];
-            if let Some(other) = mirrored(&path).filter(|other| path < *other) {
-                sets.push(vec![path.clone(), other]);
-            }
-            out.extend(sets.into_iter().map(|paths| Change { paths, value }));
-        }
-    }
-    out
-}
-
-const TEN_PERCENT: [fn(f64) -> f64; 2] = [|x| x * 1.1, |x| x * 0.9];
-const GROSS: [fn(f64) -> f64; 3] = [|_| 0.0, |x| -x, |_| 1e30];
 
 enum Answer {
     /// The file is refused with this reason.
@@ -165,16 +76,6 @@ fn answer(text: &str) -> Answer {
     }))
 }
 
-fn exactly_positive_definite(matrix: &Matrix<Exact>) -> bool {
-    let row = |r: usize| {
-        (0..matrix.ncols())
-            .map(|c| matrix.at(r, c).clone())
-            .collect()
-    };
-    let rows: Vec<Vec<Exact>> = (0..matrix.nrows()).map(row).collect();
-    is_positive_definite(&rows)
-}
-
 /// The truth about the conditions that `chosen` picks by their place in the report, by place.
 fn truth(checked: &Checked, chosen: impl Fn(usize) -> bool) -> Vec<(usize, bool)> {
     let mut out = Vec::new();
@@ -196,20 +97,11 @@ fn room(checked: &Checked, place: usize) -> f64 {
     let mut at = 0;
     for_each_condition::<Interval>(&checked.model, &checked.certificate, |statement| {
         if at == place {
-            out = scaled_smallest_eigenvalue(&statement);
+            out = scaled_smallest_eigenvalue(&statement.matrix);
         }
         at += 1;
     });
     out
-}
-
-fn scaled_smallest_eigenvalue(statement: &Statement<Interval>) -> f64 {
-    let matrix = &statement.matrix;
-    let middle = |r: usize, c: usize| matrix.at(r, c).midpoint();
-    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| {
-        middle(r, c) / (middle(r, r) * middle(c, c)).sqrt()
-    });
-    scaled.symmetric_eigenvalues().min()
 }
 
 #[derive(Default, Debug)]

@@ -92,6 +92,17 @@ pub fn all_shipped() -> Vec<PathBuf> {
     names.iter().map(|name| shipped(name)).collect()
 }
 
+/// The kind of a shipped file.
+pub fn kind(file: &Value) -> &'static str {
+    if file.get("duration_s").is_some() {
+        "scenario"
+    } else if file.get("problem").is_some() {
+        "problem"
+    } else {
+        "model"
+    }
+}
+
 /// An empty folder that goes away with the test.
 pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")

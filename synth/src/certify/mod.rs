@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use crate::model::{Model, Plant};
 use definite::{prove_positive_definite, IntervalMatrix};
 use interval::Interval;
-use theorem1::{for_each_condition, Certificate, Statement};
+use matrix::Matrix;
+use theorem1::{for_each_condition, Certificate};
 
 /// The answer of the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -62,27 +63,35 @@ impl Report {
 
 /// Checks every condition of Theorem 1 for the given numbers.
 pub fn check(model: &Model, certificate: &Certificate) -> Report {
+    judge_all(not_covered(model), |check| {
+        for_each_condition::<Interval>(model, certificate, |statement| {
+            check(statement.name, statement.matrix);
+        });
+    })
+}
+
+/// Judges every statement that `tell` makes: a name and a matrix that must be positive definite.
+pub fn judge_all(
+    not_covered: Vec<String>,
+    tell: impl FnOnce(&mut dyn FnMut(String, Matrix<Interval>)),
+) -> Report {
     let mut conditions = Vec::new();
     let mut verdict = Verdict::Proved;
-    for_each_condition::<Interval>(model, certificate, |statement| {
-        let (proved, margin) = judge(&statement);
+    tell(&mut |name, matrix| {
+        let (proved, margin) = judge(&matrix);
         if !proved {
             verdict = Verdict::NotProved;
         }
-        conditions.push(ConditionMargin {
-            name: statement.name,
-            margin,
-        });
+        conditions.push(ConditionMargin { name, margin });
     });
     Report {
         verdict,
         conditions,
-        not_covered: not_covered(model),
+        not_covered,
     }
 }
 
-fn judge(statement: &Statement<Interval>) -> (bool, f64) {
-    let matrix = &statement.matrix;
+fn judge(matrix: &Matrix<Interval>) -> (bool, f64) {
     let symmetric = IntervalMatrix::from_upper(matrix.nrows(), |r, c| *matrix.at(r, c));
     match prove_positive_definite(&symmetric) {
         Ok(margin) => (true, margin.proved),

@@ -1,5 +1,9 @@
 //! The published conditions, one file each, as named matrix inequalities.
 
+pub mod h_infinity;
+pub mod quadratic_stabilisation;
+pub mod saturated_region;
+pub mod state_feedback;
 pub mod xu2020;
 
 use nalgebra::DVector;

@@ -242,7 +242,8 @@ impl VerdictFile {
     }
 }
 
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+/// A matrix as a file holds it: a list of rows.
+pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let row = |r: usize| matrix.row(r).iter().copied().collect();
     (0..matrix.nrows()).map(row).collect()
 }

@@ -3,6 +3,7 @@
 mod file;
 mod recover;
 
+pub(crate) use file::rows;
 pub use file::{
     CertificateFile, ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, VerdictFile,
     DESIGN_SCHEMA_VERSION,

@@ -1,20 +1,18 @@
 //! One solve, one proof.
 
-use std::collections::BTreeMap;
-
 use super::candidate::Source;
 use super::centre::centred;
 use super::file::{InfeasibilityFile, WeightsFile};
 use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
 use crate::design::{recover, ProblemUnits, SolverRun};
-use crate::lmi::{svec_index, Affine};
+use crate::lmi::Affine;
 use crate::model::Model;
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status};
 use crate::synthesis::{
-    containment_weights, scaled_task, Assembled, Form, Goal, Search, Subject, SynthesisError,
-    Synthesized, STATE_UNITS,
+    blocking, containment_weights, scaled_task, Assembled, Form, Goal, Search, Subject,
+    SynthesisError, Synthesized, STATE_UNITS,
 };
 
 /// A proved no.
@@ -165,7 +163,7 @@ fn attempt(
         let smaller = out.slack.map_or(true, |slack| solution.objective < slack);
         if smaller {
             out.slack = Some(solution.objective);
-            out.blocking = blocking(&assembled, &solution);
+            out.blocking = blocking(&assembled.problem.conditions, &solution);
         }
     }
     if solution.objective < task.specification.margin {
@@ -243,29 +241,4 @@ fn point(
         Err(other) => return Err(other),
     };
     Ok((design.report.verdict == Verdict::Proved).then_some(design))
-}
-
-/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
-/// The cliques of a reduced condition (18) count together, at all its vertices.
-fn blocking(assembled: &Assembled, solution: &Solution) -> Vec<(String, f64)> {
-    let mut traces = BTreeMap::<String, f64>::new();
-    for (condition, dual) in assembled.problem.conditions.iter().zip(&solution.duals) {
-        let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
-        let trace: f64 = diagonal.sum();
-        let whole = match condition.name().split_once(" clique ") {
-            Some((whole, _)) => format!("{whole} all vertices"),
-            None => condition.name().to_string(),
-        };
-        if trace.is_finite() {
-            *traces.entry(whole).or_default() += trace;
-        }
-    }
-    let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
-    let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
-    shares
-        .iter_mut()
-        .for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
-    shares.retain(|(_, share)| *share >= 0.01);
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
-    shares
 }

@@ -13,6 +13,10 @@ pub enum Kind {
     Scenario,
     /// An infeasibility certificate.
     Infeasibility,
+    /// A problem file: a model file with a `problem` in place of `specs`.
+    Problem,
+    /// The design file of a problem.
+    ProblemDesign,
 }
 
 impl fmt::Display for Kind {
@@ -22,6 +26,8 @@ impl fmt::Display for Kind {
             Kind::Design => "design",
             Kind::Scenario => "scenario",
             Kind::Infeasibility => "infeasibility",
+            Kind::Problem => "problem",
+            Kind::ProblemDesign => "problem design",
         })
     }
 }

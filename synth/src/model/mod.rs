@@ -15,7 +15,9 @@ pub use read::{kind_of, parse, read_text, write_atomically, MAX_FILE_BYTES};
 pub use validate::Model;
 
 pub use validate::{
-    check_matrix, check_positive, check_positive_definite, check_symmetric, finite,
+    check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
+    check_positive_definite, check_state_matrices, check_symmetric, finite, MAX_BOUNDS,
+    MAX_COLUMNS,
 };
 
 use crate::fuzzy::{ExactSpacecraft, TakagiSugeno, VertexSystem};

@@ -120,12 +120,18 @@ pub fn parse<T: DeserializeOwned + Serialize>(text: &str, expected: Kind) -> Res
 pub fn kind_of(text: &str) -> Option<Kind> {
     let value: serde_json::Value = serde_json::from_str(text).ok()?;
     let keys = value.as_object()?;
+    let asks = |value: &serde_json::Value| value.get("problem").is_some();
     if keys.contains_key("infeasibility") {
         Some(Kind::Infeasibility)
     } else if keys.contains_key("certificate") {
-        Some(Kind::Design)
+        match keys.get("model").is_some_and(asks) {
+            true => Some(Kind::ProblemDesign),
+            false => Some(Kind::Design),
+        }
     } else if keys.contains_key("duration_s") {
         Some(Kind::Scenario)
+    } else if asks(&value) {
+        Some(Kind::Problem)
     } else if keys.contains_key("specs") {
         Some(Kind::Model)
     } else {

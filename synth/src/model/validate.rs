@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::file::{ExactPlant, ModelFile, PlantFile, Specs, VerticesPlant, MODEL_SCHEMA_VERSION};
+use super::file::{
+    ExactPlant, LinearBound, ModelFile, PlantFile, Specs, VerticesPlant, MODEL_SCHEMA_VERSION,
+};
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{Specification, Task};
 use crate::fuzzy::{ExactSpacecraft, VertexSystem};
@@ -10,8 +12,8 @@ use crate::fuzzy::{ExactSpacecraft, VertexSystem};
 /// Limits that keep a mistyped file from filling the memory.
 const MAX_STATES: usize = 24;
 const MAX_VERTICES: usize = 4096;
-const MAX_COLUMNS: usize = 24;
-const MAX_BOUNDS: usize = 256;
+pub const MAX_COLUMNS: usize = 24;
+pub const MAX_BOUNDS: usize = 256;
 
 /// A checked model.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,18 +99,20 @@ pub fn finite(field: &str, value: f64) -> Result<(), ModelError> {
     require(ok, field, value, allowed)
 }
 
+/// Refuses numbers that are not above 0, and those that [`finite`] refuses.
 pub fn check_positive(field: &str, value: f64) -> Result<(), ModelError> {
     require(value > 0.0, field, value, "above 0")?;
     finite(field, value)
 }
 
-fn check_not_negative(field: &str, value: f64) -> Result<(), ModelError> {
+/// Refuses numbers below 0, and those that [`finite`] refuses.
+pub fn check_not_negative(field: &str, value: f64) -> Result<(), ModelError> {
     require(value >= 0.0, field, value, "0 or above")?;
     finite(field, value)
 }
 
 /// Refuses what would break the lines of a report.
-fn check_line(field: &str, text: &str) -> Result<(), ModelError> {
+pub fn check_line(field: &str, text: &str) -> Result<(), ModelError> {
     match text.chars().position(char::is_control) {
         Some(position) => Err(ModelError::ControlCharacter {
             field: field.to_string(),
@@ -119,7 +123,8 @@ fn check_line(field: &str, text: &str) -> Result<(), ModelError> {
     }
 }
 
-fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Result<(), ModelError> {
+/// Refuses lists longer than the limit.
+pub fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Result<(), ModelError> {
     if count <= limit {
         return Ok(());
     }
@@ -222,9 +227,10 @@ fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, Mode
     Ok(Matrix3::from_fn(|r, c| rows[r][c]))
 }
 
-fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
-    let count = file.state_matrices.len();
-    let states = file.state_matrices.first().map_or(0, Vec::len);
+/// The state matrices of a plant given by vertices: at least one, all square and of one size.
+pub fn check_state_matrices(matrices: &[Vec<Vec<f64>>]) -> Result<Vec<DMatrix<f64>>, ModelError> {
+    let count = matrices.len();
+    let states = matrices.first().map_or(0, Vec::len);
     let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
         field: format!("plant.vertices.{field}"),
         found,
@@ -247,10 +253,20 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
         ));
     }
     let square = (Some(states), Some(states));
-    let state_matrices = file.state_matrices.iter().enumerate().map(|(i, rows)| {
+    let checked = matrices.iter().enumerate().map(|(i, rows)| {
         check_matrix(&format!("plant.vertices.state_matrices[{i}]"), rows, square)
     });
-    let state_matrices = state_matrices.collect::<Result<Vec<_>, _>>()?;
+    checked.collect()
+}
+
+fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
+    let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
+        field: format!("plant.vertices.{field}"),
+        found,
+        expected,
+    };
+    let state_matrices = check_state_matrices(&file.state_matrices)?;
+    let states = file.state_matrices[0].len();
     let tall = (Some(states), None);
     let input = check_matrix("plant.vertices.input_matrix", &file.input_matrix, tall)?;
     let disturbance = match &file.disturbance_matrix {
@@ -285,7 +301,7 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
         check_positive(&format!("plant.vertices.input_limit[{i}]"), limit)?;
     }
     check_not_negative("plant.vertices.disturbance_bound", file.disturbance_bound)?;
-    let (box_rows, box_bounds) = linear_bounds(file, states)?;
+    let (box_rows, box_bounds) = check_bounds("plant.vertices.box", &file.region, states)?;
     Ok(VertexSystem {
         state_matrices,
         input_matrix: input,
@@ -298,16 +314,18 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
     })
 }
 
-fn linear_bounds(
-    file: &VerticesPlant,
+/// The rows and bounds of a box, under the name of their field.
+pub fn check_bounds(
+    field: &str,
+    region: &[LinearBound],
     states: usize,
 ) -> Result<(DMatrix<f64>, DVector<f64>), ModelError> {
-    let count = file.region.len();
-    check_count("plant.vertices.box", "bounds", count, MAX_BOUNDS)?;
+    let count = region.len();
+    check_count(field, "bounds", count, MAX_BOUNDS)?;
     let mut rows = DMatrix::zeros(count, states);
     let mut bounds = DVector::zeros(count);
-    for (i, bound) in file.region.iter().enumerate() {
-        let field = format!("plant.vertices.box[{i}]");
+    for (i, bound) in region.iter().enumerate() {
+        let field = format!("{field}[{i}]");
         let row = std::slice::from_ref(&bound.row);
         let row = check_matrix(&format!("{field}.row"), row, (Some(1), Some(states)))?;
         check_positive(&format!("{field}.bound"), bound.bound)?;

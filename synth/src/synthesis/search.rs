@@ -1,11 +1,8 @@
 //! Runs of a solver for one model.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
-use std::time::Instant;
-
 use super::active::{self, MANY_VERTICES};
-use super::run::{Cancelled, SynthesisError};
+use super::run::SynthesisError;
+use super::solver::{run_solver, Sought};
 use super::{assemble_at, Assembled, Form, Goal};
 use crate::conditions::Task;
 use crate::design::SolverRun;
@@ -80,41 +77,14 @@ impl<'a> Search<'a> {
         chosen: &[usize],
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let assembled = assemble_at(task, self.form, goal, chosen);
-        let cancelled = Arc::new(AtomicBool::new(false));
-        let observer = self.observer.clone().map(|observer| -> Observer {
-            let cancelled = Arc::clone(&cancelled);
-            Arc::new(move |progress| {
-                let go_on = observer(progress);
-                if !go_on {
-                    cancelled.store(true, Ordering::Relaxed);
-                }
-                go_on
-            })
-        });
-        let start = Instant::now();
-        let solution =
-            self.backend
-                .solve(&assembled.problem.lower(), goal.accuracy(task), observer)?;
-        if cancelled.load(Ordering::Relaxed) {
-            return Err(Cancelled.into());
-        }
-        self.runs.push(SolverRun {
-            goal: goal.name().to_string(),
+        let sought = Sought {
+            goal: goal.name(),
             vertices: chosen.len(),
-            solver: self.backend.name(),
-            status: solution.status_text.clone(),
-            objective: finite_or_zero(solution.objective),
-            iterations: solution.iterations,
-            seconds: start.elapsed().as_secs_f64(),
-        });
+            accuracy: goal.accuracy(task),
+        };
+        let observer = self.observer.as_ref();
+        let (solution, run) = run_solver(self.backend, &assembled.problem, &sought, observer)?;
+        self.runs.push(run);
         Ok((assembled, solution))
-    }
-}
-
-fn finite_or_zero(value: f64) -> f64 {
-    if value.is_finite() {
-        value
-    } else {
-        0.0
     }
 }

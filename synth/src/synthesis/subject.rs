@@ -1,9 +1,6 @@
 //! What is designed for, and the files that say so.
 
-use sha2::{Digest, Sha256};
-use time::format_description::well_known::Rfc3339;
-use time::OffsetDateTime;
-
+use super::solver::{generator, now, sha256_of};
 use super::{Form, SynthesisError, Synthesized};
 use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
@@ -52,19 +49,13 @@ impl Subject<'_> {
 
     /// Who made a file from which model and when.
     pub fn provenance(&self, problem: ProblemUnits) -> Provenance {
-        let now = OffsetDateTime::now_utc().replace_nanosecond(0);
-        let date = now.ok().and_then(|now| now.format(&Rfc3339).ok());
         Provenance {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
-            model_sha256: hex(&Sha256::digest(self.model_text.as_bytes())),
-            date: date.unwrap_or_default(),
+            generator: generator(),
+            model_sha256: sha256_of(self.model_text),
+            date: now(),
             form: self.form.name().to_string(),
             problem,
             solver_runs: Vec::new(),
         }
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

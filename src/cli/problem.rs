@@ -1,0 +1,188 @@
+//! What `synthesize` and `verify` do for problem files and their designs.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use serde_json::{json, Value};
+use synth::certify::{Report, Verdict};
+use synth::design::SolverRun;
+use synth::problem::{
+    self, Failure, Problem, ProblemDesignFile, ProblemOutcome, ProblemSynthesized,
+};
+use synth::solve::{Clarabel, SolveError};
+use synth::synthesis::SynthesisError;
+
+use super::progress::SolverProgress;
+use super::synthesize::{describe_run, SynthesizeArgs};
+use super::verify::{describe, exit_code};
+use super::{feasibility, files, print, CliError, EXIT_NO, EXIT_SOLVER};
+
+/// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
+pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<ExitCode, CliError> {
+    let problem = files::problem_of(&args.model, text)?;
+    if let Some(option) = args.option_without_use() {
+        let reason = format!(
+            "this is a problem file ({}), for which {option} has no meaning",
+            problem.task.name()
+        );
+        return Err(CliError::unsuitable(&args.model, reason));
+    }
+    if let Some(output) = &args.output {
+        files::check_output(output, &args.model)?;
+    }
+    match solve(args, &problem, text)? {
+        ProblemOutcome::Solved(design) => finish(args, &problem, *design),
+        ProblemOutcome::Infeasible(failure) => {
+            tell_failure(args, &problem, &failure, "infeasible");
+            Ok(ExitCode::from(EXIT_NO))
+        }
+        ProblemOutcome::SolverFailed(failure) => {
+            tell_failure(args, &problem, &failure, "failed");
+            Ok(ExitCode::from(EXIT_SOLVER))
+        }
+    }
+}
+
+fn solve(args: &SynthesizeArgs, problem: &Problem, text: &str) -> Result<ProblemOutcome, CliError> {
+    let progress = SolverProgress::start("assembling the conditions");
+    let observer = Some(progress.observer());
+    match problem::synthesize(problem, text, &Clarabel::default(), observer) {
+        Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
+        // The numbers overflow on the way from the file to the solver.
+        Err(SynthesisError::Solve(fault @ SolveError::NotFinite { .. })) => {
+            let reason = format!("{fault}; the file's numbers are too far apart");
+            Err(CliError::unsuitable(&args.model, reason))
+        }
+        other => Ok(other?),
+    }
+}
+
+fn finish(
+    args: &SynthesizeArgs,
+    problem: &Problem,
+    design: ProblemSynthesized,
+) -> Result<ExitCode, CliError> {
+    let mut report = design.report.clone();
+    let kept = args
+        .output
+        .as_ref()
+        .filter(|_| report.verdict == Verdict::Proved);
+    if let Some(path) = kept {
+        files::write(path, &design.file.to_json())?;
+        // What counts is what a reader of the file gets.
+        let (file, problem) = files::problem_design_of(path, &files::text(path)?)?;
+        report = checked(path, &file, &problem)?;
+    }
+    let runs = &design.file.provenance.solver_runs;
+    if args.json {
+        let mut out = answer(problem, &design.file, &report);
+        out["status"] = json!("solved");
+        out["solve_seconds"] = json!(design.solve_seconds);
+        out["solver_runs"] = json!(runs);
+        print(&out.to_string());
+        return Ok(exit_code(report.verdict));
+    }
+    print(&headline(problem));
+    runs.iter().for_each(|run| print(&describe_run(run)));
+    print(&guarantee(problem, &design.file));
+    print(&describe(&report));
+    match (kept, report.verdict) {
+        (Some(path), _) => print(&format!("written: {}", path.display())),
+        (None, Verdict::NotProved) => print("nothing written"),
+        (None, Verdict::Proved) => print("nothing written; give -o DESIGN.json to keep the design"),
+    }
+    Ok(exit_code(report.verdict))
+}
+
+/// Proves a problem's design from its file alone. 0: proved; 2: not proved.
+pub fn verify(path: &Path, text: &str, as_json: bool) -> Result<ExitCode, CliError> {
+    let (design, problem) = files::problem_design_of(path, text)?;
+    let report = checked(path, &design, &problem)?;
+    if as_json {
+        print(&answer(&problem, &design, &report).to_string());
+    } else {
+        print(&format!("design: {} ({})", design.name, path.display()));
+        print(&describe(&report));
+        print(&guarantee(&problem, &design));
+    }
+    Ok(exit_code(report.verdict))
+}
+
+fn checked(path: &Path, file: &ProblemDesignFile, problem: &Problem) -> Result<Report, CliError> {
+    file.verify(problem)
+        .map_err(|fault| CliError::value(path, fault))
+}
+
+fn headline(problem: &Problem) -> String {
+    let what = match problem.plant.gain {
+        Some(_) => "analysis of a given feedback",
+        None => "state feedback",
+    };
+    format!(
+        "problem: {}, {} ({what}, {} vertices)",
+        problem.file.name,
+        problem.task.name(),
+        problem.plant.vertices.len()
+    )
+}
+
+fn guarantee(problem: &Problem, design: &ProblemDesignFile) -> String {
+    format!(
+        "guarantee: {:.6} ({})",
+        design.certificate.guarantee,
+        problem.task.guarantee()
+    )
+}
+
+fn answer(problem: &Problem, design: &ProblemDesignFile, report: &Report) -> Value {
+    json!({
+        "problem": problem.task.name(),
+        "verdict": report.verdict,
+        "guarantee": design.certificate.guarantee,
+        "guarantee_meaning": problem.task.guarantee(),
+        "gain": design.controller.gain,
+        "vertices": problem.plant.vertices.len(),
+        "worst": report.worst(),
+        "conditions": report.conditions,
+        "not_covered": report.not_covered,
+    })
+}
+
+fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &Failure, status: &str) {
+    let runs: &[SolverRun] = &failure.runs;
+    if args.json {
+        let share = |(name, share): &(String, f64)| json!({ "name": name, "share": share });
+        let blocking: Vec<Value> = failure.blocking.iter().map(share).collect();
+        print(
+            &json!({
+                "problem": problem.task.name(),
+                "status": status,
+                "verdict": "not_proved",
+                "guarantee": null,
+                "guarantee_meaning": problem.task.guarantee(),
+                "gain": null,
+                "vertices": problem.plant.vertices.len(),
+                "conditions": [],
+                "slack": failure.slack,
+                "blocking": blocking,
+                "solve_seconds": failure.solve_seconds,
+                "solver_runs": runs,
+            })
+            .to_string(),
+        );
+        return;
+    }
+    print(&headline(problem));
+    runs.iter().for_each(|run| print(&describe_run(run)));
+    print(match status {
+        "infeasible" => "no feedback satisfies the conditions, says the solver (not proved)",
+        _ => "the solver failed numerically",
+    });
+    match feasibility::slack_line(failure.slack) {
+        Some(line) => print(&line),
+        None => print("the smallest slack could not be computed either"),
+    }
+    let blocking = feasibility::blocking_lines(&failure.blocking);
+    blocking.iter().for_each(|line| print(line));
+    print("nothing written");
+}

@@ -1,0 +1,136 @@
+//! H-infinity state feedback: the smallest L2 gain from a disturbance to an output.
+//!
+//! The bounded real lemma with Q = P^-1, Y = F Q: P. Gahinet, P. Apkarian, "A linear matrix inequality
+//! approach to H-infinity control", Int. J. Robust and Nonlinear Control 4 (1994) 421-448; Boyd et al.,
+//! "Linear Matrix Inequalities in System and Control Theory", SIAM 1994, section 7.5.
+
+use nalgebra::DMatrix;
+
+use super::state_feedback::{
+    power_of_two, DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant,
+};
+use super::xu2020::Strictness;
+use crate::certify::matrix::{self, Matrix};
+use crate::certify::scalar::Scalar;
+use crate::lmi::{Affine, Condition, SymmetricBlocks};
+
+/// `x' = A(t) x + B u + B_w w`, `z = C x + D u + D_w w`: the L2 norm of z is below gamma times that of w,
+/// from rest, for every A(t) in the hull.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HInfinity {
+    /// B_w, n x d.
+    pub disturbance: DMatrix<f64>,
+    /// C, p x n.
+    pub output: DMatrix<f64>,
+    /// D, p x m.
+    pub input_to_output: DMatrix<f64>,
+    /// D_w, p x d.
+    pub disturbance_to_output: DMatrix<f64>,
+}
+
+impl DesignProblem for HInfinity {
+    const NAME: &'static str = "h_infinity";
+    const GUARANTEE: &'static str = "gamma: |z| < gamma |w| in L2, from rest";
+
+    fn units(&self, plant: &VertexPlant) -> Units {
+        let units = Units::of(plant, 1.0);
+        Units {
+            disturbance: power_of_two(1.0 / (units.time * self.disturbance.norm())),
+            output: power_of_two(self.output.norm()),
+            ..units
+        }
+    }
+
+    fn in_units(&self, units: &Units) -> Self {
+        let inputs = DMatrix::from_diagonal(&units.input);
+        let disturbance = units.disturbance;
+        HInfinity {
+            disturbance: &self.disturbance * (units.time * disturbance / units.state),
+            output: &self.output * (units.state / units.output),
+            input_to_output: &self.input_to_output * inputs / units.output,
+            disturbance_to_output: &self.disturbance_to_output * (disturbance / units.output),
+        }
+    }
+
+    /// `Q > 0` and
+    ///
+    /// ```text
+    /// [ A_i Q + Q A_i' + B Y + Y'B',  B_w,       (C Q + D Y)' ]
+    /// [ *                             -gamma I,  D_w'         ]  <  0.
+    /// [ *                             *          -gamma I     ]
+    /// ```
+    fn conditions(
+        &self,
+        plant: &VertexPlant,
+        hatted: &Hatted,
+        strictness: &Strictness,
+    ) -> Vec<Condition> {
+        let (n, d, p) = (
+            plant.states(),
+            self.disturbance.ncols(),
+            self.output.nrows(),
+        );
+        let gamma = |side| {
+            hatted
+                .objective
+                .times_matrix(&DMatrix::identity(side, side))
+        };
+        let q = &hatted.inverse;
+        let output = &self.output * q + &self.input_to_output * &hatted.gain;
+        let mut out = vec![strictness.positive("inverse positive", q.clone())];
+        for (index, a) in plant.vertices.iter().enumerate() {
+            let mut lhs = SymmetricBlocks::new(&[n, d, p]);
+            lhs.add(0, 0, &hatted.decay(a, &plant.input, &hatted.gain, 0.0));
+            lhs.add(0, 1, &Affine::constant(&self.disturbance));
+            lhs.add(0, 2, &output.transposed());
+            lhs.add(1, 1, &-gamma(d));
+            lhs.add(
+                1,
+                2,
+                &Affine::constant(&self.disturbance_to_output.transpose()),
+            );
+            lhs.add(2, 2, &-gamma(p));
+            let name = format!("bounded real vertex {}", index + 1);
+            out.push(strictness.positive(name, -lhs.finish()));
+        }
+        out
+    }
+
+    /// In other units dV/dt <= gamma |w|^2 - |z|^2 / gamma holds for another multiple of V.
+    fn claim(&self, found: &mut StateFeedback, objective: f64, units: &Units) {
+        found.lyapunov *= units.time * units.disturbance * units.output;
+        found.guarantee = objective * (units.output / units.disturbance);
+    }
+
+    fn statements<S: Scalar>(&self, proof: &Proof<S>, tell: &mut dyn FnMut(String, Matrix<S>)) {
+        let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
+        let (n, d, p) = (
+            proof.lyapunov.nrows(),
+            self.disturbance.ncols(),
+            self.output.nrows(),
+        );
+        let feedthrough = exactly(&self.input_to_output).times(&proof.gain);
+        let output = exactly(&self.output).plus(&feedthrough);
+        let gamma = |side| Matrix::identity(side, proof.guarantee.clone());
+        tell("lyapunov positive".into(), proof.lyapunov.clone());
+        for (index, a) in proof.vertices.iter().enumerate() {
+            let mut out = matrix::SymmetricBlocks::new(&[n, d, p]);
+            let driven = proof.lyapunov.times(&exactly(&self.disturbance));
+            out.set(0, 0, &proof.decay(a, &proof.gain, &S::zero()));
+            out.set(0, 1, &driven.negated());
+            out.set(0, 2, &output.transposed().negated());
+            out.set(1, 1, &gamma(d));
+            let direct = exactly(&self.disturbance_to_output.transpose());
+            out.set(1, 2, &direct.negated());
+            out.set(2, 2, &gamma(p));
+            tell(format!("bounded real vertex {}", index + 1), out.finish());
+        }
+    }
+
+    fn assumptions(&self) -> Vec<String> {
+        vec![
+            "inputs without limits".to_string(),
+            "a disturbance of finite energy".to_string(),
+        ]
+    }
+}

@@ -1,0 +1,178 @@
+//! From a problem file to checked numbers.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::file::{
+    HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile, ReferenceFile,
+    SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
+};
+use super::DesignTask;
+use crate::conditions::h_infinity::HInfinity;
+use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
+use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SATURATED_INPUTS};
+use crate::conditions::state_feedback::VertexPlant;
+use crate::model::{
+    check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
+    check_positive_definite, check_state_matrices, parse, FileError, Kind, ModelError, MAX_BOUNDS,
+    MAX_COLUMNS,
+};
+
+/// A checked problem file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// The file it came from, unchanged.
+    pub file: ProblemFile,
+    /// The plant.
+    pub plant: VertexPlant,
+    /// What is asked.
+    pub task: DesignTask,
+}
+
+type Size = (Option<usize>, Option<usize>);
+
+impl Problem {
+    /// Reads and checks the text of a problem file.
+    pub fn from_json(text: &str) -> Result<Self, FileError> {
+        Ok(Problem::new(parse(text, Kind::Problem)?)?)
+    }
+
+    /// Checks every value of a problem file.
+    pub fn new(file: ProblemFile) -> Result<Self, ModelError> {
+        if file.schema_version != PROBLEM_SCHEMA_VERSION {
+            return Err(ModelError::SchemaVersion {
+                found: file.schema_version,
+                expected: PROBLEM_SCHEMA_VERSION,
+            });
+        }
+        check_line("name", &file.name)?;
+        let ProblemPlantFile::Vertices(hull) = &file.plant;
+        let plant = check_plant(hull, file.gain.as_deref())?;
+        let task = match &file.problem {
+            ProblemKindFile::QuadraticStabilisation(asked) => {
+                let field = "problem.quadratic_stabilisation.decay_rate_per_s";
+                check_not_negative(field, asked.decay_rate_per_s)?;
+                DesignTask::QuadraticStabilisation(QuadraticStabilisation {
+                    decay_rate: asked.decay_rate_per_s,
+                })
+            }
+            ProblemKindFile::HInfinity(asked) => {
+                DesignTask::HInfinity(check_h_infinity(asked, &plant)?)
+            }
+            ProblemKindFile::SaturatedRegion(asked) => {
+                DesignTask::SaturatedRegion(check_region(asked, &plant)?)
+            }
+        };
+        Ok(Problem { file, plant, task })
+    }
+}
+
+fn check_plant(hull: &HullFile, gain: Option<&[Vec<f64>]>) -> Result<VertexPlant, ModelError> {
+    let vertices = check_state_matrices(&hull.state_matrices)?;
+    let states = vertices[0].nrows();
+    let field = "plant.vertices.input_matrix";
+    let input = check_matrix(field, &hull.input_matrix, (Some(states), None))?;
+    check_count(field, "columns", input.ncols(), MAX_COLUMNS)?;
+    let size = (Some(input.ncols()), Some(states));
+    let gain = gain
+        .map(|rows| check_matrix("gain", rows, size))
+        .transpose()?;
+    Ok(VertexPlant {
+        vertices,
+        input,
+        gain,
+    })
+}
+
+fn check_h_infinity(asked: &HInfinityFile, plant: &VertexPlant) -> Result<HInfinity, ModelError> {
+    let matrix = |key: &str, rows: &[Vec<f64>], size: Size| {
+        let field = format!("problem.h_infinity.{key}");
+        let matrix = check_matrix(&field, rows, size)?;
+        check_count(&field, "columns", matrix.ncols(), MAX_COLUMNS)?;
+        check_count(&field, "rows", matrix.nrows(), MAX_COLUMNS)?;
+        Ok::<_, ModelError>(matrix)
+    };
+    let (n, m) = (plant.states(), plant.inputs());
+    let disturbance = matrix(
+        "disturbance_matrix",
+        &asked.disturbance_matrix,
+        (Some(n), None),
+    )?;
+    let output = matrix("output_matrix", &asked.output_matrix, (None, Some(n)))?;
+    let (d, p) = (disturbance.ncols(), output.nrows());
+    let direct = |key: &str, rows: &Option<Vec<Vec<f64>>>, columns: usize| match rows {
+        Some(rows) => matrix(key, rows, (Some(p), Some(columns))),
+        None => Ok(DMatrix::zeros(p, columns)),
+    };
+    let from_input = &asked.input_to_output_matrix;
+    let from_disturbance = &asked.disturbance_to_output_matrix;
+    Ok(HInfinity {
+        input_to_output: direct("input_to_output_matrix", from_input, m)?,
+        disturbance_to_output: direct("disturbance_to_output_matrix", from_disturbance, d)?,
+        disturbance,
+        output,
+    })
+}
+
+fn check_region(
+    asked: &SaturatedRegionFile,
+    plant: &VertexPlant,
+) -> Result<SaturatedRegion, ModelError> {
+    let field = |key: &str| format!("problem.saturated_region.{key}");
+    let (n, m) = (plant.states(), plant.inputs());
+    check_count(
+        "plant.vertices.input_matrix",
+        "columns (for saturated_region)",
+        m,
+        MAX_SATURATED_INPUTS,
+    )?;
+    if asked.input_limit.len() != m {
+        return Err(ModelError::WrongShape {
+            field: field("input_limit"),
+            found: format!("{} entries", asked.input_limit.len()),
+            expected: format!("{m} entries, one for each input"),
+        });
+    }
+    for (s, &limit) in asked.input_limit.iter().enumerate() {
+        check_positive(&field(&format!("input_limit[{s}]")), limit)?;
+    }
+    check_not_negative(&field("decay_rate_per_s"), asked.decay_rate_per_s)?;
+    let reference = match &asked.reference {
+        None => ReferenceSet::Ellipsoid(DMatrix::identity(n, n)),
+        Some(ReferenceFile::Ellipsoid(rows)) => {
+            let field = field("reference.ellipsoid");
+            let weight = check_matrix(&field, rows, (Some(n), Some(n)))?;
+            check_positive_definite(&field, &weight)?;
+            ReferenceSet::Ellipsoid(weight)
+        }
+        Some(ReferenceFile::Points(points)) => check_points(&field("reference.points"), points, n)?,
+    };
+    let (rows, bounds) = check_bounds(&field("box"), &asked.region, n)?;
+    let region = bounds.iter().enumerate();
+    Ok(SaturatedRegion {
+        input_limit: DVector::from_column_slice(&asked.input_limit),
+        decay_rate: asked.decay_rate_per_s,
+        reference,
+        region: region
+            .map(|(i, &bound)| (rows.rows(i, 1).into_owned(), bound))
+            .collect(),
+    })
+}
+
+fn check_points(field: &str, points: &[Vec<f64>], n: usize) -> Result<ReferenceSet, ModelError> {
+    check_count(field, "points", points.len(), MAX_BOUNDS)?;
+    let matrix = check_matrix(field, points, (None, Some(n)))?;
+    if let Some(zero) = matrix
+        .row_iter()
+        .position(|row| row.iter().all(|&x| x == 0.0))
+    {
+        return Err(ModelError::OutOfRange {
+            field: format!("{field}[{zero}]"),
+            value: 0.0,
+            allowed: "a point with an entry that is not 0".to_string(),
+        });
+    }
+    let points = matrix
+        .row_iter()
+        .map(|row| DMatrix::from_column_slice(n, 1, &row.transpose().as_slice().to_vec()));
+    Ok(ReferenceSet::Points(points.collect()))
+}

@@ -1,0 +1,100 @@
+//! Design problems for a state feedback, from file to proof.
+//!
+//! The mathematics of each problem is one file of [`conditions`](crate::conditions), which implements
+//! [`DesignProblem`]. Here is what they share: the [problem file](ProblemFile), the solves, the
+//! [design file](ProblemDesignFile) and its check. A further problem is such a file, its keys in
+//! the problem file, and a line in [`DesignTask`].
+
+mod checked;
+mod design;
+mod file;
+mod run;
+
+pub use checked::Problem;
+pub use design::{FeedbackFile, ProblemDesignFile, ProblemProvenance, ProofFile};
+pub use file::{
+    HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile,
+    QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
+};
+pub use run::{first_program, synthesize, Failure, ProblemOutcome, ProblemSynthesized};
+
+use crate::certify::matrix::Matrix;
+use crate::certify::scalar::Scalar;
+use crate::conditions::h_infinity::HInfinity;
+use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
+use crate::conditions::saturated_region::SaturatedRegion;
+use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant};
+
+/// Every design problem.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DesignTask {
+    /// Quadratic stabilisation with a decay rate.
+    QuadraticStabilisation(QuadraticStabilisation),
+    /// H-infinity state feedback.
+    HInfinity(HInfinity),
+    /// Region of attraction under saturation.
+    SaturatedRegion(SaturatedRegion),
+}
+
+/// Evaluates an expression with the problem inside a [`DesignTask`].
+macro_rules! with_problem {
+    ($task:expr, $problem:ident => $value:expr) => {
+        match $task {
+            DesignTask::QuadraticStabilisation($problem) => $value,
+            DesignTask::HInfinity($problem) => $value,
+            DesignTask::SaturatedRegion($problem) => $value,
+        }
+    };
+}
+use with_problem;
+
+fn key<P: DesignProblem>(_: &P) -> &'static str {
+    P::NAME
+}
+
+fn guarantee<P: DesignProblem>(_: &P) -> &'static str {
+    P::GUARANTEE
+}
+
+fn auxiliary_gains<P: DesignProblem>(_: &P) -> &'static [&'static str] {
+    P::AUXILIARY_GAINS
+}
+
+impl DesignTask {
+    /// The problem's key in a file.
+    pub fn name(&self) -> &'static str {
+        with_problem!(self, problem => key(problem))
+    }
+
+    /// What the guaranteed number is.
+    pub fn guarantee(&self) -> &'static str {
+        with_problem!(self, problem => guarantee(problem))
+    }
+
+    /// Names of the auxiliary gains that a proof needs.
+    pub fn auxiliary_gains(&self) -> &'static [&'static str] {
+        with_problem!(self, problem => auxiliary_gains(problem))
+    }
+
+    /// Every condition of the proof of a feedback, one after the other.
+    pub fn for_each_condition<S: Scalar>(
+        &self,
+        plant: &VertexPlant,
+        found: &StateFeedback,
+        mut check: impl FnMut(String, Matrix<S>),
+    ) {
+        let proof = Proof::new(plant, found);
+        with_problem!(self, problem => problem.statements(&proof, &mut check));
+    }
+
+    /// What the proof assumes.
+    pub fn assumptions(&self) -> Vec<String> {
+        let mut out = vec![
+            "the state is measured without error".to_string(),
+            "a feedback that acts continuously and without delay".to_string(),
+            "a plant inside the convex hull of the vertex systems".to_string(),
+        ];
+        out.extend(with_problem!(self, problem => problem.assumptions()));
+        out
+    }
+}

@@ -1,0 +1,312 @@
+//! Two solves and a check, for any design problem.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+
+use super::checked::Problem;
+use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
+use super::{with_problem, DesignTask};
+use crate::certify::{Report, Verdict};
+use crate::conditions::state_feedback::{DesignProblem, Hatted, StateFeedback, Units, VertexPlant};
+use crate::conditions::xu2020::Strictness;
+use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
+use crate::lmi::{self, Affine, Semidefinite, Unknowns};
+use crate::solve::{Accuracy, Backend, Observer, Solution, Status};
+use crate::synthesis::{blocking, generator, now, run_solver, sha256_of, Sought, SynthesisError};
+
+/// Margin of every strict inequality in the first solve, in scaled units.
+const MARGIN: f64 = 1e-6;
+
+/// How far the exported design stays from the optimum, relative to it: the price of a margin. Tried one
+/// after the other until the design is proved.
+const ROOMS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+
+/// Unit of the margin that the second solve maximises.
+const MARGIN_UNIT: f64 = 1e-3;
+
+/// Margin that is asked for where the smallest slack is sought, in scaled units.
+const SLACK_MARGIN: f64 = 1e-2;
+
+/// Share of that margin which the smallest slack takes when the conditions cannot hold.
+const SLACK_SHARE: f64 = 0.5;
+
+/// A feedback and how it was found.
+#[derive(Debug, Clone)]
+pub struct ProblemSynthesized {
+    /// The file, with its verdict.
+    pub file: ProblemDesignFile,
+    /// The check of the file's numbers.
+    pub report: Report,
+    /// Time spent in solvers (s).
+    pub solve_seconds: f64,
+}
+
+/// What synthesis found.
+#[derive(Debug, Clone)]
+pub enum ProblemOutcome {
+    /// A feedback; its report says whether it is proved.
+    Solved(Box<ProblemSynthesized>),
+    /// The solver says that there is none.
+    Infeasible(Failure),
+    /// The solver gave up.
+    SolverFailed(Failure),
+}
+
+/// Why there is no proved feedback.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    /// The smallest slack with which all conditions hold, in scaled units, where the solver found
+    /// it; above 0 it says that the conditions cannot hold with their margin.
+    pub slack: Option<f64>,
+    /// The conditions with the largest share of the dual solution: those that block.
+    pub blocking: Vec<(String, f64)>,
+    /// Time spent in solvers (s).
+    pub solve_seconds: f64,
+    /// The solver's runs.
+    pub runs: Vec<SolverRun>,
+}
+
+/// Which optimum is sought.
+#[derive(Clone, Copy)]
+enum Goal {
+    SmallestObjective,
+    LargestMargin { objective: f64 },
+    SmallestSlack,
+}
+
+impl Goal {
+    fn name(self) -> &'static str {
+        match self {
+            Goal::SmallestObjective => "smallest objective",
+            Goal::LargestMargin { .. } => "largest margin",
+            Goal::SmallestSlack => "smallest slack",
+        }
+    }
+
+    fn accuracy(self) -> Accuracy {
+        let (relative_gap, objective_unit) = match self {
+            Goal::SmallestObjective => (1e-8, 1e-3),
+            Goal::LargestMargin { .. } => (1e-2, 1.0),
+            Goal::SmallestSlack => (1e-6, SLACK_MARGIN),
+        };
+        Accuracy {
+            relative_gap,
+            objective_unit,
+        }
+    }
+}
+
+/// A problem for a solver, with handles on its unknowns.
+struct Program {
+    problem: lmi::Problem,
+    hatted: Hatted,
+}
+
+/// States a problem in the units of `plant`.
+fn program<P: DesignProblem>(asked: &P, plant: &VertexPlant, goal: Goal) -> Program {
+    let mut unknowns = Unknowns::new();
+    let mut hatted = Hatted::new::<P>(&mut unknowns, plant);
+    let (strictness, objective) = match goal {
+        Goal::SmallestObjective => (Strictness::fixed(MARGIN), hatted.objective.clone()),
+        Goal::LargestMargin { objective } => {
+            let margin = unknowns.scalar("margin");
+            hatted.objective = Affine::identity(1, objective);
+            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        Goal::SmallestSlack => {
+            let slack = unknowns.scalar("slack");
+            let margin = Affine::identity(1, SLACK_MARGIN) - slack.clone();
+            (Strictness::unknown(margin), slack)
+        }
+    };
+    let conditions = asked.conditions(plant, &hatted, &strictness);
+    Program {
+        problem: lmi::Problem {
+            unknowns,
+            objective,
+            conditions,
+        },
+        hatted,
+    }
+}
+
+/// The first problem that is solved, lowered, in its scaled units.
+pub fn first_program(problem: &Problem) -> Semidefinite {
+    fn lowered<P: DesignProblem>(asked: &P, plant: &VertexPlant) -> Semidefinite {
+        let units = asked.units(plant);
+        let (asked, plant) = (asked.in_units(&units), plant.in_units(&units));
+        program(&asked, &plant, Goal::SmallestObjective)
+            .problem
+            .lower()
+    }
+    with_problem!(&problem.task, asked => lowered(asked, &problem.plant))
+}
+
+/// Undoes the hats: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is not possible.
+fn recover<P: DesignProblem>(
+    asked: &P,
+    plant: &VertexPlant,
+    units: &Units,
+    hatted: &Hatted,
+    solution: &Solution,
+    objective: f64,
+) -> Option<StateFeedback> {
+    let values = &solution.values;
+    let inverse = hatted.inverse.value(values).try_inverse()?;
+    let scaled = 0.5 * (&inverse + inverse.transpose());
+    let inputs = DMatrix::from_diagonal(&units.input);
+    let in_file_units = |gain: DMatrix<f64>| &inputs * gain / units.state;
+    let auxiliary = hatted.auxiliary.iter().zip(P::AUXILIARY_GAINS);
+    let mut found = StateFeedback {
+        gain: match &plant.gain {
+            Some(given) => given.clone(),
+            None => in_file_units(hatted.gain.value(values) * &scaled),
+        },
+        auxiliary: auxiliary
+            .map(|(z, name)| (name.to_string(), in_file_units(z.value(values) * &scaled)))
+            .collect::<BTreeMap<_, _>>(),
+        lyapunov: scaled / (units.state * units.state),
+        guarantee: f64::NAN,
+    };
+    asked.claim(&mut found, objective, units);
+    let finite = |matrix: &DMatrix<f64>| matrix.iter().all(|value| value.is_finite());
+    let usable = finite(&found.gain)
+        && finite(&found.lyapunov)
+        && found.auxiliary.values().all(finite)
+        && found.guarantee.is_finite()
+        && found.guarantee > 0.0;
+    usable.then_some(found)
+}
+
+struct Run<'a> {
+    problem: &'a Problem,
+    text: &'a str,
+    backend: &'a dyn Backend,
+    observer: Option<Observer>,
+    runs: Vec<SolverRun>,
+}
+
+/// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
+/// provenance). Only the check decides whether the feedback is proved.
+pub fn synthesize(
+    problem: &Problem,
+    text: &str,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<ProblemOutcome, SynthesisError> {
+    let mut run = Run {
+        problem,
+        text,
+        backend,
+        observer,
+        runs: Vec::new(),
+    };
+    with_problem!(&problem.task, asked => run.solve(asked))
+}
+
+fn usable(solution: &Solution) -> bool {
+    matches!(solution.status, Status::Solved | Status::Inaccurate)
+}
+
+impl Run<'_> {
+    fn solve<P: DesignProblem>(&mut self, asked: &P) -> Result<ProblemOutcome, SynthesisError> {
+        let units = asked.units(&self.problem.plant);
+        let scaled = asked.in_units(&units);
+        let plant = self.problem.plant.in_units(&units);
+        let (_, smallest) = self.run(&scaled, &plant, Goal::SmallestObjective)?;
+        let mut unproved = None;
+        if usable(&smallest) && smallest.objective > 0.0 {
+            for room in ROOMS {
+                let objective = smallest.objective * (1.0 + room);
+                let goal = Goal::LargestMargin { objective };
+                let (inside, solution) = self.run(&scaled, &plant, goal)?;
+                let given = &self.problem.plant;
+                let found = recover(asked, given, &units, &inside.hatted, &solution, objective);
+                let Some(found) = found else { continue };
+                let design = self.finish(&found)?;
+                if design.report.verdict == Verdict::Proved {
+                    return Ok(ProblemOutcome::Solved(design));
+                }
+                unproved = Some(design);
+            }
+        }
+        if let Some(design) = unproved {
+            return Ok(ProblemOutcome::Solved(design));
+        }
+        let failure = self.explain(&scaled, &plant)?;
+        let refused = smallest.status == Status::Infeasible;
+        Ok(match failure.slack {
+            Some(slack) if slack > SLACK_SHARE * SLACK_MARGIN => {
+                ProblemOutcome::Infeasible(failure)
+            }
+            None if refused => ProblemOutcome::Infeasible(failure),
+            // The solver contradicts itself, or never got anywhere.
+            _ => ProblemOutcome::SolverFailed(failure),
+        })
+    }
+
+    fn run<P: DesignProblem>(
+        &mut self,
+        asked: &P,
+        plant: &VertexPlant,
+        goal: Goal,
+    ) -> Result<(Program, Solution), SynthesisError> {
+        let program = program(asked, plant, goal);
+        let sought = Sought {
+            goal: goal.name(),
+            vertices: plant.vertices.len(),
+            accuracy: goal.accuracy(),
+        };
+        let observer = self.observer.as_ref();
+        let (solution, run) = run_solver(self.backend, &program.problem, &sought, observer)?;
+        self.runs.push(run);
+        Ok((program, solution))
+    }
+
+    /// Puts the file together and checks what a reader of its text would get.
+    fn finish(&self, found: &StateFeedback) -> Result<Box<ProblemSynthesized>, SynthesisError> {
+        let report = verify(self.problem, found);
+        let (controller, certificate) = ProofFile::split(found);
+        let file = ProblemDesignFile {
+            schema_version: DESIGN_SCHEMA_VERSION,
+            name: self.problem.file.name.clone(),
+            model: self.problem.file.clone(),
+            controller,
+            certificate,
+            verdict: VerdictFile::new(&report),
+            provenance: ProblemProvenance {
+                generator: generator(),
+                model_sha256: sha256_of(self.text),
+                date: now(),
+                solver_runs: self.runs.clone(),
+            },
+        };
+        // The numbers must be ones that a reader accepts.
+        file.feedback(self.problem)?;
+        Ok(Box::new(ProblemSynthesized {
+            file,
+            report,
+            solve_seconds: self.seconds(),
+        }))
+    }
+
+    /// The smallest slack and the conditions that hold it up.
+    fn explain<P: DesignProblem>(
+        &mut self,
+        asked: &P,
+        plant: &VertexPlant,
+    ) -> Result<Failure, SynthesisError> {
+        let (program, solution) = self.run(asked, plant, Goal::SmallestSlack)?;
+        Ok(Failure {
+            slack: usable(&solution).then_some(solution.objective),
+            blocking: blocking(&program.problem.conditions, &solution),
+            solve_seconds: self.seconds(),
+            runs: self.runs.clone(),
+        })
+    }
+
+    fn seconds(&self) -> f64 {
+        self.runs.iter().map(|run| run.seconds).sum()
+    }
+}
