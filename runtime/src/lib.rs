@@ -19,6 +19,7 @@
 pub mod attitude;
 pub mod command;
 pub mod error;
+pub mod local_rules;
 pub mod membership;
 mod sample_clock;
 pub mod saturation;

@@ -12,7 +12,7 @@ use crate::harness::scenario::Scenario;
 /// Arguments of `check`.
 #[derive(clap::Args)]
 pub struct CheckArgs {
-    /// Model, design or scenario file
+    /// Model, design, scenario or gains file
     file: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -31,6 +31,13 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
             )
         }
         Some(Kind::Scenario) => (Kind::Scenario, scenario(args, &text)?),
+        Some(Kind::Gains) => {
+            let (_, gains) = files::gains(&args.file)?;
+            let (inputs, states) = gains.gains[0].shape();
+            let count = gains.gains.len();
+            let summary = format!("{}, {count} gains, {inputs} x {states}", gains.file.name);
+            (Kind::Gains, summary)
+        }
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {
             let (_, model) = files::model(&args.file)?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use synth::design::DesignFile;
-use synth::model::{read_text, FileError, Model};
+use synth::model::{read_text, FileError, Gains, Model};
 
 use super::CliError;
 
@@ -13,6 +13,16 @@ pub fn model(path: &Path) -> Result<(String, Model), CliError> {
         let text = read_text(path)?;
         let model = Model::from_json(&text)?;
         Ok((text, model))
+    };
+    read().map_err(|problem| CliError::file(path, problem))
+}
+
+/// A gains file: its text and its checked content.
+pub fn gains(path: &Path) -> Result<(String, Gains), CliError> {
+    let read = || -> Result<(String, Gains), FileError> {
+        let text = read_text(path)?;
+        let gains = Gains::from_json(&text)?;
+        Ok((text, gains))
     };
     read().map_err(|problem| CliError::file(path, problem))
 }

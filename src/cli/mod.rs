@@ -1,5 +1,6 @@
 //! The command line: one file for each verb.
 
+mod analyse;
 mod check;
 mod error;
 mod export;
@@ -39,13 +40,15 @@ struct Cli {
 enum Verb {
     /// Design a controller for a model file and prove it
     Synthesize(synthesize::SynthesizeArgs),
+    /// Find the smallest gain bound that can be proved for given gains
+    Analyse(analyse::AnalyseArgs),
     /// Prove a design file from its numbers alone
     Verify(verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
     Simulate(simulate::SimulateArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
-    /// Read a model, design or scenario file and say whether it is valid
+    /// Read a model, design, scenario or gains file and say whether it is valid
     Check(check::CheckArgs),
     /// Print the JSON Schema of a kind of file
     Schema(schema::SchemaArgs),
@@ -66,6 +69,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let outcome = match &cli.verb {
         Verb::Synthesize(args) => synthesize::run(args),
+        Verb::Analyse(args) => analyse::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Report(args) => report::run(args),

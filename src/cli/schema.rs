@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use schemars::schema_for;
 use synth::design::DesignFile;
-use synth::model::ModelFile;
+use synth::model::{GainsFile, ModelFile};
 
 use super::{print, CliError};
 use crate::harness::scenario::ScenarioFile;
@@ -26,6 +26,8 @@ enum KindArg {
     Design,
     /// What simulate runs
     Scenario,
+    /// What analyse judges
+    Gains,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -33,6 +35,7 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
     let schema = match args.kind {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
+        KindArg::Gains => schema_for!(GainsFile),
         KindArg::Scenario => schema_for!(ScenarioFile),
     };
     // A schema is a JSON value already.

@@ -67,15 +67,47 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    match solve(args, &model, &text)? {
-        Outcome::Solved(design) => finish(args, &model, *design),
-        Outcome::Infeasible(failure) => {
-            tell_failure(args, &model, &failure, "infeasible");
-            Ok(ExitCode::from(EXIT_NO))
-        }
-        Outcome::SolverFailed(failure) => {
-            tell_failure(args, &model, &failure, "failed");
-            Ok(ExitCode::from(EXIT_SOLVER))
+    let outcome = solve(args, &model, &text)?;
+    let ending = Ending {
+        model_path: &args.model,
+        model: &model,
+        output: args.output.as_deref(),
+        json: args.json,
+        form: args.form.into(),
+        what: "design",
+    };
+    ending.tell(outcome)
+}
+
+/// How a synthesis or an analysis is reported.
+pub struct Ending<'a> {
+    /// The model file.
+    pub model_path: &'a Path,
+    /// Its content.
+    pub model: &'a Model,
+    /// The design file to write.
+    pub output: Option<&'a Path>,
+    /// One JSON object on standard output.
+    pub json: bool,
+    /// Form of the decrease condition.
+    pub form: synthesis::Form,
+    /// What was sought: a design, or a proof for given gains.
+    pub what: &'static str,
+}
+
+impl Ending<'_> {
+    /// Reports the outcome, writes the design if it is proved, and returns the exit status.
+    pub fn tell(&self, outcome: Outcome) -> Result<ExitCode, CliError> {
+        match outcome {
+            Outcome::Solved(design) => finish(self, *design),
+            Outcome::Infeasible(failure) => {
+                tell_failure(self, &failure, "infeasible");
+                Ok(ExitCode::from(EXIT_NO))
+            }
+            Outcome::SolverFailed(failure) => {
+                tell_failure(self, &failure, "failed");
+                Ok(ExitCode::from(EXIT_SOLVER))
+            }
         }
     }
 }
@@ -90,23 +122,30 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
             padding: Padding::None,
         },
     };
-    match synthesis::synthesize(model, text, args.form.into(), &backend, observer) {
+    let outcome = synthesis::synthesize(model, text, args.form.into(), &backend, observer);
+    possible(outcome, &args.model)
+}
+
+/// What cannot be helped in the words of the command line.
+pub fn possible(
+    outcome: Result<Outcome, SynthesisError>,
+    model: &Path,
+) -> Result<Outcome, CliError> {
+    match outcome {
         Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
         // The numbers overflow on the way from the model to the solver.
         Err(SynthesisError::Solve(problem @ SolveError::NotFinite { .. })) => {
             let reason = format!("{problem}; the model's numbers are too far apart");
-            Err(CliError::unsuitable(&args.model, reason))
+            Err(CliError::unsuitable(model, reason))
         }
         other => Ok(other?),
     }
 }
 
-fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<ExitCode, CliError> {
+fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
+    let model = args.model;
     let mut report = design.report.clone();
-    let kept = args
-        .output
-        .as_ref()
-        .filter(|_| report.verdict == Verdict::Proved);
+    let kept = args.output.filter(|_| report.verdict == Verdict::Proved);
     if let Some(path) = kept {
         files::write(path, &design.file.to_json())?;
         // What counts is what a reader of the file gets.
@@ -168,7 +207,7 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
     Ok(exit_code(report.verdict))
 }
 
-fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status: &str) {
+fn tell_failure(args: &Ending, failure: &Failure, status: &str) {
     let blocking: Vec<Value> = failure
         .blocking
         .iter()
@@ -182,8 +221,8 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
                 "gamma": null,
                 "guaranteed_gain": null,
                 "xi": null,
-                "form": synthesis::Form::from(args.form).name(),
-                "vertices": model.task().system.vertices.len(),
+                "form": args.form.name(),
+                "vertices": args.model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
                 "slack": failure.slack,
@@ -195,7 +234,7 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
         );
         return;
     }
-    print(&headline(&args.model, status));
+    print(&headline(args, status));
     match failure.slack {
         Some(slack) => print(&format!(
             "smallest slack t with which every condition holds: {slack:.4e} (scaled units; above 0: they cannot hold)"
@@ -209,12 +248,13 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
     print("nothing written");
 }
 
-fn headline(model: &Path, status: &str) -> String {
+fn headline(args: &Ending, status: &str) -> String {
+    let model = args.model_path.display();
     match status {
         "infeasible" => format!(
-            "{}: no design exists, says the solver (not proved)",
-            model.display()
+            "{model}: no {} exists, says the solver (not proved)",
+            args.what
         ),
-        _ => format!("{}: the solver failed numerically", model.display()),
+        _ => format!("{model}: the solver failed numerically"),
     }
 }

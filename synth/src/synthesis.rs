@@ -6,5 +6,6 @@ mod run;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
 pub use run::{
-    scaled_task, synthesize, Cancelled, Failure, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
+    analyse, scaled_task, synthesize, Cancelled, Failure, Outcome, SynthesisError, Synthesized,
+    FIRST_UNITS,
 };

@@ -13,7 +13,8 @@ pub mod theorem1;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Model, Plant};
+use crate::fuzzy::RuleModel;
+use crate::model::{Mismatch, Model, Plant};
 use definite::{prove_positive_definite, IntervalMatrix};
 use interval::Interval;
 use theorem1::{for_each_condition, Certificate, Statement};
@@ -76,7 +77,7 @@ pub fn check(model: &Model, certificate: &Certificate) -> Report {
     Report {
         verdict,
         conditions,
-        not_covered: not_covered(model),
+        not_covered: not_covered(model, certificate),
     }
 }
 
@@ -90,7 +91,7 @@ fn judge(statement: &Statement<Interval>) -> (bool, f64) {
     }
 }
 
-fn not_covered(model: &Model) -> Vec<String> {
+fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
     let specs = &model.file.specs;
     let mut out = vec![
         "the state is measured without error".to_string(),
@@ -104,7 +105,14 @@ fn not_covered(model: &Model) -> Vec<String> {
             specs.nu
         ),
     ];
+    if let (Mismatch::Kappa(kappa), true) = (model.file.mismatch, certificate.is_matched(model)) {
+        out.push(format!(
+            "memberships at the last sent state that differ from the present ones by at most kappa = \
+             {kappa} in each rule"
+        ));
+    }
     match &model.plant {
+        Plant::Rules(rules) => rules_not_covered(rules, &mut out),
         Plant::Spacecraft(craft) => {
             out.push("an inertia equal to the model's, and a rigid body".to_string());
             out.push("a scalar part q0 that starts positive".to_string());
@@ -122,4 +130,19 @@ fn not_covered(model: &Model) -> Vec<String> {
         }
     }
     out
+}
+
+fn rules_not_covered(rules: &RuleModel, out: &mut Vec<String>) {
+    out.push("a plant that is the blend of the local rules, not what they interpolate".to_string());
+    if let Some(error) = rules.worst_model_error() {
+        out.push(format!(
+            "no difference between the blend and the rigid spacecraft; over the box it reaches at least \
+             {:.3} N m in torque and {:.3} 1/s in q'",
+            error.torque_nm, error.attitude_rate_per_s
+        ));
+    }
+    out.push(format!(
+        "a disturbance whose norm stays within {}",
+        rules.system.disturbance_bound
+    ));
 }

@@ -4,7 +4,7 @@ mod file;
 mod recover;
 
 pub use file::{
-    CertificateFile, ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, VerdictFile,
-    DESIGN_SCHEMA_VERSION,
+    CertificateFile, ControllerFile, DesignFile, MismatchFile, ProblemUnits, Provenance, SolverRun,
+    VerdictFile, DESIGN_SCHEMA_VERSION,
 };
 pub use recover::{recover, RecoverError};

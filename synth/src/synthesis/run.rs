@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Instant;
 
+use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 use time::format_description::well_known::Rfc3339;
 use time::OffsetDateTime;
@@ -12,13 +13,13 @@ use time::OffsetDateTime;
 use super::active::{self, MANY_VERTICES};
 use super::{assemble_at, Assembled, Form, Goal};
 use crate::certify::{Report, Verdict};
-use crate::conditions::Task;
+use crate::conditions::{GainPlan, Task};
 use crate::design::{
     recover, CertificateFile, DesignFile, ProblemUnits, Provenance, RecoverError, SolverRun,
     VerdictFile, DESIGN_SCHEMA_VERSION,
 };
 use crate::lmi::svec_index;
-use crate::model::{Model, ModelError};
+use crate::model::{Mismatch, Model, ModelError};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, SolveError, Status};
 
@@ -39,7 +40,11 @@ pub const FIRST_UNITS: ProblemUnits = ProblemUnits {
 
 /// The model's task in the given units.
 pub fn scaled_task(model: &Model, units: ProblemUnits) -> (Scaling, Task) {
-    let mut task = model.task();
+    scaled(&model.task(), units)
+}
+
+fn scaled(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+    let mut task = task.clone();
     task.specification.containment_weight = units.containment_weight;
     let scaling = Scaling::automatic(&task.system, units.state_fraction);
     let scaled = scaling.apply(&task);
@@ -110,6 +115,10 @@ enum Attempt {
 
 struct Run<'a> {
     model: &'a Model,
+    /// The task in SI units.
+    task: Task,
+    /// SHA-256 of the file that the gains come from.
+    gains_sha256: Option<String>,
     model_text: &'a str,
     form: Form,
     backend: &'a dyn Backend,
@@ -128,8 +137,10 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
-    let mut run = Run {
+    let run = Run {
         model,
+        task: model.task(),
+        gains_sha256: None,
         model_text,
         form,
         backend,
@@ -137,49 +148,94 @@ pub fn synthesize(
         runs: Vec::new(),
         chosen: Vec::new(),
     };
-    let mut unproved: Option<Box<Synthesized>> = None;
-    let mut infeasible = 0;
-    let weights: &[f64] = match model.file.specs.must_contain.is_empty() {
-        true => &CONTAINMENT_WEIGHTS[..1],
-        false => &CONTAINMENT_WEIGHTS,
+    run.search()
+}
+
+/// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup
+/// gains where they saturate. One gain is constant; as many as the model has rules, under its mismatch
+/// bound, are scheduled by its memberships; any other number may be weighted in any way at any time.
+/// `gains_text` is the gains file's text, for the provenance.
+pub fn analyse(
+    model: &Model,
+    model_text: &str,
+    gains: &[DMatrix<f64>],
+    gains_text: &str,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<Outcome, SynthesisError> {
+    let mut task = model.task();
+    let mismatch = match model.file.mismatch {
+        Mismatch::Kappa(kappa) if Some(gains.len()) == model.plant.membership_count() => {
+            Some(kappa)
+        }
+        _ => None,
     };
-    let mut best: Option<Box<Synthesized>> = None;
-    for &containment_weight in weights {
-        for state_fraction in STATE_UNITS {
-            let units = ProblemUnits {
-                state_fraction,
-                containment_weight,
-            };
-            match run.attempt(units)? {
-                Attempt::Designed(design) if design.report.verdict == Verdict::Proved => {
-                    best = Some(better(best, design));
-                    break;
-                }
-                Attempt::Designed(design) => unproved = Some(design),
-                Attempt::Infeasible => {
-                    // A second opinion in other units, then no more.
-                    infeasible += 1;
-                    if infeasible > 1 {
+    task.gains = GainPlan {
+        count: gains.len(),
+        mismatch,
+        given: Some(gains.to_vec()),
+    };
+    let run = Run {
+        model,
+        task,
+        gains_sha256: Some(hex(&Sha256::digest(gains_text.as_bytes()))),
+        model_text,
+        form: Form::Reduced,
+        backend,
+        observer,
+        runs: Vec::new(),
+        chosen: Vec::new(),
+    };
+    run.search()
+}
+
+impl Run<'_> {
+    /// Tries units one after the other until a design is proved.
+    fn search(mut self) -> Result<Outcome, SynthesisError> {
+        let mut unproved: Option<Box<Synthesized>> = None;
+        let mut infeasible = 0;
+        let weights: &[f64] = match self.model.file.specs.must_contain.is_empty() {
+            true => &CONTAINMENT_WEIGHTS[..1],
+            false => &CONTAINMENT_WEIGHTS,
+        };
+        let mut best: Option<Box<Synthesized>> = None;
+        for &containment_weight in weights {
+            for state_fraction in STATE_UNITS {
+                let units = ProblemUnits {
+                    state_fraction,
+                    containment_weight,
+                };
+                match self.attempt(units)? {
+                    Attempt::Designed(design) if design.report.verdict == Verdict::Proved => {
+                        best = Some(better(best, design));
                         break;
                     }
+                    Attempt::Designed(design) => unproved = Some(design),
+                    Attempt::Infeasible => {
+                        // A second opinion in other units, then no more.
+                        infeasible += 1;
+                        if infeasible > 1 {
+                            break;
+                        }
+                    }
+                    Attempt::Stuck => {}
                 }
-                Attempt::Stuck => {}
             }
         }
+        let seconds: f64 = self.runs.iter().map(|run| run.seconds).sum();
+        if let Some(mut design) = best.or(unproved) {
+            design.solve_seconds = seconds;
+            design.file.provenance.solver_runs = self.runs;
+            return Ok(Outcome::Solved(design));
+        }
+        let failure = self.explain()?;
+        Ok(match failure.slack {
+            Some(slack) if slack > 0.0 => Outcome::Infeasible(failure),
+            None if infeasible > 0 => Outcome::Infeasible(failure),
+            // The solver contradicts itself, or never got anywhere.
+            _ => Outcome::SolverFailed(failure),
+        })
     }
-    let seconds: f64 = run.runs.iter().map(|run| run.seconds).sum();
-    if let Some(mut design) = best.or(unproved) {
-        design.solve_seconds = seconds;
-        design.file.provenance.solver_runs = run.runs;
-        return Ok(Outcome::Solved(design));
-    }
-    let failure = run.explain()?;
-    Ok(match failure.slack {
-        Some(slack) if slack > 0.0 => Outcome::Infeasible(failure),
-        None if infeasible > 0 => Outcome::Infeasible(failure),
-        // The solver contradicts itself, or never got anywhere.
-        _ => Outcome::SolverFailed(failure),
-    })
 }
 
 fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthesized> {
@@ -192,7 +248,7 @@ fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthe
 
 impl Run<'_> {
     fn attempt(&mut self, units: ProblemUnits) -> Result<Attempt, SynthesisError> {
-        let (scaling, task) = scaled_task(self.model, units);
+        let (scaling, task) = scaled(&self.task, units);
         let (_, smallest) = self.solve(&task, Goal::SmallestGain)?;
         match smallest.status {
             Status::Solved | Status::Inaccurate => {}
@@ -224,7 +280,8 @@ impl Run<'_> {
     /// solution violates are added until there are none, which makes the solution that of the whole.
     fn solve(&mut self, task: &Task, goal: Goal) -> Result<(Assembled, Solution), SynthesisError> {
         let all: Vec<usize> = (0..task.system.vertices.len()).collect();
-        if self.form == Form::Full || all.len() <= MANY_VERTICES {
+        let few = all.len() <= MANY_VERTICES || task.gains.count > 1;
+        if self.form == Form::Full || few {
             return self.solve_at(task, goal, &all);
         }
         if self.chosen.is_empty() {
@@ -319,6 +376,7 @@ impl Run<'_> {
             generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
             model_sha256: hex(&Sha256::digest(self.model_text.as_bytes())),
             date: date.unwrap_or_default(),
+            gains_sha256: self.gains_sha256.clone(),
             form: self.form.name().to_string(),
             problem,
             solver_runs: Vec::new(),
@@ -327,7 +385,7 @@ impl Run<'_> {
 
     /// The smallest slack and the conditions that hold it up.
     fn explain(&mut self) -> Result<Failure, SynthesisError> {
-        let (_, task) = scaled_task(self.model, FIRST_UNITS);
+        let (_, task) = scaled(&self.task, FIRST_UNITS);
         let (assembled, solution) = self.solve(&task, Goal::SmallestSlack)?;
         let trusted = matches!(solution.status, Status::Solved | Status::Inaccurate);
         Ok(Failure {
