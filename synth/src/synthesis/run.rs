@@ -26,8 +26,9 @@ use crate::solve::{Backend, Observer, Solution, SolveError, Status};
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;
 
-/// State units tried one after the other, as fractions of the region's smallest extent.
-const STATE_UNITS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
+/// State units tried one after the other, as fractions of the region's smallest extent. The small ones
+/// are for certified sets much smaller than the region.
+const STATE_UNITS: [f64; 7] = [0.5, 1.0, 0.25, 2.0, 0.0625, 0.015625, 0.00390625];
 
 /// Weights rho of the containment condition tried when the model has must-contain states.
 const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
