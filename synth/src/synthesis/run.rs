@@ -26,9 +26,13 @@ use crate::solve::{Backend, Observer, Solution, SolveError, Status};
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;
 
-/// State units tried one after the other, as fractions of the region's smallest extent. The small ones
-/// are for certified sets much smaller than the region.
+/// State units tried one after the other, as fractions of the region's smallest extent, until a design is
+/// proved. Where the certified set of a design that is not proved asks for another unit, that comes next:
+/// the set may be much smaller than the region.
 const STATE_UNITS: [f64; 7] = [0.5, 1.0, 0.25, 2.0, 0.0625, 0.015625, 0.00390625];
+
+/// Range of the state units that a certified set may ask for.
+const UNIT_RANGE: [f64; 2] = [1.0 / 4096.0, 4.0];
 
 /// Weights rho of the containment condition tried when the model has must-contain states.
 const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
@@ -110,6 +114,8 @@ pub enum SynthesisError {
 /// One attempt's end.
 enum Attempt {
     Designed(Box<Synthesized>),
+    /// A design that is not proved, and the state unit that its certified set asks for.
+    Unproved(Box<Synthesized>, f64),
     Infeasible,
     Stuck,
 }
@@ -201,17 +207,26 @@ impl Run<'_> {
         };
         let mut best: Option<Box<Synthesized>> = None;
         for &containment_weight in weights {
-            for state_fraction in STATE_UNITS {
+            let mut tried: Vec<f64> = Vec::new();
+            let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().collect();
+            while let Some(state_fraction) = next.pop() {
+                if tried.iter().any(|&other| same_unit(other, state_fraction)) {
+                    continue;
+                }
+                tried.push(state_fraction);
                 let units = ProblemUnits {
                     state_fraction,
                     containment_weight,
                 };
                 match self.attempt(units)? {
-                    Attempt::Designed(design) if design.report.verdict == Verdict::Proved => {
+                    Attempt::Designed(design) => {
                         best = Some(better(best, design));
                         break;
                     }
-                    Attempt::Designed(design) => unproved = Some(design),
+                    Attempt::Unproved(design, wanted) => {
+                        unproved = Some(design);
+                        next.push(wanted);
+                    }
                     Attempt::Infeasible => {
                         // A second opinion in other units, then no more.
                         infeasible += 1;
@@ -236,6 +251,22 @@ impl Run<'_> {
             // The solver contradicts itself, or never got anywhere.
             _ => Outcome::SolverFailed(failure),
         })
+    }
+}
+
+/// True when two fractions round to the same power of two.
+fn same_unit(a: f64, b: f64) -> bool {
+    a.log2().round() == b.log2().round()
+}
+
+/// Largest distance from the origin to the edge of x'Ux <= 1; 1 where that has no meaning.
+fn certified_radius(lyapunov: &DMatrix<f64>) -> f64 {
+    let smallest = lyapunov.symmetric_eigenvalues().min();
+    let radius = smallest.sqrt().recip();
+    if radius.is_finite() && radius > 0.0 {
+        radius
+    } else {
+        1.0
     }
 }
 
@@ -264,12 +295,19 @@ impl Run<'_> {
         let recovered = recover(self.model, &assembled.design, &inside.values, &scaling);
         match recovered {
             Ok(certificate) => {
+                let radius = certified_radius(&certificate.lyapunov);
                 let (controller, certificate) = CertificateFile::split(&certificate);
-                Ok(Attempt::Designed(self.finish(
-                    controller,
-                    certificate,
-                    units,
-                )?))
+                let design = self.finish(controller, certificate, units)?;
+                Ok(match design.report.verdict {
+                    Verdict::Proved => Attempt::Designed(design),
+                    Verdict::NotProved => {
+                        let extent = scaling.state.min() / units.state_fraction;
+                        Attempt::Unproved(
+                            design,
+                            (radius / extent).clamp(UNIT_RANGE[0], UNIT_RANGE[1]),
+                        )
+                    }
+                })
             }
             Err(RecoverError::Singular { .. } | RecoverError::NotFinite { .. }) => {
                 Ok(Attempt::Stuck)
