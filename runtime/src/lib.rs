@@ -21,6 +21,7 @@ pub mod command;
 pub mod compression;
 pub mod error;
 pub mod lei2022;
+pub mod local_rules;
 mod matrix_check;
 pub mod membership;
 mod sample_clock;

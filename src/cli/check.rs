@@ -13,7 +13,7 @@ use crate::harness::scenario::Scenario;
 /// Arguments of `check`.
 #[derive(clap::Args)]
 pub struct CheckArgs {
-    /// Model, design, scenario file or infeasibility certificate
+    /// Model, design, scenario, gains or problem file, or infeasibility certificate
     file: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -46,6 +46,13 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
         Some(Kind::ProblemDesign) => {
             let (_, problem) = files::problem_design_of(&args.file, &text)?;
             (Kind::ProblemDesign, describe_problem(&problem))
+        }
+        Some(Kind::Gains) => {
+            let gains = files::gains_of(&args.file, &text)?;
+            let (inputs, states) = gains.gains[0].shape();
+            let count = gains.gains.len();
+            let summary = format!("{}, {count} gains, {inputs} x {states}", gains.file.name);
+            (Kind::Gains, summary)
         }
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
-use synth::model::{read_text, Model};
+use synth::model::{read_text, Gains, Model};
 use synth::problem::{Problem, ProblemDesignFile};
 
 use super::CliError;
@@ -40,6 +40,11 @@ pub fn problem_design_of(
 /// An infeasibility certificate with this text, and the checked model inside it.
 pub fn infeasibility_of(path: &Path, text: &str) -> Result<(InfeasibilityFile, Model), CliError> {
     InfeasibilityFile::from_json(text).map_err(|problem| CliError::file(path, problem))
+}
+
+/// The checked content of a gains file with this text.
+pub fn gains_of(path: &Path, text: &str) -> Result<Gains, CliError> {
+    Gains::from_json(text).map_err(|problem| CliError::file(path, problem))
 }
 
 /// Refuses an output path that cannot be written or that is the input, before any long work.

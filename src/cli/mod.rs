@@ -1,5 +1,6 @@
 //! The command line: one file for each verb.
 
+mod analyse;
 mod check;
 mod error;
 mod export;
@@ -43,6 +44,8 @@ enum Verb {
     Synthesize(synthesize::SynthesizeArgs),
     /// Say whether any design exists for a model file, with a proof
     Feasibility(feasibility::FeasibilityArgs),
+    /// Find the smallest gain bound that can be proved for given gains
+    Analyse(analyse::AnalyseArgs),
     /// Prove a design file or an infeasibility certificate from its numbers alone
     Verify(verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
@@ -71,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let outcome = match &cli.verb {
         Verb::Synthesize(args) => synthesize::run(args),
         Verb::Feasibility(args) => feasibility::run(args),
+        Verb::Analyse(args) => analyse::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Report(args) => report::run(args),

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use schemars::schema_for;
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
-use synth::model::ModelFile;
+use synth::model::{GainsFile, ModelFile};
 use synth::problem::{ProblemDesignFile, ProblemFile};
 
 use super::{print, CliError};
@@ -34,6 +34,8 @@ enum KindArg {
     Problem,
     /// What synthesize writes for a problem
     ProblemDesign,
+    /// What analyse judges
+    Gains,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -41,6 +43,7 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
     let schema = match args.kind {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
+        KindArg::Gains => schema_for!(GainsFile),
         KindArg::Scenario => schema_for!(ScenarioFile),
         KindArg::Infeasibility => schema_for!(InfeasibilityFile),
         KindArg::Problem => schema_for!(ProblemFile),

@@ -88,15 +88,47 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    match solve(args, &model, &text)? {
-        Outcome::Solved(design) => finish(args, &model, *design),
-        Outcome::Infeasible(decision) => {
-            tell_failure(args, &model, &decision, "infeasible");
-            Ok(ExitCode::from(EXIT_NO))
-        }
-        Outcome::SolverFailed(decision) => {
-            tell_failure(args, &model, &decision, "failed");
-            Ok(ExitCode::from(EXIT_SOLVER))
+    let outcome = solve(args, &model, &text)?;
+    let ending = Ending {
+        model_path: &args.model,
+        model: &model,
+        output: args.output.as_deref(),
+        json: args.json,
+        form: args.form().into(),
+        what: "design",
+    };
+    ending.tell(outcome)
+}
+
+/// How a synthesis or an analysis is reported.
+pub struct Ending<'a> {
+    /// The model file.
+    pub model_path: &'a Path,
+    /// Its content.
+    pub model: &'a Model,
+    /// The design file to write.
+    pub output: Option<&'a Path>,
+    /// One JSON object on standard output.
+    pub json: bool,
+    /// Form of the decrease condition.
+    pub form: synthesis::Form,
+    /// What was sought: a design, or a proof for given gains.
+    pub what: &'static str,
+}
+
+impl Ending<'_> {
+    /// Reports the outcome, writes the design if it is proved, and returns the exit status.
+    pub fn tell(&self, outcome: Outcome) -> Result<ExitCode, CliError> {
+        match outcome {
+            Outcome::Solved(design) => finish(self, *design),
+            Outcome::Infeasible(decision) => {
+                tell_failure(self, &decision, "infeasible");
+                Ok(ExitCode::from(EXIT_NO))
+            }
+            Outcome::SolverFailed(decision) => {
+                tell_failure(self, &decision, "failed");
+                Ok(ExitCode::from(EXIT_SOLVER))
+            }
         }
     }
 }
@@ -128,12 +160,10 @@ pub fn solver_problem(model: &Path, error: SynthesisError) -> CliError {
     }
 }
 
-fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<ExitCode, CliError> {
+fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
+    let model = args.model;
     let mut report = design.report.clone();
-    let kept = args
-        .output
-        .as_ref()
-        .filter(|_| report.verdict == Verdict::Proved);
+    let kept = args.output.filter(|_| report.verdict == Verdict::Proved);
     if let Some(path) = kept {
         files::write(path, &design.file.to_json())?;
         // What counts is what a reader of the file gets.
@@ -192,7 +222,7 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
     Ok(exit_code(report.verdict))
 }
 
-fn tell_failure(args: &SynthesizeArgs, model: &Model, decision: &Decision, status: &str) {
+fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
     let blocking: Vec<Value> = decision
         .blocking
         .iter()
@@ -206,8 +236,8 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, decision: &Decision, statu
                 "gamma": null,
                 "guaranteed_gain": null,
                 "xi": null,
-                "form": synthesis::Form::from(args.form()).name(),
-                "vertices": model.task().system.vertices.len(),
+                "form": args.form.name(),
+                "vertices": args.model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
                 "feasibility": feasibility::verdict(&decision.answer),
@@ -221,7 +251,7 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, decision: &Decision, statu
         );
         return;
     }
-    print(&headline(&args.model, decision, status));
+    print(&headline(args, decision, status));
     match feasibility::slack_line(decision.slack) {
         Some(line) => print(&line),
         None => print("the smallest slack could not be computed either"),
@@ -239,15 +269,16 @@ pub(super) fn describe_run(run: &SolverRun) -> String {
     )
 }
 
-fn headline(model: &Path, decision: &Decision, status: &str) -> String {
-    let model = model.display();
+fn headline(args: &Ending, decision: &Decision, status: &str) -> String {
+    let model = args.model_path.display();
     match (&decision.answer, status) {
         (Answer::Infeasible(_), _) => {
             format!("{model}: {}", feasibility::headline(&decision.answer))
         }
-        (_, "infeasible") => {
-            format!("{model}: no design exists, says the solver (not proved)")
-        }
+        (_, "infeasible") => format!(
+            "{model}: no {} exists, says the solver (not proved)",
+            args.what
+        ),
         _ => format!("{model}: the solver failed numerically"),
     }
 }

@@ -1,6 +1,6 @@
 //! The flight controllers behind one trait.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
 use runtime::lei2022::{self, SwitchCount};
@@ -187,45 +187,36 @@ impl<S: Membership<6, R> + Copy, const R: usize> Controller<AttitudeMeasurement,
     }
 }
 
-/// Xu and Huang's controller with a constant gain on a padded state of any size.
+/// Xu and Huang's controller on a padded state of any size.
 #[derive(Clone, Copy, Debug)]
-pub struct XuState<const N: usize, const M: usize> {
-    controller: xu2020::Controller<runtime::membership::ConstantGain, N, M, 1>,
+pub struct XuState<S, const N: usize, const M: usize, const R: usize> {
+    controller: xu2020::Controller<S, N, M, R>,
     message_bits: usize,
+    sent_weights: Option<[f64; R]>,
 }
 
-impl<const N: usize, const M: usize> XuState<N, M> {
-    /// The controller of a design for `states` states, padded.
-    ///
-    /// # Errors
-    /// A parameter that the flight code refuses.
-    pub fn new(
-        design: &synth::design::DesignFile,
-        gain: &SMatrix<f64, M, N>,
-        weight: &SMatrix<f64, N, N>,
-        limit: &SVector<f64, M>,
-        states: usize,
-    ) -> Result<Self, runtime::error::ParameterError> {
-        let controller = xu2020::Controller::new(xu2020::Parameters {
-            gains: [*gain],
-            membership: runtime::membership::ConstantGain,
-            trigger_weight: *weight,
-            threshold_update: super::design::threshold_update(&design.model.specs),
-            torque_limit: *limit,
-            longest_interval_s: Some(design.model.specs.hbar_s),
-        })?;
-        Ok(Self {
+impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> XuState<S, N, M, R> {
+    /// The controller for `states` states, padded to `N`.
+    pub fn new(controller: xu2020::Controller<S, N, M, R>, states: usize) -> Self {
+        Self {
             controller,
             message_bits: runtime::command::BITS_PER_NUMBER * states,
-        })
+            sent_weights: None,
+        }
     }
 }
 
-impl<const N: usize, const M: usize> Controller<SVector<f64, N>, M> for XuState<N, M> {
+impl<S: Membership<N, R> + Copy, const N: usize, const M: usize, const R: usize>
+    Controller<SVector<f64, N>, M> for XuState<S, N, M, R>
+{
     fn step(&mut self, time_s: f64, measurement: &SVector<f64, N>) -> Command<M> {
         let mut command = self.controller.step(time_s, measurement);
         if command.sent {
             command.bits = self.message_bits;
+            if R > 1 {
+                let membership = self.controller.law().membership();
+                self.sent_weights = Some(membership.weights(measurement));
+            }
         }
         command
     }
@@ -233,6 +224,13 @@ impl<const N: usize, const M: usize> Controller<SVector<f64, N>, M> for XuState<
     fn would_send(&self, time_s: f64, measurement: &SVector<f64, N>) -> bool {
         let mut trial = *self;
         trial.step(time_s, measurement).sent
+    }
+
+    fn membership_mismatch(&self, measurement: &SVector<f64, N>) -> Option<f64> {
+        let sent = self.sent_weights?;
+        let now = self.controller.law().membership().weights(measurement);
+        let differences = now.iter().zip(&sent).map(|(a, b)| (a - b).abs());
+        Some(differences.fold(0.0, f64::max))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A design on a scenario: does it fit, and does its proof cover the run?
 
-use nalgebra::{Matrix3, SVector};
+use nalgebra::{Matrix3, SVector, Vector3};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
@@ -9,7 +9,7 @@ use synth::model::{FileError, Model, Plant, Specs};
 
 use super::lyapunov::Claims;
 use super::padding;
-use super::plant::RigidBody;
+use super::plant::{Mixing, RigidBody};
 use super::reference::Reference;
 use super::sampling::Instants;
 use super::scenario::{RigidBodySystem, Scenario, System, TakagiSugenoSystem};
@@ -109,9 +109,9 @@ impl Design {
     /// The difference, with its numbers.
     pub fn check_fit(&self, system: &System) -> Result<(), FitError> {
         let (design_states, design_inputs, _, _) = self.model.plant.sizes();
-        match (&self.model.plant, system) {
-            (Plant::Spacecraft(craft), System::RigidBody(body)) => {
-                let [smallest, largest] = inertia_ratios(&body.body, &craft.inertia);
+        match (self.model.plant.inertia(), system) {
+            (Some(inertia), System::RigidBody(body)) => {
+                let [smallest, largest] = inertia_ratios(&body.body, inertia);
                 let [allowed_smallest, allowed_largest] = INERTIA_RATIOS;
                 if smallest >= allowed_smallest && largest <= allowed_largest {
                     return Ok(());
@@ -123,7 +123,7 @@ impl Design {
                     allowed_largest,
                 })
             }
-            (Plant::Vertices(_), System::TakagiSugeno(model)) => {
+            (None, System::TakagiSugeno(model)) => {
                 let (states, inputs) = model.system.input_matrix.shape();
                 if (states, inputs) == (design_states, design_inputs) {
                     return Ok(());
@@ -135,7 +135,7 @@ impl Design {
                     inputs,
                 })
             }
-            (Plant::Spacecraft(_), System::TakagiSugeno(model)) => Err(FitError::Kind {
+            (Some(_), System::TakagiSugeno(model)) => Err(FitError::Kind {
                 design: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
                 scenario: format!(
                     "a Takagi-Sugeno model ({} states, {} inputs)",
@@ -143,7 +143,7 @@ impl Design {
                     model.system.input_matrix.ncols()
                 ),
             }),
-            (Plant::Vertices(_), System::RigidBody(_)) => Err(FitError::Kind {
+            (None, System::RigidBody(_)) => Err(FitError::Kind {
                 design: format!(
                     "a Takagi-Sugeno model ({design_states} states, {design_inputs} inputs)"
                 ),
@@ -184,10 +184,30 @@ impl Design {
         }
         match (&self.model.plant, &scenario.system) {
             (Plant::Spacecraft(craft), System::RigidBody(body)) => {
-                spacecraft_not_covered(craft, body, &mut out);
+                rigid_body_not_covered(&craft.inertia, &craft.torque_limit, body, &mut out);
             }
             (Plant::Vertices(system), System::TakagiSugeno(model)) => {
                 vertices_not_covered(system, model, &mut out);
+            }
+            (Plant::Rules(rules), System::TakagiSugeno(model)) => {
+                vertices_not_covered(&rules.system, model, &mut out);
+                let blend = matches!(model.mixing, Mixing::Model);
+                if self.certificate.is_matched(&self.model) && !blend {
+                    out.push(
+                        "the plant's rules are not weighted by the model's memberships".into(),
+                    );
+                }
+            }
+            (Plant::Rules(rules), System::RigidBody(body)) => {
+                let limits = rules.system.input_limit.as_slice();
+                let limits = Vector3::from_column_slice(limits);
+                if let Some(inertia) = self.model.plant.inertia() {
+                    rigid_body_not_covered(inertia, &limits, body, &mut out);
+                }
+                out.push(
+                    "the plant is the rigid spacecraft; the proof is for the blend of the local rules"
+                        .into(),
+                );
             }
             _ => out.push("the design is for another kind of plant".to_string()),
         }
@@ -269,12 +289,13 @@ fn inertia_ratios(body: &RigidBody, model: &Matrix3<f64>) -> [f64; 2] {
     [ratios.min(), ratios.max()]
 }
 
-fn spacecraft_not_covered(
-    craft: &synth::fuzzy::ExactSpacecraft,
+fn rigid_body_not_covered(
+    inertia: &Matrix3<f64>,
+    torque_limit: &Vector3<f64>,
     system: &RigidBodySystem,
     out: &mut Vec<String>,
 ) {
-    let [smallest, largest] = inertia_ratios(&system.body, &craft.inertia);
+    let [smallest, largest] = inertia_ratios(&system.body, inertia);
     if smallest < 1.0 - INERTIA_ROUNDING || largest > 1.0 + INERTIA_ROUNDING {
         out.push(format!(
             "the plant's moments of inertia are {smallest:.4} to {largest:.4} times the model's"
@@ -282,7 +303,7 @@ fn spacecraft_not_covered(
     }
     let actuators = &system.actuators;
     for axis in 0..3 {
-        let (limit, model) = (actuators.limit[axis], craft.torque_limit[axis]);
+        let (limit, model) = (actuators.limit[axis], torque_limit[axis]);
         if limit < model {
             out.push(format!(
                 "the torque limit of axis {} is {limit} N m; the proof is for {model} N m",

@@ -128,6 +128,8 @@ pub enum Mixing {
         /// Time from one vertex to the next, s.
         dwell_s: f64,
     },
+    /// By the memberships of the design's model at the plant's state.
+    Model,
 }
 
 /// A Takagi-Sugeno plant x' = sum_i zeta_i(t) A_i x + B u + B_w tau of at most `N` states, `M` inputs
@@ -138,28 +140,41 @@ pub struct TakagiSugenoPlant<const N: usize, const M: usize> {
     input: SMatrix<f64, N, M>,
     disturbance: SMatrix<f64, N, N>,
     mixing: Mixing,
+    rules: Option<synth::fuzzy::RuleModel>,
 }
 
 impl<const N: usize, const M: usize> TakagiSugenoPlant<N, M> {
-    /// The padded plant of a checked vertex system, which must not be larger than `N` and `M`.
-    pub fn new(system: &synth::fuzzy::VertexSystem, mixing: Mixing) -> Self {
+    /// The padded plant of a checked vertex system, which must not be larger than `N` and `M`. `rules`:
+    /// the memberships for [`Mixing::Model`], one for each vertex.
+    pub fn new(
+        system: &synth::fuzzy::VertexSystem,
+        mixing: Mixing,
+        rules: Option<synth::fuzzy::RuleModel>,
+    ) -> Self {
         let vertices = system.state_matrices.iter();
         Self {
             vertices: vertices.map(super::padding::matrix).collect(),
             input: super::padding::matrix(&system.input_matrix),
             disturbance: super::padding::matrix(&system.disturbance_matrix),
             mixing,
+            rules,
         }
+    }
+
+    fn blend(&self, weights: &[f64], state: &SVector<f64, N>) -> SVector<f64, N> {
+        let parts = self.vertices.iter().zip(weights);
+        parts.fold(SVector::zeros(), |sum, (vertex, &weight)| {
+            sum + vertex * state * weight
+        })
     }
 
     fn drift(&self, time_s: f64, state: &SVector<f64, N>) -> SVector<f64, N> {
         match &self.mixing {
-            Mixing::Constant(weights) => {
-                let parts = self.vertices.iter().zip(weights);
-                parts.fold(SVector::zeros(), |sum, (vertex, &weight)| {
-                    sum + vertex * state * weight
-                })
-            }
+            Mixing::Constant(weights) => self.blend(weights, state),
+            Mixing::Model => match &self.rules {
+                Some(rules) => self.blend(&rules.memberships(state.as_slice()), state),
+                None => SVector::zeros(),
+            },
             Mixing::Cycle { dwell_s } => {
                 let place = time_s / dwell_s;
                 let fraction = place - place.floor();
@@ -219,7 +234,7 @@ mod tests {
             box_rows: nalgebra::DMatrix::zeros(0, 1),
             box_bounds: nalgebra::DVector::zeros(0),
         };
-        let plant = TakagiSugenoPlant::<2, 1>::new(&system, Mixing::Cycle { dwell_s: 10.0 });
+        let plant = TakagiSugenoPlant::<2, 1>::new(&system, Mixing::Cycle { dwell_s: 10.0 }, None);
         let one = SVector::from([1.0, 0.0]);
         let cases = [
             (0.0, 1.0),

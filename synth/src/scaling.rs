@@ -71,7 +71,13 @@ impl Scaling {
         for state in &mut specification.must_contain {
             *state = &d_inverse * &*state;
         }
+        let e_inverse = DMatrix::from_diagonal(&self.input.map(|unit| 1.0 / unit));
+        let mut gains = task.gains.clone();
+        for gain in gains.given.iter_mut().flatten() {
+            *gain = &e_inverse * &*gain * &d;
+        }
         Task {
+            gains,
             system: TakagiSugeno {
                 vertices: system
                     .vertices

@@ -9,10 +9,10 @@ mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
 pub use run::{
-    scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
+    analyse, scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
 };
 
-pub(crate) use run::{containment_weights, STATE_UNITS};
+pub(crate) use run::{containment_weights, scaled, STATE_UNITS};
 pub(crate) use search::Search;
 pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, Sought};
 pub(crate) use subject::Subject;

@@ -14,6 +14,7 @@ use runtime::compression::{
     Parameters, Scheme, Word,
 };
 use runtime::error::ParameterError;
+use runtime::local_rules::{FuzzySet, LocalRules};
 use runtime::membership::{
     ConstantGain, GaussianRules, Membership, RigidBodyBox, RIGID_BODY_VERTICES,
 };
@@ -29,11 +30,21 @@ pub fn exercise_controllers() -> Result<f64, ParameterError> {
         black_box([Vector6::zeros(), Vector6::repeat(0.5)]),
         black_box(Vector6::repeat(0.3)),
     )?;
+    let shapes = LocalRules::new(
+        black_box([
+            [FuzzySet::Gaussian { centre: 0.0, width: 0.3 }; 6],
+            [FuzzySet::Triangular { left: -1.0, peak: 0.0, right: 1.0 }; 6],
+            [FuzzySet::Trapezoidal { left: -1.0, left_top: -0.5, right_top: 0.5, right: 1.0 }; 6],
+            [FuzzySet::Any; 6],
+        ]),
+        black_box(Vector6::repeat(1.0)),
+    )?;
     let torques = [
         fuzzy::<_, 1>(ConstantGain)?,
         fuzzy::<_, 1>(plane)?,
         fuzzy::<_, RIGID_BODY_VERTICES>(plane)?,
         fuzzy::<_, 2>(local)?,
+        fuzzy::<_, 4>(shapes)?,
         wu(wu2018::Unwinding::AsPublished)?,
         wu(wu2018::Unwinding::ShortestRotation {
             hysteresis: black_box(0.1),

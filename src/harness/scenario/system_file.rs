@@ -261,6 +261,8 @@ pub enum MixingFile {
     Constant(Vec<f64>),
     /// From each vertex to the next and back to the first.
     Cycle(CycleFile),
+    /// By the memberships of the design's model at the plant's state; the vertices are its rules.
+    Model,
 }
 
 /// A cycle through the vertices.

@@ -429,6 +429,7 @@ fn mixing(file: &MixingFile, vertices: usize) -> Result<Mixing, ModelError> {
             require(ok, field, sum, "weights with sum 1; this is their sum")?;
             Ok(Mixing::Constant(weights.clone()))
         }
+        MixingFile::Model => Ok(Mixing::Model),
         MixingFile::Cycle(cycle) => {
             check_positive("mixing.cycle.dwell_s", cycle.dwell_s)?;
             Ok(Mixing::Cycle {

@@ -2,6 +2,7 @@
 
 use runtime::attitude::AttitudeMeasurement;
 use runtime::lei2022;
+use synth::model::Mismatch;
 
 use crate::harness::closed_loop::End;
 use crate::harness::design::Design;
@@ -123,6 +124,7 @@ pub(super) fn certificate<const N: usize>(
     scenario: &Scenario,
     design: &Design,
     monitor: &LyapunovMonitor<N>,
+    events: &EventCount,
     from_rest_in_origin: bool,
 ) -> CertificateOutcome {
     let mut not_covered = design.not_covered(scenario);
@@ -138,6 +140,16 @@ pub(super) fn certificate<const N: usize>(
         not_covered.push(format!(
             "the disturbance reaches {peak_disturbance:.3e}; the proof is for at most {bound:.3e}"
         ));
+    }
+    let seen = events.largest_mismatch.unwrap_or(0.0);
+    match design.model.file.mismatch {
+        Mismatch::Kappa(kappa) if design.certificate.is_matched(&design.model) && seen > kappa => {
+            not_covered.push(format!(
+                "a membership differs by {seen:.4} from that at the sample sent last; the proof assumes \
+                 at most kappa = {kappa}"
+            ));
+        }
+        _ => {}
     }
     let worst = design.report.worst();
     let peak_output = monitor.output_squared.sqrt();

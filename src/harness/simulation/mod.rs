@@ -1,6 +1,7 @@
 //! From a scenario (and a design) to the outcome of its run.
 
 mod attitude_log;
+mod designed;
 mod judge;
 mod rigid_body;
 mod state_log;
@@ -42,6 +43,26 @@ pub enum SimulateError {
     /// The codec refuses the link.
     #[error("field 'link': {0}")]
     Link(ParameterError),
+    /// Several gains and no memberships to weigh them with.
+    #[error(
+        "the design has {gains} gains, but its model has {rules} memberships; such a design can be proved \
+         for any weights, but not run"
+    )]
+    NoMemberships {
+        /// Number of gains.
+        gains: usize,
+        /// Number of memberships.
+        rules: usize,
+    },
+    /// The plant is to be weighted by the memberships of a model that has none.
+    #[error(
+        "field 'system.takagi_sugeno.mixing': \"model\" needs a design whose model has local rules, as \
+         many as the scenario's vertices ({vertices})"
+    )]
+    NoRules {
+        /// Vertices of the scenario.
+        vertices: usize,
+    },
     /// The flight code refuses the controller.
     #[error("the flight code refuses the controller: {0}")]
     Controller(ParameterError),

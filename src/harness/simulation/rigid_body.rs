@@ -2,15 +2,17 @@
 
 use nalgebra::Vector3;
 use runtime::attitude::AttitudeMeasurement;
-use runtime::membership::{GaussianRules, RigidBodyBox};
+use runtime::membership::{GaussianRules, Membership};
 use runtime::{lei2022, wu2018, xu2020};
+use synth::model::Plant;
 
 use super::attitude_log::{AttitudeLog, SettleRule};
+use super::designed::{designed, on_the_box, Use};
 use super::judge::{self, Parts};
 use super::{ordered, Outcome, SimulateError};
 use crate::harness::closed_loop::{ClosedLoop, End};
 use crate::harness::controller::{AnyController, Controller, XuAttitude};
-use crate::harness::design::{threshold_update, Design};
+use crate::harness::design::Design;
 use crate::harness::link::Link;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::padding;
@@ -62,7 +64,7 @@ pub(super) fn run(
             (end, log, name, choice.parameters.torque_limit)
         }
         (ControllerChoice::Design(_), Some(design)) => {
-            let (controller, limit) = designed(design)?;
+            let (controller, limit) = attitude_controller(design)?;
             let (end, log) = fly(scenario, system, controller, watch);
             let name = format!(
                 "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
@@ -146,22 +148,31 @@ fn lei_name(parameters: &lei2022::Parameters) -> String {
     .to_string()
 }
 
-type DesignedController = XuAttitude<RigidBodyBox, 1>;
+type AnyAttitudeController = AnyController<AttitudeMeasurement, 3>;
 
-fn designed(design: &Design) -> Result<(DesignedController, Vector3<f64>), SimulateError> {
-    let synth::model::Plant::Spacecraft(craft) = &design.model.plant else {
-        return Err(SimulateError::NoDesign);
+/// Boxes the controller.
+struct Boxed;
+
+impl Use<6, 3> for Boxed {
+    type Output = AnyAttitudeController;
+
+    fn with<S, const R: usize>(self, controller: xu2020::Controller<S, 6, 3, R>) -> Self::Output
+    where
+        S: Membership<6, R> + Copy + std::fmt::Debug + 'static,
+    {
+        Box::new(XuAttitude::new(controller))
+    }
+}
+
+fn attitude_controller(
+    design: &Design,
+) -> Result<(AnyAttitudeController, Vector3<f64>), SimulateError> {
+    let controller = match &design.model.plant {
+        Plant::Spacecraft(craft) => on_the_box(design, craft, Boxed)?,
+        _ => designed::<6, 3, _>(design, Boxed)?,
     };
-    let specs = &design.model.file.specs;
-    let controller = xu2020::Controller::new(xu2020::Parameters {
-        gains: [padding::matrix(&design.certificate.gain)],
-        membership: RigidBodyBox::new(craft.rate_bound.into(), craft.scalar_part_min)?,
-        trigger_weight: padding::matrix(&design.certificate.trigger_weight),
-        threshold_update: threshold_update(specs),
-        torque_limit: craft.torque_limit,
-        longest_interval_s: Some(specs.hbar_s),
-    })?;
-    Ok((XuAttitude::new(controller), craft.torque_limit))
+    let limit = design.model.plant.takagi_sugeno().input_limit;
+    Ok((controller, padding::vector(limit.as_slice())))
 }
 
 fn fuzzy(choice: &XuChoice) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
@@ -241,9 +252,13 @@ fn finish(
         end,
     };
     let certificate = match (design, &log.lyapunov) {
-        (Some(design), Some(monitor)) => {
-            Some(judge::certificate(scenario, design, monitor, from_rest))
-        }
+        (Some(design), Some(monitor)) => Some(judge::certificate(
+            scenario,
+            design,
+            monitor,
+            &log.events,
+            from_rest,
+        )),
         _ => None,
     };
     let mut summary = judge::summary(scenario, design, parts, certificate);

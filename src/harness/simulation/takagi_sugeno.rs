@@ -1,15 +1,21 @@
 //! Runs of Takagi-Sugeno plants of any size, padded to one of a few sizes.
 
+use runtime::membership::Membership;
+use runtime::xu2020;
+use synth::fuzzy::RuleModel;
+use synth::model::Plant;
+
+use super::designed::{designed, Use};
 use super::judge::{self, Parts};
 use super::state_log::StateLog;
 use super::{Outcome, SimulateError};
 use crate::harness::actuator::ActuatorData;
-use crate::harness::closed_loop::ClosedLoop;
+use crate::harness::closed_loop::{ClosedLoop, End};
 use crate::harness::controller::XuState;
 use crate::harness::design::Design;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::padding;
-use crate::harness::plant::TakagiSugenoPlant;
+use crate::harness::plant::{Mixing, TakagiSugenoPlant};
 use crate::harness::sampling::Sampling;
 use crate::harness::scenario::{Scenario, TakagiSugenoSystem};
 use crate::harness::sensor::StateSensor;
@@ -31,9 +37,6 @@ pub(super) fn run(
     }
 }
 
-/// The limit of an input that only pads, which never receives a command.
-const PADDED_LIMIT: f64 = 1.0;
-
 fn run_padded<const N: usize, const M: usize>(
     scenario: &Scenario,
     system: &TakagiSugenoSystem,
@@ -41,44 +44,28 @@ fn run_padded<const N: usize, const M: usize>(
     trajectory: bool,
 ) -> Result<Outcome, SimulateError> {
     let size = system.system.input_matrix.shape();
-    let certificate = &design.certificate;
     let limit = design.model.plant.takagi_sugeno().input_limit;
-    let controller = XuState::<N, M>::new(
-        &design.file,
-        &padding::matrix(&certificate.gain),
-        &padding::with_unit_diagonal(&certificate.trigger_weight),
-        &padding::filled(limit.as_slice(), PADDED_LIMIT),
-        size.0,
-    )?;
     let actuators = ActuatorData {
         limit: padding::filled(system.system.input_limit.as_slice(), f64::INFINITY),
         delay_s: system.input_delay_s,
         ..ActuatorData::ideal()
     };
-    let mut log = StateLog::new(
+    let rules = mixing_rules(system, design)?;
+    let log = StateLog::new(
         size,
         scenario.settle_tolerance_state,
         scenario.duration_s - scenario.tail_s,
         LyapunovMonitor::new(design.claims::<N>()),
         trajectory.then_some(scenario.output_interval_s),
     );
-    let closed_loop = ClosedLoop {
-        plant: &TakagiSugenoPlant::<N, M>::new(&system.system, system.mixing.clone()),
-        disturbance: &system.disturbance.resized::<N>(),
-        sensor: StateSensor::new(size.0, system.state_noise, scenario.seed),
-        controller,
-        link: None,
-        sampling: Sampling::new(
-            scenario.instants,
-            scenario.dropout_probability,
-            scenario.seed,
-        ),
-        actuators: &actuators,
-        breakpoints_s: Vec::new(),
-        method: scenario.method,
-        duration_s: scenario.duration_s,
+    let fly = Fly {
+        scenario,
+        system,
+        plant: TakagiSugenoPlant::new(&system.system, system.mixing.clone(), rules),
+        actuators,
+        log,
     };
-    let end = closed_loop.run(&padding::vector(&system.initial_state), &mut log);
+    let (end, log) = designed::<N, M, _>(design, fly)?;
     let parts = Parts {
         system: "takagi_sugeno",
         controller: format!(
@@ -102,7 +89,7 @@ fn run_padded<const N: usize, const M: usize>(
         end,
     };
     let from_rest = log.start.norm() == 0.0;
-    let certificate = judge::certificate(scenario, design, &log.lyapunov, from_rest);
+    let certificate = judge::certificate(scenario, design, &log.lyapunov, &log.events, from_rest);
     let mut summary = judge::summary(scenario, Some(design), parts, Some(certificate));
     summary.final_state_norm = Some(log.last.norm()).filter(|norm| norm.is_finite());
     summary.rms_state_norm = log.error.tail_rms();
@@ -111,4 +98,58 @@ fn run_padded<const N: usize, const M: usize>(
         summary,
         trajectory: log.into_table(),
     })
+}
+
+/// The rules that weigh the plant's vertices, where the scenario wants the model's memberships.
+fn mixing_rules(
+    system: &TakagiSugenoSystem,
+    design: &Design,
+) -> Result<Option<RuleModel>, SimulateError> {
+    let vertices = system.system.state_matrices.len();
+    match (&system.mixing, &design.model.plant) {
+        (Mixing::Model, Plant::Rules(rules)) if rules.sets.len() == vertices => {
+            Ok(Some(rules.clone()))
+        }
+        (Mixing::Model, _) => Err(SimulateError::NoRules { vertices }),
+        _ => Ok(None),
+    }
+}
+
+/// The closed loop that waits for its controller.
+struct Fly<'a, const N: usize, const M: usize> {
+    scenario: &'a Scenario,
+    system: &'a TakagiSugenoSystem,
+    plant: TakagiSugenoPlant<N, M>,
+    actuators: ActuatorData<M>,
+    log: StateLog<N, M>,
+}
+
+impl<const N: usize, const M: usize> Use<N, M> for Fly<'_, N, M> {
+    type Output = (End, StateLog<N, M>);
+
+    fn with<S, const R: usize>(self, controller: xu2020::Controller<S, N, M, R>) -> Self::Output
+    where
+        S: Membership<N, R> + Copy + std::fmt::Debug + 'static,
+    {
+        let (scenario, system, mut log) = (self.scenario, self.system, self.log);
+        let states = system.system.input_matrix.nrows();
+        let closed_loop = ClosedLoop {
+            plant: &self.plant,
+            disturbance: &system.disturbance.resized::<N>(),
+            sensor: StateSensor::new(states, system.state_noise, scenario.seed),
+            controller: XuState::new(controller, states),
+            link: None,
+            sampling: Sampling::new(
+                scenario.instants,
+                scenario.dropout_probability,
+                scenario.seed,
+            ),
+            actuators: &self.actuators,
+            breakpoints_s: Vec::new(),
+            method: scenario.method,
+            duration_s: scenario.duration_s,
+        };
+        let end = closed_loop.run(&padding::vector(&system.initial_state), &mut log);
+        (end, log)
+    }
 }

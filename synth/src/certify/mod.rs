@@ -14,7 +14,8 @@ pub mod theorem1;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Model, Plant};
+use crate::fuzzy::RuleModel;
+use crate::model::{Mismatch, Model, Plant};
 use definite::{prove_positive_definite, IntervalMatrix};
 use interval::Interval;
 use matrix::Matrix;
@@ -63,7 +64,7 @@ impl Report {
 
 /// Checks every condition of Theorem 1 for the given numbers.
 pub fn check(model: &Model, certificate: &Certificate) -> Report {
-    judge_all(not_covered(model), |check| {
+    judge_all(not_covered(model, certificate), |check| {
         for_each_condition::<Interval>(model, certificate, |statement| {
             check(statement.name, statement.matrix);
         });
@@ -100,7 +101,7 @@ fn judge(matrix: &Matrix<Interval>) -> (bool, f64) {
     }
 }
 
-fn not_covered(model: &Model) -> Vec<String> {
+fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
     let specs = &model.file.specs;
     let mut out = vec![
         "the state is measured without error".to_string(),
@@ -114,7 +115,14 @@ fn not_covered(model: &Model) -> Vec<String> {
             specs.nu
         ),
     ];
+    if let (Mismatch::Kappa(kappa), true) = (model.file.mismatch, certificate.is_matched(model)) {
+        out.push(format!(
+            "memberships at the last sent state that differ from the present ones by at most kappa = \
+             {kappa} in each rule"
+        ));
+    }
     match &model.plant {
+        Plant::Rules(rules) => rules_not_covered(rules, &mut out),
         Plant::Spacecraft(craft) => {
             out.push("an inertia equal to the model's, and a rigid body".to_string());
             out.push("a scalar part q0 that starts positive".to_string());
@@ -132,4 +140,19 @@ fn not_covered(model: &Model) -> Vec<String> {
         }
     }
     out
+}
+
+fn rules_not_covered(rules: &RuleModel, out: &mut Vec<String>) {
+    out.push("a plant that is the blend of the local rules, not what they interpolate".to_string());
+    if let Some(error) = rules.worst_model_error() {
+        out.push(format!(
+            "no difference between the blend and the rigid spacecraft; over the box it reaches at least \
+             {:.3} N m in torque and {:.3} 1/s in q'",
+            error.torque_nm, error.attitude_rate_per_s
+        ));
+    }
+    out.push(format!(
+        "a disturbance whose norm stays within {}",
+        rules.system.disturbance_bound
+    ));
 }

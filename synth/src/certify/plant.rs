@@ -3,11 +3,11 @@
 //! For the rigid spacecraft the equation of motion is kept multiplied by E = diag(J, I), so that the
 //! inertia enters as the doubles of the file and its inverse never does.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3, Vector4};
 
 use super::matrix::Matrix;
 use super::scalar::Scalar;
-use crate::fuzzy::{ExactSpacecraft, VertexSystem, SPACECRAFT_VERTICES};
+use crate::fuzzy::{ExactSpacecraft, RuleModel, VertexSystem, SPACECRAFT_VERTICES};
 use crate::model::Plant;
 
 /// One bound of the region, `|rows x|^2 <= bound_squared`.
@@ -49,6 +49,7 @@ impl<S: Scalar> DescriptorPlant<S> {
         match plant {
             Plant::Spacecraft(craft) => spacecraft(craft),
             Plant::Vertices(system) => vertex_system(system),
+            Plant::Rules(rules) => rule_model(rules),
         }
     }
 
@@ -99,7 +100,23 @@ fn inverse_of_descriptor<S: Scalar>(descriptor: &Matrix<S>) -> Matrix<S> {
 }
 
 fn spacecraft<S: Scalar>(craft: &ExactSpacecraft) -> DescriptorPlant<S> {
-    let inertia: Matrix<S> = Matrix::from_fn(3, 3, |r, c| S::from_f64(craft.inertia[(r, c)]));
+    let corners = (0..SPACECRAFT_VERTICES).map(|vertex| craft.corner(vertex));
+    let places: Vec<Vector4<f64>> = corners.collect();
+    DescriptorPlant {
+        input_limit: exact_limits(craft.torque_limit.iter()),
+        disturbance_bound: S::from_f64(craft.disturbance_bound),
+        region: spacecraft_region(craft),
+        ..rigid_body(&craft.inertia, &places)
+    }
+}
+
+fn exact_limits<'a, S: Scalar>(limits: impl Iterator<Item = &'a f64>) -> Vec<S> {
+    limits.map(|&limit| S::from_f64(limit)).collect()
+}
+
+/// The rigid body with A frozen at the given (omega, q0); no limits, no disturbance, no region.
+fn rigid_body<S: Scalar>(inertia: &Matrix3<f64>, places: &[Vector4<f64>]) -> DescriptorPlant<S> {
+    let inertia: Matrix<S> = Matrix::from_fn(3, 3, |r, c| S::from_f64(inertia[(r, c)]));
     let mut descriptor = Matrix::identity(6, S::one());
     let mut input = Matrix::zeros(6, 3);
     for row in 0..3 {
@@ -110,29 +127,21 @@ fn spacecraft<S: Scalar>(craft: &ExactSpacecraft) -> DescriptorPlant<S> {
     }
     DescriptorPlant {
         descriptor,
-        vertices: (0..SPACECRAFT_VERTICES)
-            .map(|vertex| corner_matrix(craft, &inertia, vertex))
+        vertices: places
+            .iter()
+            .map(|place| frozen_matrix(place, &inertia))
             .collect(),
         disturbance: input.clone(),
         input,
         output: Matrix::identity(6, S::one()),
-        input_limit: craft
-            .torque_limit
-            .iter()
-            .map(|&limit| S::from_f64(limit))
-            .collect(),
-        disturbance_bound: S::from_f64(craft.disturbance_bound),
-        region: spacecraft_region(craft),
+        input_limit: Vec::new(),
+        disturbance_bound: S::zero(),
+        region: Vec::new(),
     }
 }
 
-/// [ -omega^x J, 0 ; 1/2 q0 I, -1/2 omega^x ] at one corner of the box.
-fn corner_matrix<S: Scalar>(
-    craft: &ExactSpacecraft,
-    inertia: &Matrix<S>,
-    vertex: usize,
-) -> Matrix<S> {
-    let corner = craft.corner(vertex);
+/// [ -omega^x J, 0 ; 1/2 q0 I, -1/2 omega^x ] at (omega, q0).
+fn frozen_matrix<S: Scalar>(corner: &Vector4<f64>, inertia: &Matrix<S>) -> Matrix<S> {
     let rate = |axis: usize| S::from_f64(corner[axis]);
     let spin = Matrix::from_fn(3, 3, |r, c| match (r, c) {
         (0, 1) => -rate(2),
@@ -191,12 +200,25 @@ fn vertex_system<S: Scalar>(system: &VertexSystem) -> DescriptorPlant<S> {
         input: exactly(&system.input_matrix),
         disturbance: exactly(&system.disturbance_matrix),
         output: exactly(&system.output_matrix),
-        input_limit: system
-            .input_limit
-            .iter()
-            .map(|&limit| S::from_f64(limit))
-            .collect(),
+        input_limit: exact_limits(system.input_limit.iter()),
         disturbance_bound: S::from_f64(system.disturbance_bound),
         region: region.collect(),
+    }
+}
+
+/// For a spacecraft the inertia stays on the left-hand side here too.
+fn rule_model<S: Scalar>(rules: &RuleModel) -> DescriptorPlant<S> {
+    let mut common = vertex_system(&rules.system);
+    for (index, bound) in common.region.iter_mut().enumerate() {
+        bound.name = format!("state {}", index + 1);
+    }
+    match &rules.inertia {
+        None => common,
+        Some(inertia) => DescriptorPlant {
+            input_limit: common.input_limit,
+            disturbance_bound: common.disturbance_bound,
+            region: common.region,
+            ..rigid_body(inertia, &rules.frozen_at)
+        },
     }
 }

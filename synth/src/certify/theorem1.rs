@@ -9,13 +9,37 @@ use nalgebra::{DMatrix, DVector};
 use super::matrix::{Matrix, SymmetricBlocks};
 use super::plant::DescriptorPlant;
 use super::scalar::Scalar;
-use crate::model::{Model, Plant};
+use crate::conditions::xu2020::gain_suffix;
+use crate::model::{Mismatch, Model, Plant};
+
+/// The gains of one rule, beyond the first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuleGains {
+    /// F_j, m x n.
+    pub gain: DMatrix<f64>,
+    /// N_j, m x n.
+    pub anti_windup: DMatrix<f64>,
+}
+
+/// Slack of the mismatch bound for one end of the sampling interval. Rows: B'Q'v (m), M p (m; left out
+/// where all N_j are equal), x(t_k) (n).
+#[derive(Debug, Clone, PartialEq)]
+pub struct MismatchSlack {
+    /// P_j of every gain, symmetric.
+    pub bounds: Vec<DMatrix<f64>>,
+    /// R, symmetric.
+    pub common: DMatrix<f64>,
+}
 
 /// The numbers of a certificate, exactly as a reader of the file gets them. n states, m inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
-    /// F, m x n.
+    /// F, m x n; with several gains the first.
     pub gain: DMatrix<f64>,
+    /// The other gains; empty for a constant gain.
+    pub further: Vec<RuleGains>,
+    /// Slack for r = 1 and r = 2; empty unless a mismatch above 0 is assumed.
+    pub mismatch: Vec<MismatchSlack>,
     /// Upsilon, n x n, symmetric.
     pub trigger_weight: DMatrix<f64>,
     /// U, n x n, symmetric.
@@ -43,6 +67,38 @@ pub struct Certificate {
     pub certified_vector_part: Option<f64>,
 }
 
+impl Certificate {
+    /// Number of gains.
+    pub fn gain_count(&self) -> usize {
+        1 + self.further.len()
+    }
+
+    /// All gains F_j.
+    pub fn gains(&self) -> impl Iterator<Item = &DMatrix<f64>> {
+        std::iter::once(&self.gain).chain(self.further.iter().map(|rule| &rule.gain))
+    }
+
+    /// All anti-windup gains N_j.
+    pub fn anti_windups(&self) -> impl Iterator<Item = &DMatrix<f64>> {
+        std::iter::once(&self.anti_windup).chain(self.further.iter().map(|rule| &rule.anti_windup))
+    }
+
+    /// True when the proof takes rule j of the plant and gain j to have nearly the same weight.
+    /// Otherwise the gains may be weighted in any way at any time.
+    pub fn is_matched(&self, model: &Model) -> bool {
+        matches!(model.file.mismatch, Mismatch::Kappa(_))
+            && self.gain_count() > 1
+            && model.plant.membership_count() == Some(self.gain_count())
+    }
+
+    /// Side of P_j and R: with rows for M p only where the N_j differ.
+    pub fn mismatch_side(&self) -> usize {
+        let (m, n) = self.gain.shape();
+        let equal = self.anti_windups().all(|gain| *gain == self.anti_windup);
+        n + if equal { m } else { 2 * m }
+    }
+}
+
 /// A named symmetric matrix that must be positive definite.
 #[derive(Debug, Clone)]
 pub struct Statement<S> {
@@ -66,8 +122,12 @@ struct Assembly<'a, S> {
     /// Q_k = eps_k Q.
     multipliers: [Matrix<S>; 3],
     lyapunov: Matrix<S>,
-    gain: Matrix<S>,
-    anti_windup: Matrix<S>,
+    /// F_j and N_j of every gain.
+    gains: Vec<(Matrix<S>, Matrix<S>)>,
+    /// kappa, where rule j of the plant goes with gain j.
+    matched: Option<S>,
+    /// kappa is above 0: without slack nothing is proved.
+    slack_needed: bool,
 }
 
 /// All conditions of Theorem 1 for a model and a certificate, one after the other; `check` is
@@ -80,6 +140,7 @@ pub fn for_each_condition<S: Scalar>(
     let assembly = Assembly::new(model, certificate);
     let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
     assembly.positivity(&mut tell);
+    assembly.mismatch(&mut tell);
     assembly.decrease(&mut tell);
     assembly.anti_windup(&mut tell);
     assembly.peak_gain(&mut tell);
@@ -107,8 +168,17 @@ impl<'a, S: Scalar> Assembly<'a, S> {
                 .eps
                 .map(|weight| multiplier.scaled(&S::from_f64(weight))),
             lyapunov: exactly(&certificate.lyapunov),
-            gain: exactly(&certificate.gain),
-            anti_windup: exactly(&certificate.anti_windup),
+            gains: certificate
+                .gains()
+                .zip(certificate.anti_windups())
+                .map(|(gain, anti_windup)| (exactly(gain), exactly(anti_windup)))
+                .collect(),
+            slack_needed: certificate.is_matched(model)
+                && !matches!(model.file.mismatch, Mismatch::Kappa(kappa) if kappa == 0.0),
+            matched: match model.file.mismatch {
+                Mismatch::Kappa(kappa) if certificate.is_matched(model) => Some(S::from_f64(kappa)),
+                _ => None,
+            },
             certificate,
             plant,
             phi,
@@ -130,20 +200,121 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 
     /// (18), negated. Rows: x, x', x(t_k^l), e, dead zone, tau and, for r = 2, the integral.
+    ///
+    /// It is affine in (zeta(t), zeta(t_k)). Where these are independent, every vertex with every gain
+    /// decides. Where |zeta(t_k) - zeta(t)| <= kappa, every rule with its own gain decides once the most
+    /// that the difference can add is added ([`Assembly::mismatch`]).
     fn decrease(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        let count = self.gains.len();
         for interval in [1, 2] {
-            let common = self.decrease_without_vertex(interval);
-            for (index, vertex) in self.plant.vertices.iter().enumerate() {
-                let matrix = self.with_vertex(&common, vertex);
-                tell(
-                    format!("decrease r={interval} vertex {}", index + 1),
-                    matrix.negated(),
-                );
+            let added = self.mismatch_term(interval);
+            for (rule, gains) in self.gains.iter().enumerate() {
+                let mut common = self.decrease_without_vertex(interval, gains);
+                if let Some(added) = &added {
+                    common = common.plus(added);
+                }
+                for (index, vertex) in self.plant.vertices.iter().enumerate() {
+                    let name = format!("decrease r={interval} vertex {}", index + 1);
+                    let name = match self.matched {
+                        Some(_) if rule != index => continue,
+                        Some(_) => name,
+                        None => name + &gain_suffix(count, rule),
+                    };
+                    tell(name, self.with_vertex(&common, vertex).negated());
+                }
             }
         }
     }
 
-    fn decrease_without_vertex(&self, interval: usize) -> Matrix<S> {
+    /// The slack for one end of the interval, where kappa is above 0 and the slack fits.
+    fn slack(&self, interval: usize) -> Option<(&S, &MismatchSlack)> {
+        let (kappa, slack) = (
+            self.matched.as_ref()?,
+            self.certificate.mismatch.get(interval - 1)?,
+        );
+        let side = self.certificate.mismatch_side();
+        let fits = |matrix: &DMatrix<f64>| matrix.shape() == (side, side);
+        let complete = slack.bounds.len() == self.gains.len();
+        let fitting = slack.bounds.iter().all(fits) && fits(&slack.common);
+        (complete && fitting).then_some((kappa, slack))
+    }
+
+    /// P_j > N_j - R and P_j > R - N_j with N_j the form of gain j. As sum_j delta_j = 0 for delta =
+    /// zeta(t_k) - zeta(t), the gains add sum_j delta_j (N_j - R) <= kappa sum_j P_j.
+    fn mismatch(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+        for interval in [1, 2] {
+            let Some((_, slack)) = self.slack(interval) else {
+                if self.slack_needed {
+                    let name = format!("mismatch r={interval} slack present");
+                    tell(name, Matrix::identity(1, -S::one()));
+                }
+                continue;
+            };
+            let common = Matrix::exactly(&slack.common);
+            for (rule, (gains, bound)) in self.gains.iter().zip(&slack.bounds).enumerate() {
+                let difference = self.gain_form(gains).minus(&common);
+                let bound = Matrix::exactly(bound);
+                let name = |side| format!("mismatch r={interval} gain {} {side}", rule + 1);
+                tell(name("above"), bound.minus(&difference));
+                tell(name("below"), bound.plus(&difference));
+            }
+        }
+    }
+
+    /// The form 2 (B'Q'v)' F_j x(t_k) + 2 (M p)' N_j x(t_k) as a matrix on the rows of
+    /// [`MismatchSlack`].
+    fn gain_form(&self, (gain, anti_windup): &(Matrix<S>, Matrix<S>)) -> Matrix<S> {
+        let (m, n) = (gain.nrows(), gain.ncols());
+        let zone = self.certificate.mismatch_side() - m - n;
+        let mut out = SymmetricBlocks::new(&[m, zone, n]);
+        out.set(0, 2, gain);
+        if zone > 0 {
+            out.set(1, 2, anti_windup);
+        }
+        out.finish()
+    }
+
+    /// kappa sum_j P_j on the rows of (18).
+    fn mismatch_term(&self, interval: usize) -> Option<Matrix<S>> {
+        let (kappa, slack) = self.slack(interval)?;
+        let plant = &self.plant;
+        let (n, m, d) = (
+            plant.states(),
+            plant.input.ncols(),
+            plant.disturbance.ncols(),
+        );
+        let side = self.certificate.mismatch_side();
+        let zone = side - m - n;
+        let total = 4 * n + m + d + if interval == 2 { n } else { 0 };
+        let mut seen = Matrix::zeros(side, total);
+        for (block, multiplier) in self.multipliers.iter().enumerate() {
+            let command = plant.input.transposed().times(&multiplier.transposed());
+            for r in 0..m {
+                for c in 0..n {
+                    seen.set(r, block * n + c, command.at(r, c).clone());
+                }
+            }
+        }
+        for k in 0..zone {
+            let weight = S::from_f64(self.certificate.sector_weight[k]);
+            seen.set(m + k, 4 * n + k, weight);
+        }
+        for k in 0..n {
+            seen.set(m + zone + k, 2 * n + k, S::one());
+            seen.set(m + zone + k, 3 * n + k, -S::one());
+        }
+        let bounds = slack.bounds.iter();
+        let sum = bounds.fold(Matrix::zeros(side, side), |sum, bound| {
+            sum.plus(&Matrix::exactly(bound))
+        });
+        Some(seen.transposed().times(&sum.scaled(kappa)).times(&seen))
+    }
+
+    fn decrease_without_vertex(
+        &self,
+        interval: usize,
+        (gain, anti_windup): &(Matrix<S>, Matrix<S>),
+    ) -> Matrix<S> {
         let [q1, q2, q3] = &self.multipliers;
         let plant = &self.plant;
         let (n, m, d) = (
@@ -157,8 +328,8 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let l1 = exactly(&self.certificate.free_state);
         let l2 = exactly(&self.certificate.free_sample);
         let sector = exactly(&DMatrix::from_diagonal(&self.certificate.sector_weight));
-        let bf = plant.input.times(&self.gain);
-        let nm = self.anti_windup.transposed().times(&sector);
+        let bf = plant.input.times(gain);
+        let nm = anti_windup.transposed().times(&sector);
         let nu_weight = weight.scaled(&self.nu);
         let e = &plant.descriptor;
         let xi = S::from_f64(self.certificate.disturbance_weight);
@@ -233,16 +404,19 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         out
     }
 
-    /// (19) with k2 for every input.
+    /// (19) with k2 for every gain and input.
     fn anti_windup(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
-        let difference = self.gain.minus(&self.anti_windup);
-        for (input, limit) in self.plant.input_limit.iter().enumerate() {
-            let factor = limit.clone() * limit.clone() / self.level.clone();
-            let mut out = SymmetricBlocks::new(&[self.plant.states(), 1]);
-            out.set(0, 0, &self.lyapunov.scaled(&factor));
-            out.set(0, 1, &difference.row(input).transposed());
-            out.set(1, 1, &Matrix::identity(1, S::one()));
-            tell(format!("anti-windup input {}", input + 1), out.finish());
+        for (rule, (gain, anti_windup)) in self.gains.iter().enumerate() {
+            let difference = gain.minus(anti_windup);
+            for (input, limit) in self.plant.input_limit.iter().enumerate() {
+                let factor = limit.clone() * limit.clone() / self.level.clone();
+                let mut out = SymmetricBlocks::new(&[self.plant.states(), 1]);
+                out.set(0, 0, &self.lyapunov.scaled(&factor));
+                out.set(0, 1, &difference.row(input).transposed());
+                out.set(1, 1, &Matrix::identity(1, S::one()));
+                let name = format!("anti-windup input {}", input + 1);
+                tell(name + &gain_suffix(self.gains.len(), rule), out.finish());
+            }
         }
     }
 

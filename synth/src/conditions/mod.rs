@@ -6,7 +6,7 @@ pub mod saturated_region;
 pub mod state_feedback;
 pub mod xu2020;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::fuzzy::TakagiSugeno;
 
@@ -31,6 +31,34 @@ pub struct Specification {
     pub margin: f64,
 }
 
+/// Which gains there are and what is assumed about their memberships.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GainPlan {
+    /// Number of gains F_j, at least 1. One: a constant gain.
+    pub count: usize,
+    /// Bound kappa on |zeta_j(t) - zeta_j(t_k)| of every rule j; the gains are then one for each
+    /// vertex. `None` with several gains: they may be weighted in any way at any time.
+    pub mismatch: Option<f64>,
+    /// The gains, m x n each, where they are given; otherwise they are unknowns.
+    pub given: Option<Vec<DMatrix<f64>>>,
+}
+
+impl GainPlan {
+    /// One unknown gain.
+    pub fn constant() -> Self {
+        GainPlan {
+            count: 1,
+            mismatch: None,
+            given: None,
+        }
+    }
+
+    /// Bound kappa when plant and gains are weighted by nearly the same memberships.
+    pub fn matched(&self) -> Option<f64> {
+        self.mismatch.filter(|_| self.count > 1)
+    }
+}
+
 /// A model and a specification in one system of units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Task {
@@ -40,15 +68,18 @@ pub struct Task {
     pub specification: Specification,
     /// `xi` in these units times this number is `xi` in SI units.
     pub disturbance_weight_unit: f64,
+    /// The gains.
+    pub gains: GainPlan,
 }
 
 impl Task {
-    /// A task in the units of its model.
+    /// A task in the units of its model, for a constant gain.
     pub fn new(system: TakagiSugeno, specification: Specification) -> Self {
         Task {
             system,
             specification,
             disturbance_weight_unit: 1.0,
+            gains: GainPlan::constant(),
         }
     }
 

@@ -6,13 +6,18 @@
 
 mod anti_windup;
 mod decrease;
+mod mismatch;
 mod peak_gain;
 mod region;
 mod start;
 
+pub use anti_windup::gain_suffix;
 pub use decrease::{
-    condition_name, decrease, decrease_form, full_condition, vertex_term, Coordinates, Interval,
+    condition_name, decrease, decrease_form, full_condition, full_matched_condition, vertex_term,
+    Coordinates, Interval,
 };
+
+pub use mismatch::MismatchUnknowns;
 
 use nalgebra::DMatrix;
 
@@ -52,7 +57,16 @@ pub enum Sector {
     Unsaturated,
 }
 
-/// The unknowns of Theorem 2 for a constant gain. Shapes: n states, m inputs.
+/// The gain of one rule, beyond the first.
+#[derive(Debug, Clone)]
+pub struct RuleUnknowns {
+    /// Fh_j, m x n.
+    pub gain: Affine,
+    /// Nh_j, m x n; `None` without sector unknowns.
+    pub anti_windup: Option<Affine>,
+}
+
+/// The unknowns of Theorem 2. Shapes: n states, m inputs.
 #[derive(Debug, Clone)]
 pub struct DesignUnknowns {
     /// Uh, n x n, symmetric: the quadratic part of the Lyapunov functional.
@@ -67,10 +81,16 @@ pub struct DesignUnknowns {
     pub free_state: Affine,
     /// L2h, n x n: free matrix on x(t_k^l).
     pub free_sample: Affine,
-    /// Fh, m x n: the gain.
+    /// Fh, m x n: the gain (of the first rule).
     pub gain: Affine,
-    /// The unknowns of the sector condition; `None` when the design never saturates in its set.
+    /// The unknowns of the sector condition (anti-windup gain of the first rule); `None` when the
+    /// design never saturates in its set.
     pub sector: Option<SectorUnknowns>,
+    /// The gains of the other rules; empty for a constant gain.
+    pub further: Vec<RuleUnknowns>,
+    /// The slack of the mismatch bound, for each end of the sampling interval; empty where none is
+    /// assumed or where it is 0.
+    pub mismatch: Vec<MismatchUnknowns>,
     /// xi: the weight of the disturbance.
     pub disturbance_weight: Affine,
     /// gamma: the bound on the L-infinity gain, in SI units whatever those of the task.
@@ -81,24 +101,82 @@ impl DesignUnknowns {
     /// Creates the unknowns for a task.
     pub fn new(unknowns: &mut Unknowns, task: &Task, sector: Sector) -> Self {
         let (states, inputs) = (task.system.states(), task.system.inputs());
+        let lyapunov = unknowns.symmetric("Uh", states);
+        let integral_weight = unknowns.symmetric("Yh", states);
+        let trigger_weight = unknowns.symmetric("Wh", states);
+        let multiplier = unknowns.general("Qh", states, states);
+        let free_state = unknowns.general("L1h", states, states);
+        let free_sample = unknowns.general("L2h", states, states);
+        let gain = |unknowns: &mut Unknowns, rule: usize| match &task.gains.given {
+            Some(given) => &given[rule] * &multiplier.transposed(),
+            None => unknowns.general(&numbered("Fh", rule), inputs, states),
+        };
+        let anti_windup = |unknowns: &mut Unknowns, rule: usize| {
+            (1.0 / DEAD_ZONE_UNIT) * unknowns.general(&numbered("Nh", rule), inputs, states)
+        };
+        let first = gain(unknowns, 0);
+        let sector = match sector {
+            Sector::Unsaturated => None,
+            Sector::Unknown => Some(SectorUnknowns {
+                anti_windup: anti_windup(unknowns, 0),
+                weight: DEAD_ZONE_UNIT.powi(-2) * unknowns.diagonal("S", inputs),
+            }),
+        };
+        let further = (1..task.gains.count).map(|rule| RuleUnknowns {
+            gain: gain(unknowns, rule),
+            anti_windup: sector.is_some().then(|| anti_windup(unknowns, rule)),
+        });
+        let further = further.collect();
+        let mismatch = MismatchUnknowns::for_task(unknowns, task, sector.is_some());
         DesignUnknowns {
-            lyapunov: unknowns.symmetric("Uh", states),
-            integral_weight: unknowns.symmetric("Yh", states),
-            trigger_weight: unknowns.symmetric("Wh", states),
-            multiplier: unknowns.general("Qh", states, states),
-            free_state: unknowns.general("L1h", states, states),
-            free_sample: unknowns.general("L2h", states, states),
-            gain: unknowns.general("Fh", inputs, states),
-            sector: match sector {
-                Sector::Unsaturated => None,
-                Sector::Unknown => Some(SectorUnknowns {
-                    anti_windup: (1.0 / DEAD_ZONE_UNIT) * unknowns.general("Nh", inputs, states),
-                    weight: DEAD_ZONE_UNIT.powi(-2) * unknowns.diagonal("S", inputs),
-                }),
-            },
+            lyapunov,
+            integral_weight,
+            trigger_weight,
+            free_state,
+            free_sample,
+            gain: first,
+            sector,
+            further,
+            mismatch,
             disturbance_weight: unknowns.scalar("xi"),
             gain_bound: task.disturbance_weight_unit * unknowns.scalar("gamma"),
+            multiplier,
         }
+    }
+
+    /// Number of gains.
+    pub fn gain_count(&self) -> usize {
+        1 + self.further.len()
+    }
+
+    /// The same unknowns with the gains of one rule in the place of the first.
+    pub fn with_rule(&self, rule: usize) -> Self {
+        let mut out = self.clone();
+        if let Some(chosen) = rule.checked_sub(1).and_then(|k| self.further.get(k)) {
+            out.gain = chosen.gain.clone();
+            if let (Some(sector), Some(anti_windup)) = (&mut out.sector, &chosen.anti_windup) {
+                sector.anti_windup = anti_windup.clone();
+            }
+        }
+        out
+    }
+
+    /// The same unknowns with zero in the place of the gains.
+    pub fn without_gain(&self) -> Self {
+        let mut out = self.clone();
+        out.gain = Affine::zeros(self.gain.nrows(), self.gain.ncols());
+        if let Some(sector) = &mut out.sector {
+            sector.anti_windup = out.gain.clone();
+        }
+        out
+    }
+}
+
+/// `Fh`, `Fh2`, `Fh3`, ...
+fn numbered(name: &str, rule: usize) -> String {
+    match rule {
+        0 => name.to_string(),
+        _ => format!("{name}{}", rule + 1),
     }
 }
 
@@ -161,6 +239,7 @@ pub fn conditions_without_gain(
     ];
     out.extend(anti_windup::sector_positive(unknowns, strictness));
     out.extend(anti_windup::anti_windup(task, unknowns, strictness));
+    out.extend(mismatch::bounded(task, unknowns, strictness));
     out.push(peak_gain::weight_bound(task, unknowns));
     out.extend(region::region(task, unknowns, strictness));
     out.extend(start::must_contain(task, unknowns));

@@ -4,11 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::certify::theorem1::Certificate;
+use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
-    check_matrix, check_positive, check_symmetric, parse, FileError, Kind, Model, ModelError,
-    ModelFile, Plant,
+    check_matrix, check_positive, check_symmetric, parse, FileError, Kind, Mismatch, Model,
+    ModelError, ModelFile, Plant,
 };
 
 /// The version this program reads and writes.
@@ -66,6 +66,9 @@ pub struct CertificateFile {
     pub anti_windup: Vec<Vec<Vec<f64>>>,
     /// Diagonal of M. m entries.
     pub sector_weight: Vec<f64>,
+    /// Slack of the mismatch bound, for r = 1 and r = 2; only with scheduled gains and kappa > 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mismatch: Vec<MismatchFile>,
     /// xi: V' <= -phi V + xi |tau|^2.
     pub xi: f64,
     /// gamma: the paper's bound on sup|y| / sup|tau| from rest, not below xi.
@@ -75,6 +78,17 @@ pub struct CertificateFile {
     /// Radius s: every attitude at rest with |q| <= s is in the certified set. Spacecraft only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certified_vector_part: Option<f64>,
+}
+
+/// P_j and R with P_j >= +-(N_j - R), N_j the form of gain j on (B'Q'v, M p, x(t_k)); the rows of M p are
+/// left out where all anti-windup gains are equal. Each m + n (or 2 m + n) square, symmetric.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MismatchFile {
+    /// P_j of every gain.
+    pub bounds: Vec<Vec<Vec<f64>>>,
+    /// R.
+    pub common: Vec<Vec<f64>>,
 }
 
 /// The outcome of a check.
@@ -97,6 +111,9 @@ pub struct Provenance {
     pub generator: String,
     /// SHA-256 of the model file's bytes.
     pub model_sha256: String,
+    /// SHA-256 of the gains file's bytes, where the gains were given and not designed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gains_sha256: Option<String>,
     /// Date and time (UTC, RFC 3339).
     pub date: String,
     /// Form of the decrease condition: reduced or full.
@@ -181,8 +198,19 @@ impl DesignFile {
             check_symmetric(field, &matrix)?;
             Ok(matrix)
         };
-        Ok(Certificate {
-            gain: single("controller.gains", &self.controller.gains, gain)?,
+        let gains = each("controller.gains", &self.controller.gains, gain)?;
+        let anti_windups = each("certificate.anti_windup", &part.anti_windup, gain)?;
+        let [(gain, anti_windup), further @ ..] = &paired(gains, anti_windups)?[..] else {
+            return Err(wrong_count("controller.gains", 0, "1 or more"));
+        };
+        let further = further.iter().map(|(gain, anti_windup)| RuleGains {
+            gain: gain.clone(),
+            anti_windup: anti_windup.clone(),
+        });
+        let mut certificate = Certificate {
+            gain: gain.clone(),
+            further: further.collect(),
+            mismatch: Vec::new(),
             trigger_weight: symmetric(
                 "controller.trigger_weight",
                 &self.controller.trigger_weight,
@@ -192,13 +220,15 @@ impl DesignFile {
             multiplier: check_matrix("certificate.multiplier", &part.multiplier, square)?,
             free_state: check_matrix("certificate.free_state", &part.free_state, square)?,
             free_sample: check_matrix("certificate.free_sample", &part.free_sample, square)?,
-            anti_windup: single("certificate.anti_windup", &part.anti_windup, gain)?,
+            anti_windup: anti_windup.clone(),
             sector_weight: DVector::from_column_slice(weights),
             disturbance_weight: part.xi,
             gain_bound: part.gamma,
             guaranteed_gain: part.guaranteed_gain,
             certified_vector_part: part.certified_vector_part,
-        })
+        };
+        certificate.mismatch = mismatch_slack(model, &certificate, &part.mismatch)?;
+        Ok(certificate)
     }
 
     /// Proves the design from the file's numbers alone, or says what is not proved.
@@ -211,7 +241,7 @@ impl CertificateFile {
     /// Splits a certificate into what flies and what proves.
     pub fn split(certificate: &Certificate) -> (ControllerFile, CertificateFile) {
         let controller = ControllerFile {
-            gains: vec![rows(&certificate.gain)],
+            gains: certificate.gains().map(rows).collect(),
             trigger_weight: rows(&certificate.trigger_weight),
         };
         let proof = CertificateFile {
@@ -220,8 +250,16 @@ impl CertificateFile {
             multiplier: rows(&certificate.multiplier),
             free_state: rows(&certificate.free_state),
             free_sample: rows(&certificate.free_sample),
-            anti_windup: vec![rows(&certificate.anti_windup)],
+            anti_windup: certificate.anti_windups().map(rows).collect(),
             sector_weight: certificate.sector_weight.iter().copied().collect(),
+            mismatch: certificate
+                .mismatch
+                .iter()
+                .map(|side| MismatchFile {
+                    bounds: side.bounds.iter().map(rows).collect(),
+                    common: rows(&side.common),
+                })
+                .collect(),
             xi: certificate.disturbance_weight,
             gamma: certificate.gain_bound,
             guaranteed_gain: certificate.guaranteed_gain,
@@ -248,27 +286,93 @@ pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     (0..matrix.nrows()).map(row).collect()
 }
 
-/// The one matrix of a constant gain.
-fn single(
+/// A list of matrices of one size.
+fn each(
     field: &str,
     matrices: &[Vec<Vec<f64>>],
     size: (Option<usize>, Option<usize>),
-) -> Result<DMatrix<f64>, ModelError> {
-    match matrices {
-        [only] => check_matrix(&format!("{field}[0]"), only, size),
-        _ => Err(ModelError::WrongShape {
-            field: field.to_string(),
-            found: format!("{} matrices", matrices.len()),
-            expected: "1 matrix (constant gain)".to_string(),
-        }),
+) -> Result<Vec<DMatrix<f64>>, ModelError> {
+    let numbered = matrices.iter().enumerate();
+    numbered
+        .map(|(index, rows)| check_matrix(&format!("{field}[{index}]"), rows, size))
+        .collect()
+}
+
+fn wrong_count(field: &str, found: usize, expected: &str) -> ModelError {
+    ModelError::WrongShape {
+        field: field.to_string(),
+        found: format!("{found} matrices"),
+        expected: format!("{expected} matrices"),
     }
+}
+
+/// Largest number of gains in a file.
+const MAX_GAINS: usize = 64;
+
+/// Each gain with its anti-windup gain.
+fn paired(
+    gains: Vec<DMatrix<f64>>,
+    anti_windups: Vec<DMatrix<f64>>,
+) -> Result<Vec<(DMatrix<f64>, DMatrix<f64>)>, ModelError> {
+    if gains.is_empty() || gains.len() > MAX_GAINS {
+        let expected = format!("1 to {MAX_GAINS}");
+        return Err(wrong_count("controller.gains", gains.len(), &expected));
+    }
+    if gains.len() != anti_windups.len() {
+        let expected = gains.len().to_string();
+        let found = anti_windups.len();
+        return Err(wrong_count("certificate.anti_windup", found, &expected));
+    }
+    Ok(gains.into_iter().zip(anti_windups).collect())
+}
+
+/// The slack of the mismatch bound: two of it where kappa > 0 is assumed, none elsewhere.
+fn mismatch_slack(
+    model: &Model,
+    certificate: &Certificate,
+    sides: &[MismatchFile],
+) -> Result<Vec<MismatchSlack>, ModelError> {
+    let positive = matches!(model.file.mismatch, Mismatch::Kappa(kappa) if kappa > 0.0);
+    let needed = match certificate.is_matched(model) && positive {
+        true => 2,
+        false => 0,
+    };
+    if sides.len() != needed {
+        return Err(ModelError::WrongShape {
+            field: "certificate.mismatch".to_string(),
+            found: format!("{} entries", sides.len()),
+            expected: format!("{needed} entries"),
+        });
+    }
+    let side = certificate.mismatch_side();
+    let symmetric = |field: &str, rows: &[Vec<f64>]| -> Result<DMatrix<f64>, ModelError> {
+        let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
+        check_symmetric(field, &matrix)?;
+        Ok(matrix)
+    };
+    let mut out = Vec::with_capacity(needed);
+    for (index, file) in sides.iter().enumerate() {
+        let field = format!("certificate.mismatch[{index}]");
+        let count = certificate.gain_count();
+        if file.bounds.len() != count {
+            let field = format!("{field}.bounds");
+            return Err(wrong_count(&field, file.bounds.len(), &count.to_string()));
+        }
+        let bounds = file.bounds.iter().enumerate();
+        let bounds = bounds.map(|(k, rows)| symmetric(&format!("{field}.bounds[{k}]"), rows));
+        out.push(MismatchSlack {
+            bounds: bounds.collect::<Result<_, _>>()?,
+            common: symmetric(&format!("{field}.common"), &file.common)?,
+        });
+    }
+    Ok(out)
 }
 
 /// The radius of certified attitudes: for spacecraft only, where it is checked, and in [0, 1].
 fn check_radius(model: &Model, radius: f64) -> Result<(), ModelError> {
     let allowed = match model.plant {
         Plant::Spacecraft(_) => "in [0, 1]",
-        Plant::Vertices(_) => "left out: the plant is not a spacecraft",
+        Plant::Vertices(_) | Plant::Rules(_) => "left out: the plant is not an exact spacecraft",
     };
     let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
     if spacecraft && (0.0..=1.0).contains(&radius) {

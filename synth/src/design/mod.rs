@@ -5,7 +5,7 @@ mod recover;
 
 pub(crate) use file::rows;
 pub use file::{
-    CertificateFile, ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, VerdictFile,
-    DESIGN_SCHEMA_VERSION,
+    CertificateFile, ControllerFile, DesignFile, MismatchFile, ProblemUnits, Provenance, SolverRun,
+    VerdictFile, DESIGN_SCHEMA_VERSION,
 };
 pub use recover::{recover, RecoverError};

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::certify::theorem1::Certificate;
-use crate::conditions::xu2020::DesignUnknowns;
+use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
+use crate::conditions::xu2020::{DesignUnknowns, DEAD_ZONE_UNIT};
+use crate::lmi::Affine;
 use crate::model::{Model, Plant};
 use crate::scaling::Scaling;
 
@@ -48,24 +49,44 @@ pub fn recover(
     };
     let gain = |hatted: DMatrix<f64>| &to_input * hatted * multiplier.transpose() * &to_state;
     let (states, inputs) = (to_state.nrows(), to_input.nrows());
-    let (anti_windup, sector_weight) = match &unknowns.sector {
-        None => (DMatrix::zeros(inputs, states), DVector::zeros(inputs)),
-        Some(sector) => (
-            gain(sector.anti_windup.value(values)),
-            sector_weights(&sector.weight.value(values), scaling),
-        ),
+    let anti_windup = |hatted: Option<&Affine>| match hatted {
+        Some(hatted) => gain(hatted.value(values)),
+        None => DMatrix::zeros(inputs, states),
+    };
+    let first = unknowns.sector.as_ref().map(|sector| &sector.anti_windup);
+    let further = unknowns.further.iter().map(|rule| RuleGains {
+        gain: gain(rule.gain.value(values)),
+        anti_windup: anti_windup(rule.anti_windup.as_ref()),
+    });
+    let sector_weight = match &unknowns.sector {
+        None => DVector::zeros(inputs),
+        Some(sector) => sector_weights(&sector.weight.value(values), scaling),
+    };
+    let to_slack = slack_coordinates(unknowns, &multiplier, scaling);
+    let slack = |hatted: &Affine| {
+        let full = to_slack.transpose() * hatted.value(values) * &to_slack;
+        0.5 * (&full + full.transpose())
     };
     let c = scaling.disturbance;
     let xi = unknowns.disturbance_weight.value(values)[(0, 0)] / (c * c);
     let mut certificate = Certificate {
         gain: gain(unknowns.gain.value(values)),
+        further: further.collect(),
+        mismatch: unknowns
+            .mismatch
+            .iter()
+            .map(|side| MismatchSlack {
+                bounds: side.bounds.iter().map(slack).collect(),
+                common: slack(&side.common),
+            })
+            .collect(),
         trigger_weight: symmetric(unknowns.trigger_weight.value(values)),
         lyapunov: symmetric(unknowns.lyapunov.value(values)),
         integral_weight: symmetric(unknowns.integral_weight.value(values)),
         multiplier: descriptor_multiplier(&model.plant, &to_state * &multiplier * &to_state),
         free_state: weight(unknowns.free_state.value(values)),
         free_sample: weight(unknowns.free_sample.value(values)),
-        anti_windup,
+        anti_windup: anti_windup(first),
         sector_weight,
         disturbance_weight: xi,
         gain_bound: unknowns.gain_bound.value(values)[(0, 0)],
@@ -78,6 +99,28 @@ pub fn recover(
     require_finite(&certificate)?;
     add_claims(model, &mut certificate)?;
     Ok(certificate)
+}
+
+/// From the rows (B'Q'v, M p, x(t_k)) in SI units to those of the slack unknowns: the input's units, the
+/// dead zone's unit, and the congruence.
+fn slack_coordinates(
+    unknowns: &DesignUnknowns,
+    multiplier: &DMatrix<f64>,
+    scaling: &Scaling,
+) -> DMatrix<f64> {
+    let (m, n) = (scaling.input.len(), scaling.state.len());
+    let zone = if unknowns.sector.is_some() { m } else { 0 };
+    let mut out = DMatrix::zeros(m + zone + n, m + zone + n);
+    for k in 0..m {
+        out[(k, k)] = scaling.input[k];
+    }
+    for k in 0..zone {
+        out[(m + k, m + k)] = scaling.input[k] / DEAD_ZONE_UNIT;
+    }
+    let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
+    out.view_mut((m + zone, m + zone), (n, n))
+        .copy_from(&(multiplier.transpose() * to_state));
+    out
 }
 
 /// M = S^-1 in SI units.
@@ -96,14 +139,11 @@ const SECTOR_ROOM: f64 = 1e9;
 /// because with N = 0 nothing else depends on it.
 fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64> {
     let specs = &model.file.specs;
-    let input = match &model.plant {
-        Plant::Vertices(system) => system.input_matrix.clone(),
-        Plant::Spacecraft(_) => DMatrix::identity(6, 3),
+    let input = match model.plant.inertia() {
+        Some(_) => DMatrix::identity(6, 3),
+        None => model.plant.takagi_sugeno().input,
     };
-    let descriptor = match &model.plant {
-        Plant::Vertices(_) => DMatrix::identity(input.nrows(), input.nrows()),
-        Plant::Spacecraft(craft) => inertia_descriptor(craft),
-    };
+    let descriptor = model.plant.descriptor();
     let column = &certificate.multiplier * input;
     let rate = (&certificate.multiplier * descriptor).diagonal() * (2.0 * specs.eps[1]);
     DVector::from_fn(column.ncols(), |s, _| {
@@ -121,39 +161,33 @@ fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64
     })
 }
 
-fn inertia_descriptor(craft: &crate::fuzzy::ExactSpacecraft) -> DMatrix<f64> {
-    let mut descriptor = DMatrix::identity(6, 6);
-    descriptor
-        .view_mut((0, 0), (3, 3))
-        .copy_from(&craft.inertia);
-    descriptor
-}
-
-/// The multiplier of the equation in descriptor form: Q diag(J^-1, I) for a spacecraft.
+/// The multiplier of the equation in descriptor form: Q E^-1 with E = diag(J, I) for a spacecraft.
 fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64> {
-    match plant {
-        Plant::Vertices(_) => multiplier,
-        Plant::Spacecraft(craft) => match inertia_descriptor(craft).try_inverse() {
-            Some(inverse) => multiplier * inverse,
-            None => multiplier,
-        },
+    match (plant.inertia(), plant.descriptor().try_inverse()) {
+        (Some(_), Some(inverse)) => multiplier * inverse,
+        _ => multiplier,
     }
 }
 
 fn require_finite(certificate: &Certificate) -> Result<(), RecoverError> {
-    let matrices = [
-        ("gain", &certificate.gain),
+    let gains = certificate.gains().map(|gain| ("gain", gain));
+    let anti_windups = certificate
+        .anti_windups()
+        .map(|gain| ("anti-windup gain", gain));
+    let slacks = certificate.mismatch.iter().flat_map(|side| {
+        let all = side.bounds.iter().chain([&side.common]);
+        all.map(|slack| ("slack of the mismatch", slack))
+    });
+    let others = [
         ("trigger weight", &certificate.trigger_weight),
         ("Lyapunov matrix", &certificate.lyapunov),
         ("integral weight", &certificate.integral_weight),
         ("multiplier", &certificate.multiplier),
         ("free matrix on x", &certificate.free_state),
         ("free matrix on the sample", &certificate.free_sample),
-        ("anti-windup gain", &certificate.anti_windup),
     ];
-    let broken = matrices
-        .iter()
-        .find(|(_, matrix)| !matrix.iter().all(|v| v.is_finite()));
+    let mut matrices = gains.chain(anti_windups).chain(slacks).chain(others);
+    let broken = matrices.find(|(_, matrix)| !matrix.iter().all(|v| v.is_finite()));
     if let Some((matrix, _)) = broken {
         return Err(RecoverError::NotFinite { matrix });
     }

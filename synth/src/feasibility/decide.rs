@@ -5,14 +5,15 @@ use super::centre::centred;
 use super::file::{InfeasibilityFile, WeightsFile};
 use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
+use crate::conditions::GainPlan;
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::lmi::Affine;
 use crate::model::Model;
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status};
 use crate::synthesis::{
-    blocking, containment_weights, scaled_task, Assembled, Form, Goal, Search, Subject,
-    SynthesisError, Synthesized, STATE_UNITS,
+    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Subject, SynthesisError,
+    Synthesized, STATE_UNITS,
 };
 
 /// A proved no.
@@ -65,6 +66,8 @@ pub fn decide(
     let subject = Subject {
         model,
         model_text,
+        task: &model.task(),
+        gains_text: None,
         form,
     };
     decide_after(subject, &mut Search::new(form, backend, observer))
@@ -157,7 +160,7 @@ fn attempt(
     units: ProblemUnits,
     out: &mut Found,
 ) -> Result<Part, SynthesisError> {
-    let (scaling, task) = scaled_task(subject.model, units);
+    let (scaling, task) = scaled(subject.task, units);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
     if matches!(solution.status, Status::Solved | Status::Inaccurate) {
         let smaller = out.slack.map_or(true, |slack| solution.objective < slack);
@@ -170,6 +173,10 @@ fn attempt(
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
             return Ok(Part::Point(design));
         }
+    }
+    // The weights speak of one gain that is free.
+    if task.gains != GainPlan::constant() {
+        return Ok(Part::Open);
     }
     let margin = task.specification.margin;
     let excess = solution.objective - margin;

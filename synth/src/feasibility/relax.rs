@@ -1,7 +1,7 @@
 //! Which requirement, relaxed alone, first makes a model feasible, and at what value.
 
 use super::decide::{decide, Answer};
-use crate::model::{Model, ModelFile, PlantFile};
+use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
 use crate::solve::{Backend, Observer};
 use crate::synthesis::SynthesisError;
 
@@ -95,6 +95,10 @@ fn scale_limits(file: &mut ModelFile, factor: f64) -> f64 {
     let limits: &mut [f64] = match &mut file.plant {
         PlantFile::Exact(craft) => &mut craft.torque_limit_nm,
         PlantFile::Vertices(system) => &mut system.input_limit,
+        PlantFile::Rules(rules) => match &mut rules.system {
+            RulesSystem::Spacecraft(craft) => &mut craft.torque_limit_nm,
+            RulesSystem::Linear(system) => &mut system.input_limit,
+        },
     };
     limits.iter_mut().for_each(|limit| *limit *= factor);
     limits.first().copied().unwrap_or_default()
@@ -113,6 +117,11 @@ fn scale_region(file: &mut ModelFile, factor: f64) -> Option<f64> {
             let bounds = system.region.iter_mut();
             bounds.for_each(|bound| bound.bound *= factor);
             system.region.first().map(|bound| bound.bound)
+        }
+        PlantFile::Rules(rules) => {
+            let bounds = rules.state_bounds.iter_mut();
+            bounds.for_each(|bound| *bound *= factor);
+            rules.state_bounds.first().copied()
         }
     }
 }

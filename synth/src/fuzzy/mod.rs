@@ -1,9 +1,11 @@
 //! Takagi-Sugeno (T-S) models: a nonlinear plant as a convex combination of linear vertex systems.
 
 mod exact;
+mod rules;
 mod vertices;
 
 pub use exact::{ExactSpacecraft, SCHEDULING_VARIABLES, SPACECRAFT_VERTICES};
+pub use rules::{ModelError as RuleModelError, RuleModel};
 pub use vertices::VertexSystem;
 
 use nalgebra::{DMatrix, DVector};

@@ -27,6 +27,16 @@ pub struct VertexSystem {
 }
 
 impl VertexSystem {
+    /// Numbers of states, inputs, disturbances, outputs.
+    pub fn sizes(&self) -> (usize, usize, usize, usize) {
+        (
+            self.input_matrix.nrows(),
+            self.input_matrix.ncols(),
+            self.disturbance_matrix.ncols(),
+            self.output_matrix.nrows(),
+        )
+    }
+
     /// The same data in the common form.
     pub fn takagi_sugeno(&self) -> TakagiSugeno {
         let region = (0..self.box_rows.nrows()).map(|row| BoxCondition {

@@ -17,6 +17,8 @@ pub enum Kind {
     Problem,
     /// The design file of a problem.
     ProblemDesign,
+    /// A gains file.
+    Gains,
 }
 
 impl fmt::Display for Kind {
@@ -28,6 +30,7 @@ impl fmt::Display for Kind {
             Kind::Infeasibility => "infeasibility",
             Kind::Problem => "problem",
             Kind::ProblemDesign => "problem design",
+            Kind::Gains => "gains",
         })
     }
 }
@@ -151,6 +154,25 @@ pub enum ModelError {
         /// The character.
         character: char,
     },
+    /// A point of the box at which every rule has weight 0.
+    #[error(
+        "field '{field}': at the state {point:?}, which is in the box, every rule has weight 0; the \
+         memberships must leave no point of the box without a rule"
+    )]
+    Uncovered {
+        /// Path of the field.
+        field: String,
+        /// The point.
+        point: Vec<f64>,
+    },
+    /// A choice that does not go with another one.
+    #[error("field '{field}': {reason}")]
+    Choice {
+        /// Path of the field.
+        field: String,
+        /// Why, and what is possible.
+        reason: String,
+    },
     /// The format version is unknown.
     #[error("field 'schema_version': the value {found} is not allowed; it must be {expected}")]
     SchemaVersion {
@@ -211,6 +233,14 @@ impl ModelError {
                 field: nested(field),
                 position,
                 character,
+            },
+            ModelError::Uncovered { field, point } => ModelError::Uncovered {
+                field: nested(field),
+                point,
+            },
+            ModelError::Choice { field, reason } => ModelError::Choice {
+                field: nested(field),
+                reason,
             },
             ModelError::SchemaVersion { .. } => self,
         }

@@ -37,6 +37,8 @@ pub enum PlantFile {
     Exact(ExactPlant),
     /// Vertex systems given by their matrices.
     Vertices(VerticesPlant),
+    /// Local rules, blended by their memberships. The proof is about this blend.
+    Rules(RulesPlant),
 }
 
 /// A rigid spacecraft; the state is [body rate (rad/s); vector part of the error quaternion].
@@ -76,6 +78,133 @@ pub struct VerticesPlant {
     /// The region in which the model holds, |row x| <= bound each; everywhere when empty.
     #[serde(default, rename = "box")]
     pub region: Vec<LinearBound>,
+}
+
+/// x' = sum_i zeta_i(x) A_i x + B sat(u) + B_w tau, y = C x: rules "IF x_1 is about this AND ..., THEN
+/// x' = A_i x + ...", weighted by the product of the grades of their premises, divided by its sum.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RulesPlant {
+    /// What the rules have in common.
+    pub system: RulesSystem,
+    /// The box in which the rules hold: |x_k| <= bound of each of the n states, each above 0.
+    pub state_bounds: Vec<f64>,
+    /// The rules. At every point of the box at least one must have a weight above 0.
+    pub rules: Vec<LocalRuleFile>,
+}
+
+/// What local rules have in common.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RulesSystem {
+    /// The rigid spacecraft; each rule names an `operating_point` at which A(x) is frozen.
+    Spacecraft(RulesSpacecraft),
+    /// Given matrices; each rule has its `state_matrix`.
+    Linear(RulesLinear),
+}
+
+/// A rigid spacecraft; the state is [body rate (rad/s); vector part of the error quaternion].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RulesSpacecraft {
+    /// Inertia matrix, symmetric positive definite [kg m^2].
+    pub inertia_kg_m2: [[f64; 3]; 3],
+    /// Torque limit of each axis, above 0 [N m].
+    pub torque_limit_nm: [f64; 3],
+    /// Bound on the norm of the disturbance torque, not negative [N m].
+    pub disturbance_bound_nm: f64,
+}
+
+/// Input, disturbance and output matrices common to all rules.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RulesLinear {
+    /// Input matrix B, n x m.
+    pub input_matrix: Vec<Vec<f64>>,
+    /// Disturbance matrix B_w, n x d; B when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbance_matrix: Option<Vec<Vec<f64>>>,
+    /// Output matrix C, p x n; the identity when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_matrix: Option<Vec<Vec<f64>>>,
+    /// Saturation level of each input, above 0.
+    pub input_limit: Vec<f64>,
+    /// Bound on the norm of the disturbance, not negative.
+    pub disturbance_bound: f64,
+}
+
+/// One rule; exactly one of `operating_point` and `state_matrix`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LocalRuleFile {
+    /// The premises, at most one for each state; a state without one does not matter.
+    #[serde(rename = "if")]
+    pub premises: Vec<PremiseFile>,
+    /// The state at which A(x) is frozen (spacecraft): 3 rates [rad/s], 3 vector parts with norm at
+    /// most 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operating_point: Option<Vec<f64>>,
+    /// State matrix A_i, n x n (linear).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state_matrix: Option<Vec<Vec<f64>>>,
+}
+
+/// "x_state is ...".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PremiseFile {
+    /// Number of the state, from 1.
+    pub state: usize,
+    /// The fuzzy set.
+    pub is: FuzzySetFile,
+}
+
+/// A fuzzy set, in the unit of its state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FuzzySetFile {
+    /// Three corners in order: 0 up to `left`, 1 at `peak`, 0 from `right` on.
+    Triangular(TriangularFile),
+    /// Four corners in order: 0 up to `left`, 1 from `left_top` to `right_top`, 0 from `right` on.
+    Trapezoidal(TrapezoidalFile),
+    /// exp(-((x - centre) / width)^2 / 2).
+    Gaussian(GaussianFile),
+}
+
+/// Three corners, in order, not all equal; an end that equals the peak is a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TriangularFile {
+    /// Where the grade begins to rise.
+    pub left: f64,
+    /// Where it is 1.
+    pub peak: f64,
+    /// Where it is 0 again.
+    pub right: f64,
+}
+
+/// Four corners, in order, not all equal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrapezoidalFile {
+    /// Where the grade begins to rise.
+    pub left: f64,
+    /// Where it is first 1.
+    pub left_top: f64,
+    /// Where it is last 1.
+    pub right_top: f64,
+    /// Where it is 0 again.
+    pub right: f64,
+}
+
+/// A Gaussian bell.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GaussianFile {
+    /// Where the grade is 1.
+    pub centre: f64,
+    /// Standard deviation, above 0.
+    pub width: f64,
 }
 
 /// |row x| <= bound.
@@ -147,15 +276,20 @@ pub enum GainForm {
     /// One gain for all rules: no membership is needed at run time.
     #[default]
     Constant,
+    /// One gain for each rule, weighted by the memberships of the state sent last. It needs `exact`
+    /// or `rules` and a mismatch `kappa`: without that bound it can never beat a constant gain.
+    Scheduled,
 }
 
 /// What is assumed about memberships of plant and controller.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mismatch {
     /// Nothing: a constant gain does not depend on memberships.
     #[default]
     None,
+    /// Bound kappa on |zeta_i(t) - zeta_i(t_k)| of every rule i, in [0, 1]. Assumed, not proved.
+    Kappa(f64),
 }
 
 fn unit_weights() -> [f64; 3] {

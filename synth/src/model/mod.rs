@@ -3,16 +3,21 @@
 mod error;
 mod explain;
 mod file;
+mod gains;
 mod read;
+mod rules;
 mod validate;
 
 pub use error::{FileError, Kind, ModelError};
 pub use file::{
-    ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
-    ThresholdUpdate, VerticesPlant, MODEL_SCHEMA_VERSION,
+    ExactPlant, FuzzySetFile, GainForm, GaussianFile, LinearBound, LocalRuleFile, Mismatch,
+    ModelFile, Objective, PlantFile, PremiseFile, RulesLinear, RulesPlant, RulesSpacecraft,
+    RulesSystem, Specs, ThresholdUpdate, TrapezoidalFile, TriangularFile, VerticesPlant,
+    MODEL_SCHEMA_VERSION,
 };
+pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
 pub use read::{kind_of, parse, read_text, write_atomically, MAX_FILE_BYTES};
-pub use validate::Model;
+pub use validate::{Model, MAX_SCHEDULED_RULES};
 
 pub use validate::{
     check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
@@ -20,7 +25,9 @@ pub use validate::{
     MAX_COLUMNS,
 };
 
-use crate::fuzzy::{ExactSpacecraft, TakagiSugeno, VertexSystem};
+use nalgebra::{DMatrix, Matrix3};
+
+use crate::fuzzy::{ExactSpacecraft, RuleModel, TakagiSugeno, VertexSystem};
 
 /// A checked plant.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,14 +36,45 @@ pub enum Plant {
     Spacecraft(ExactSpacecraft),
     /// User-given vertex systems.
     Vertices(VertexSystem),
+    /// Local rules, blended by their memberships.
+    Rules(RuleModel),
 }
 
 impl Plant {
+    /// Inertia [kg m^2], when the plant's equation is kept multiplied by it.
+    pub fn inertia(&self) -> Option<&Matrix3<f64>> {
+        match self {
+            Plant::Spacecraft(craft) => Some(&craft.inertia),
+            Plant::Vertices(_) => None,
+            Plant::Rules(rules) => rules.inertia.as_ref(),
+        }
+    }
+
+    /// The factor E of the plant's equation E x' = ...: diag(J, I) for a spacecraft, else the identity.
+    pub fn descriptor(&self) -> DMatrix<f64> {
+        let states = self.sizes().0;
+        let mut out = DMatrix::identity(states, states);
+        if let Some(inertia) = self.inertia() {
+            out.view_mut((0, 0), (3, 3)).copy_from(inertia);
+        }
+        out
+    }
+
+    /// Number of rules whose memberships are known as functions of the state.
+    pub fn membership_count(&self) -> Option<usize> {
+        match self {
+            Plant::Spacecraft(_) => Some(crate::fuzzy::SPACECRAFT_VERTICES),
+            Plant::Vertices(_) => None,
+            Plant::Rules(rules) => Some(rules.sets.len()),
+        }
+    }
+
     /// The T-S model in SI units.
     pub fn takagi_sugeno(&self) -> TakagiSugeno {
         match self {
             Plant::Spacecraft(craft) => craft.takagi_sugeno(),
             Plant::Vertices(system) => system.takagi_sugeno(),
+            Plant::Rules(rules) => rules.takagi_sugeno(),
         }
     }
 
@@ -44,12 +82,8 @@ impl Plant {
     pub fn sizes(&self) -> (usize, usize, usize, usize) {
         match self {
             Plant::Spacecraft(_) => (6, 3, 3, 6),
-            Plant::Vertices(system) => (
-                system.input_matrix.nrows(),
-                system.input_matrix.ncols(),
-                system.disturbance_matrix.ncols(),
-                system.output_matrix.nrows(),
-            ),
+            Plant::Vertices(system) => system.sizes(),
+            Plant::Rules(rules) => rules.system.sizes(),
         }
     }
 }

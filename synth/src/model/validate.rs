@@ -3,15 +3,17 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::file::{
-    ExactPlant, LinearBound, ModelFile, PlantFile, Specs, VerticesPlant, MODEL_SCHEMA_VERSION,
+    ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, PlantFile, Specs, VerticesPlant,
+    MODEL_SCHEMA_VERSION,
 };
+use super::rules::rule_model;
 use super::{parse, FileError, Kind, ModelError, Plant};
-use crate::conditions::{Specification, Task};
+use crate::conditions::{GainPlan, Specification, Task};
 use crate::fuzzy::{ExactSpacecraft, VertexSystem};
 
 /// Limits that keep a mistyped file from filling the memory.
-const MAX_STATES: usize = 24;
-const MAX_VERTICES: usize = 4096;
+pub(super) const MAX_STATES: usize = 24;
+pub(super) const MAX_VERTICES: usize = 4096;
 pub const MAX_COLUMNS: usize = 24;
 pub const MAX_BOUNDS: usize = 256;
 
@@ -42,7 +44,9 @@ impl Model {
         let plant = match &file.plant {
             PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
             PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
+            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
         };
+        check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
         Ok(Model { file, plant })
     }
@@ -57,7 +61,7 @@ impl Model {
     pub fn task(&self) -> Task {
         let specs = &self.file.specs;
         let must_contain = specs.must_contain.iter();
-        Task::new(
+        let mut task = Task::new(
             self.plant.takagi_sugeno(),
             Specification {
                 decay_rate: specs.phi_per_s,
@@ -71,7 +75,63 @@ impl Model {
                 containment_weight: 1.0,
                 margin: specs.margin,
             },
-        )
+        );
+        if let (GainForm::Scheduled, Mismatch::Kappa(kappa)) = (self.file.gains, self.file.mismatch)
+        {
+            task.gains = GainPlan {
+                count: task.system.vertices.len(),
+                mismatch: Some(kappa),
+                given: None,
+            };
+        }
+        task
+    }
+}
+
+/// Largest number of rules with a gain each.
+pub const MAX_SCHEDULED_RULES: usize = 16;
+
+/// Gains and mismatch must go together, and scheduling needs memberships.
+fn check_gain_form(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
+    let refuse = |field: &str, reason: String| {
+        let field = field.to_string();
+        Err(ModelError::Choice { field, reason })
+    };
+    match (file.gains, file.mismatch) {
+        (GainForm::Constant, Mismatch::None) => return Ok(()),
+        (GainForm::Constant, Mismatch::Kappa(_)) => {
+            let reason = "a constant gain has no memberships to mismatch; it must be \"none\"";
+            return refuse("mismatch", reason.to_string());
+        }
+        (GainForm::Scheduled, Mismatch::None) => {
+            let reason =
+                "scheduled gains without a bound on the mismatch can never beat a constant \
+                          gain; use {\"kappa\": ..} here, or constant gains";
+            return refuse("mismatch", reason.to_string());
+        }
+        (GainForm::Scheduled, Mismatch::Kappa(kappa)) => {
+            require(
+                (0.0..=1.0).contains(&kappa),
+                "mismatch.kappa",
+                kappa,
+                "in [0, 1]",
+            )?;
+        }
+    }
+    match plant.membership_count() {
+        None => {
+            let reason =
+                "a 'vertices' plant says nothing about its memberships; scheduled gains need \
+                          'exact' or 'rules'";
+            refuse("gains", reason.to_string())
+        }
+        Some(count) if count > MAX_SCHEDULED_RULES => {
+            let reason = format!(
+                "the plant has {count} rules; at most {MAX_SCHEDULED_RULES} can have a gain each"
+            );
+            refuse("gains", reason)
+        }
+        Some(_) => Ok(()),
     }
 }
 
@@ -83,7 +143,7 @@ fn out_of_range(field: &str, value: f64, allowed: &str) -> ModelError {
     }
 }
 
-fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
+pub(super) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
     if ok && value.is_finite() {
         Ok(())
     } else {
@@ -220,7 +280,7 @@ fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
     })
 }
 
-fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
+pub(super) fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
     let inertia = check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
     check_positive_definite(field, &inertia)?;

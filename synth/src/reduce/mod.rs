@@ -1,4 +1,4 @@
-//! The exact size reduction of the decrease condition (18) for a constant gain.
+//! The exact size reduction of the decrease condition (18).
 //!
 //! Two steps, neither of which loses anything:
 //! 1. [`vertex_slack`]: the vertices enter through one 2n x 2n block only, so one slack matrix takes
@@ -6,10 +6,15 @@
 //! 2. [`cliques`]: in suitable coordinates the rest is chordal, so it splits into overlapping
 //!    cliques.
 
+//!
+//! Several gains in any mixture: the same for each of them. Gains scheduled by the plant's own
+//! memberships, up to a mismatch: [`rule_slack`].
+
 pub mod cliques;
+pub mod rule_slack;
 pub mod vertex_slack;
 
-use crate::conditions::xu2020::{DesignUnknowns, Strictness};
+use crate::conditions::xu2020::{gain_suffix, DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Condition, Unknowns};
 
@@ -21,5 +26,16 @@ pub fn decrease_conditions(
     design: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Vec<Condition> {
-    vertex_slack::conditions(task, chosen, unknowns, design, strictness)
+    if task.gains.matched().is_some() {
+        return rule_slack::conditions(task, unknowns, design, strictness);
+    }
+    let mut out = Vec::new();
+    for rule in 0..design.gain_count() {
+        let at_rule = design.with_rule(rule);
+        let suffix = gain_suffix(design.gain_count(), rule);
+        out.extend(vertex_slack::conditions(
+            task, chosen, unknowns, &at_rule, strictness, &suffix,
+        ));
+    }
+    out
 }

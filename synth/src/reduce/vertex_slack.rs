@@ -16,13 +16,13 @@ use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
 // Coordinates of the reduced condition: x, v, x(t_k^l), x(t_k), dead zone, tau, integral.
-const STATE: usize = 0;
-const MULTIPLIED: usize = 1;
-const SAMPLE: usize = 2;
-const HELD: usize = 3;
-const DEAD_ZONE: usize = 4;
-const DISTURBANCE: usize = 5;
-const INTEGRAL: usize = 6;
+pub(super) const STATE: usize = 0;
+pub(super) const MULTIPLIED: usize = 1;
+pub(super) const SAMPLE: usize = 2;
+pub(super) const HELD: usize = 3;
+pub(super) const DEAD_ZONE: usize = 4;
+pub(super) const DISTURBANCE: usize = 5;
+pub(super) const INTEGRAL: usize = 6;
 
 /// The reduced coordinates' block sizes for one end of the interval.
 pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: Interval) -> Vec<usize> {
@@ -88,7 +88,7 @@ fn splits(design: &DesignUnknowns, interval: Interval) -> Vec<Split> {
 }
 
 /// The weight of the margin that equals the identity in the coordinates of the full condition.
-fn margin_weight(at: &Coordinates) -> DMatrix<f64> {
+pub(super) fn margin_weight(at: &Coordinates) -> DMatrix<f64> {
     let error = &at.sample - &at.held;
     let dead_zone = &at.dead_zone / DEAD_ZONE_UNIT;
     [
@@ -116,19 +116,21 @@ fn vertex_block(task: &Task, vertex: usize, design: &DesignUnknowns, slack: &Aff
     slack - &block.finish()
 }
 
-/// (18) for the chosen vertices (indices into the model's) and both ends of the interval.
+/// (18) for the chosen vertices (indices into the model's), both ends of the interval and the (first)
+/// gain. `suffix` ends the conditions' names.
 pub fn conditions(
     task: &Task,
     chosen: &[usize],
     unknowns: &mut Unknowns,
     design: &DesignUnknowns,
     strictness: &Strictness,
+    suffix: &str,
 ) -> Vec<Condition> {
     let n = task.system.states();
     let mut out = Vec::new();
     for interval in Interval::BOTH {
         let r = interval.index();
-        let slack = unknowns.symmetric(&format!("Z{r}"), 2 * n);
+        let slack = unknowns.symmetric(&format!("Z{r}{suffix}"), 2 * n);
         let at = coordinates(task, design, interval);
         let mut lhs = decrease_form(task, interval, design, &at);
         lhs.add_block(0, 0, &slack);
@@ -139,14 +141,14 @@ pub fn conditions(
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {
             out.push(Condition::semidefinite(
-                format!("decrease r={r} clique {clique}"),
+                format!("decrease r={r}{suffix} clique {clique}"),
                 part,
             ));
         }
         for &vertex in chosen {
             let part = vertex_block(task, vertex, design, &slack);
             out.push(Condition::semidefinite(
-                condition_name(interval, vertex),
+                condition_name(interval, vertex) + suffix,
                 part,
             ));
         }

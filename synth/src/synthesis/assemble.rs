@@ -96,9 +96,10 @@ pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
 /// States Theorem 2 with (18) at the chosen vertices only: a relaxation.
 pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Assembled {
     let mut unknowns = Unknowns::new();
-    let sector = match form {
-        Form::Reduced => Sector::Unsaturated,
-        Form::Full => Sector::Unknown,
+    let sector = match (form, &task.gains.given) {
+        // Only gains that may be chosen need no sector unknowns.
+        (Form::Reduced, None) => Sector::Unsaturated,
+        _ => Sector::Unknown,
     };
     let mut design = DesignUnknowns::new(&mut unknowns, task, sector);
     let fixed = task.specification.margin;
@@ -156,9 +157,18 @@ fn full_decrease(
     let mut out = Vec::new();
     for interval in Interval::BOTH {
         for &vertex in chosen {
-            out.push(xu2020::full_condition(
-                task, vertex, interval, design, strictness,
-            ));
+            if task.gains.matched().is_some() {
+                out.push(xu2020::full_matched_condition(
+                    task, vertex, interval, design, strictness,
+                ));
+                continue;
+            }
+            for rule in 0..design.gain_count() {
+                let at_rule = design.with_rule(rule);
+                out.push(xu2020::full_condition(
+                    task, vertex, interval, &at_rule, strictness,
+                ));
+            }
         }
     }
     out

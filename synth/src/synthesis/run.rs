@@ -1,21 +1,28 @@
 //! Two solves and a check.
 
+use nalgebra::DMatrix;
+
 use super::search::Search;
 use super::subject::Subject;
 use super::{Form, Goal};
 use crate::certify::{Report, Verdict};
-use crate::conditions::Task;
+use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, DesignFile, ProblemUnits, RecoverError};
 use crate::feasibility::{self, Answer, Decision};
-use crate::model::{Model, ModelError};
+use crate::model::{Mismatch, Model, ModelError};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, SolveError, Status};
 
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;
 
-/// State units tried one after the other, as fractions of the region's smallest extent.
-pub(crate) const STATE_UNITS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
+/// State units tried one after the other, as fractions of the region's smallest extent, until a design is
+/// proved. Where the certified set of a design that is not proved asks for another unit, that comes next:
+/// the set may be much smaller than the region.
+pub(crate) const STATE_UNITS: [f64; 7] = [0.5, 1.0, 0.25, 2.0, 0.0625, 0.015625, 0.00390625];
+
+/// Range of the state units that a certified set may ask for.
+const UNIT_RANGE: [f64; 2] = [1.0 / 4096.0, 4.0];
 
 /// Weights rho of the containment condition tried when the model has must-contain states.
 pub(crate) const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
@@ -28,7 +35,11 @@ pub const FIRST_UNITS: ProblemUnits = ProblemUnits {
 
 /// The model's task in the given units.
 pub fn scaled_task(model: &Model, units: ProblemUnits) -> (Scaling, Task) {
-    let mut task = model.task();
+    scaled(&model.task(), units)
+}
+
+pub(crate) fn scaled(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+    let mut task = task.clone();
     task.specification.containment_weight = units.containment_weight;
     let scaling = Scaling::automatic(&task.system, units.state_fraction);
     let scaled = scaling.apply(&task);
@@ -79,6 +90,8 @@ pub enum SynthesisError {
 /// One attempt's end.
 enum Attempt {
     Designed(Box<Synthesized>),
+    /// A design that is not proved, and the state unit that its certified set asks for.
+    Unproved(Box<Synthesized>, f64),
     Infeasible,
     Stuck,
 }
@@ -105,55 +118,122 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
-    let mut run = Run {
-        subject: Subject {
-            model,
-            model_text,
-            form,
-        },
-        search: Search::new(form, backend, observer),
+    let subject = Subject {
+        model,
+        model_text,
+        task: &model.task(),
+        gains_text: None,
+        form,
     };
-    let mut unproved: Option<Box<Synthesized>> = None;
-    let mut infeasible = 0;
-    let mut best: Option<Box<Synthesized>> = None;
-    for &containment_weight in containment_weights(model) {
-        for state_fraction in STATE_UNITS {
-            let units = ProblemUnits {
-                state_fraction,
-                containment_weight,
-            };
-            match run.attempt(units)? {
-                Attempt::Designed(design) if design.report.verdict == Verdict::Proved => {
-                    best = Some(better(best, design));
-                    break;
+    let search = Search::new(form, backend, observer);
+    Run { subject, search }.search()
+}
+
+/// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup
+/// gains where they saturate. One gain is constant; as many as the model has rules, under its mismatch
+/// bound, are scheduled by its memberships; any other number may be weighted in any way at any time.
+/// `gains_text` is the gains file's text, for the provenance.
+pub fn analyse(
+    model: &Model,
+    model_text: &str,
+    gains: &[DMatrix<f64>],
+    gains_text: &str,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<Outcome, SynthesisError> {
+    let mut task = model.task();
+    let mismatch = match model.file.mismatch {
+        Mismatch::Kappa(kappa) if Some(gains.len()) == model.plant.membership_count() => {
+            Some(kappa)
+        }
+        _ => None,
+    };
+    task.gains = GainPlan {
+        count: gains.len(),
+        mismatch,
+        given: Some(gains.to_vec()),
+    };
+    let subject = Subject {
+        model,
+        model_text,
+        task: &task,
+        gains_text: Some(gains_text),
+        form: Form::Reduced,
+    };
+    let search = Search::new(Form::Reduced, backend, observer);
+    Run { subject, search }.search()
+}
+
+impl Run<'_> {
+    /// Tries units one after the other until a design is proved.
+    fn search(mut self) -> Result<Outcome, SynthesisError> {
+        let mut unproved: Option<Box<Synthesized>> = None;
+        let mut infeasible = 0;
+        let mut best: Option<Box<Synthesized>> = None;
+        for &containment_weight in containment_weights(self.subject.model) {
+            let mut tried: Vec<f64> = Vec::new();
+            let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().collect();
+            while let Some(state_fraction) = next.pop() {
+                if tried.iter().any(|&other| same_unit(other, state_fraction)) {
+                    continue;
                 }
-                Attempt::Designed(design) => unproved = Some(design),
-                Attempt::Infeasible => {
-                    // A second opinion in other units, then no more.
-                    infeasible += 1;
-                    if infeasible > 1 {
+                tried.push(state_fraction);
+                let units = ProblemUnits {
+                    state_fraction,
+                    containment_weight,
+                };
+                match self.attempt(units)? {
+                    Attempt::Designed(design) => {
+                        best = Some(better(best, design));
                         break;
                     }
+                    Attempt::Unproved(design, wanted) => {
+                        unproved = Some(design);
+                        next.push(wanted);
+                    }
+                    Attempt::Infeasible => {
+                        // A second opinion in other units, then no more.
+                        infeasible += 1;
+                        if infeasible > 1 {
+                            break;
+                        }
+                    }
+                    Attempt::Stuck => {}
                 }
-                Attempt::Stuck => {}
             }
         }
-    }
-    if let Some(design) = best.or(unproved) {
-        return Ok(Outcome::Solved(run.closed(design)));
-    }
-    let decision = feasibility::decide_after(run.subject, &mut run.search)?;
-    let slack = decision.slack;
-    Ok(match decision.answer {
-        Answer::Infeasible(_) => Outcome::Infeasible(decision),
-        // The point is a design too, if not one with a small gain.
-        Answer::Feasible(design) => Outcome::Solved(run.closed(design)),
-        Answer::Unknown if slack.map_or(infeasible > 0, |slack| slack > 0.0) => {
-            Outcome::Infeasible(decision)
+        if let Some(design) = best.or(unproved) {
+            return Ok(Outcome::Solved(self.closed(design)));
         }
-        // The solver contradicts itself, or never got anywhere.
-        Answer::Unknown => Outcome::SolverFailed(decision),
-    })
+        let decision = feasibility::decide_after(self.subject, &mut self.search)?;
+        let slack = decision.slack;
+        Ok(match decision.answer {
+            Answer::Infeasible(_) => Outcome::Infeasible(decision),
+            // The point is a design too, if not one with a small gain.
+            Answer::Feasible(design) => Outcome::Solved(self.closed(design)),
+            Answer::Unknown if slack.map_or(infeasible > 0, |slack| slack > 0.0) => {
+                Outcome::Infeasible(decision)
+            }
+            // The solver contradicts itself, or never got anywhere.
+            Answer::Unknown => Outcome::SolverFailed(decision),
+        })
+    }
+}
+
+/// True when two fractions round to the same power of two.
+fn same_unit(a: f64, b: f64) -> bool {
+    a.log2().round() == b.log2().round()
+}
+
+/// Largest distance from the origin to the edge of x'Ux <= 1; 1 where that has no meaning.
+fn certified_radius(lyapunov: &DMatrix<f64>) -> f64 {
+    let smallest = lyapunov.symmetric_eigenvalues().min();
+    let radius = smallest.sqrt().recip();
+    if radius.is_finite() && radius > 0.0 {
+        radius
+    } else {
+        1.0
+    }
 }
 
 fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthesized> {
@@ -174,7 +254,7 @@ impl Run<'_> {
 
     fn attempt(&mut self, units: ProblemUnits) -> Result<Attempt, SynthesisError> {
         let model = self.subject.model;
-        let (scaling, task) = scaled_task(model, units);
+        let (scaling, task) = scaled(self.subject.task, units);
         let (_, smallest) = self.search.solve(&task, Goal::SmallestGain)?;
         match smallest.status {
             Status::Solved | Status::Inaccurate => {}
@@ -190,8 +270,16 @@ impl Run<'_> {
             .solve(&task, Goal::LargestMargin { gain_bound })?;
         match recover(model, &assembled.design, &inside.values, &scaling) {
             Ok(certificate) => {
+                let radius = certified_radius(&certificate.lyapunov);
                 let design = self.subject.design(&certificate, units)?;
-                Ok(Attempt::Designed(design))
+                Ok(match design.report.verdict {
+                    Verdict::Proved => Attempt::Designed(design),
+                    Verdict::NotProved => {
+                        let extent = scaling.state.min() / units.state_fraction;
+                        let wanted = (radius / extent).clamp(UNIT_RANGE[0], UNIT_RANGE[1]);
+                        Attempt::Unproved(design, wanted)
+                    }
+                })
             }
             Err(RecoverError::Singular { .. } | RecoverError::NotFinite { .. }) => {
                 Ok(Attempt::Stuck)

@@ -48,7 +48,8 @@ impl<'a> Search<'a> {
         goal: Goal,
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let all: Vec<usize> = (0..task.system.vertices.len()).collect();
-        if self.form == Form::Full || all.len() <= MANY_VERTICES {
+        let few = all.len() <= MANY_VERTICES || task.gains.count > 1;
+        if self.form == Form::Full || few {
             return self.solve_at(task, goal, &all);
         }
         if self.chosen.is_empty() {

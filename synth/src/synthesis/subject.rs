@@ -4,6 +4,7 @@ use super::solver::{generator, now, sha256_of};
 use super::{Form, SynthesisError, Synthesized};
 use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
+use crate::conditions::Task;
 use crate::design::{
     CertificateFile, DesignFile, ProblemUnits, Provenance, VerdictFile, DESIGN_SCHEMA_VERSION,
 };
@@ -14,6 +15,10 @@ use crate::model::Model;
 pub(crate) struct Subject<'a> {
     pub model: &'a Model,
     pub model_text: &'a str,
+    /// The task in SI units: the model's, or another with given gains.
+    pub task: &'a Task,
+    /// The text of the file that the gains come from.
+    pub gains_text: Option<&'a str>,
     pub form: Form,
 }
 
@@ -53,6 +58,7 @@ impl Subject<'_> {
             generator: generator(),
             model_sha256: sha256_of(self.model_text),
             date: now(),
+            gains_sha256: self.gains_text.map(sha256_of),
             form: self.form.name().to_string(),
             problem,
             solver_runs: Vec::new(),

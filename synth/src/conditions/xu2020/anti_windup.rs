@@ -4,25 +4,39 @@ use super::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Condition, SymmetricBlocks};
 
-/// `[ ubar_s^2/k2 Uh, (Fh - Nh)_s' ; *, 1 ] >= 0` for every input s.
-pub(super) fn anti_windup<'a>(
-    task: &'a Task,
-    unknowns: &'a DesignUnknowns,
-    strictness: &'a Strictness,
-) -> impl Iterator<Item = Condition> + 'a {
+/// `[ ubar_s^2/k2 Uh, (Fh_j - Nh_j)_s' ; *, 1 ] >= 0` for every gain j and input s.
+pub(super) fn anti_windup(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
     let level = task.invariant_level();
-    let limits = task.system.input_limit.iter().enumerate();
-    limits.map(move |(input, limit)| {
-        let difference = match &unknowns.sector {
-            Some(sector) => &unknowns.gain - &sector.anti_windup,
-            None => unknowns.gain.clone(),
+    let mut out = Vec::new();
+    for rule in 0..unknowns.gain_count() {
+        let at_rule = unknowns.with_rule(rule);
+        let difference = match &at_rule.sector {
+            Some(sector) => &at_rule.gain - &sector.anti_windup,
+            None => at_rule.gain,
         };
-        let mut lhs = SymmetricBlocks::new(&[task.system.states(), 1]);
-        lhs.add(0, 0, &(limit * limit / level * &unknowns.lyapunov));
-        lhs.add(0, 1, &difference.row(input).transposed());
-        lhs.add(1, 1, &crate::lmi::Affine::identity(1, 1.0));
-        strictness.positive(format!("anti-windup input {}", input + 1), lhs.finish())
-    })
+        for (input, limit) in task.system.input_limit.iter().enumerate() {
+            let mut lhs = SymmetricBlocks::new(&[task.system.states(), 1]);
+            lhs.add(0, 0, &(limit * limit / level * &unknowns.lyapunov));
+            lhs.add(0, 1, &difference.row(input).transposed());
+            lhs.add(1, 1, &crate::lmi::Affine::identity(1, 1.0));
+            let name = format!("anti-windup input {}", input + 1);
+            let name = name + &gain_suffix(unknowns.gain_count(), rule);
+            out.push(strictness.positive(name, lhs.finish()));
+        }
+    }
+    out
+}
+
+/// ` gain 3` where there are several gains.
+pub fn gain_suffix(count: usize, rule: usize) -> String {
+    match count {
+        1 => String::new(),
+        _ => format!(" gain {}", rule + 1),
+    }
 }
 
 /// S > 0, entry by entry.

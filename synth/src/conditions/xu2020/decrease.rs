@@ -141,7 +141,7 @@ fn integral_factor(task: &Task) -> f64 {
     (hbar * (specification.decay_rate * hbar).exp()).sqrt()
 }
 
-/// The full-size condition (18) at one vertex.
+/// The full-size condition (18) at one vertex, for the (first) gain.
 pub fn full_condition(
     task: &Task,
     index: usize,
@@ -151,6 +151,50 @@ pub fn full_condition(
 ) -> Condition {
     let lhs = decrease(task, &task.system.vertices[index], interval, unknowns);
     strictness.positive(condition_name(interval, index), -lhs)
+}
+
+/// The full-size condition (18) at one vertex with its own gain, and what the mismatch of the
+/// memberships may add.
+pub fn full_matched_condition(
+    task: &Task,
+    index: usize,
+    interval: Interval,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Condition {
+    let at_rule = unknowns.with_rule(index);
+    let mut lhs = decrease(task, &task.system.vertices[index], interval, &at_rule);
+    if let Some(slack) = unknowns.mismatch.get(interval.index() - 1) {
+        lhs += &slack
+            .total(task)
+            .congruence(&mismatch_coordinates(task, unknowns, interval));
+    }
+    strictness.positive(condition_name(interval, index), -lhs)
+}
+
+/// The coordinates (B'v, dead zone, x(t_k)) of the mismatch slack from the rows of [`decrease`].
+fn mismatch_coordinates(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    interval: Interval,
+) -> DMatrix<f64> {
+    let b = &task.system.input;
+    let (n, m, d) = (b.nrows(), b.ncols(), task.system.disturbance.ncols());
+    let zone = if unknowns.sector.is_some() { m } else { 0 };
+    let integral = if interval == Interval::End { n } else { 0 };
+    let mut out = DMatrix::zeros(m + zone + n, 4 * n + zone + d + integral);
+    for (block, weight) in task.specification.multiplier_weights.iter().enumerate() {
+        let mut view = out.view_mut((0, block * n), (m, n));
+        view.copy_from(&(*weight * b.transpose()));
+    }
+    for k in 0..zone {
+        out[(m + k, 4 * n + k)] = 1.0;
+    }
+    for k in 0..n {
+        out[(m + zone + k, SAMPLE * n + k)] = 1.0;
+        out[(m + zone + k, ERROR * n + k)] = -1.0;
+    }
+    out
 }
 
 /// The vertex term of (18), `2 v' A_i Qh' x` as a matrix on the rows x, x', x(t_k^l), for a numeric Qh:
