@@ -14,17 +14,24 @@ use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
 /// Largest number of unknowns: the equations are dense.
 const MOST_UNKNOWNS: usize = 3000;
 
-/// How far the start is pushed inside, as a part of the mean eigenvalue.
-const PUSH: f64 = 1e-2;
+/// How far the start is pushed inside, as a part of the mean eigenvalue: less is fewer steps where it
+/// works.
+const PUSHES: [f64; 2] = [1e-4, 1e-2];
 
 /// Steps at most.
 const STEPS: usize = 40;
 
 /// Step lengths below this make no progress.
-const SHORTEST_STEP: f64 = 1e-6;
+const SHORTEST_STEP: f64 = 1e-3;
 
 /// Newton decrement, per unit of the cones' sides, at which the point is central enough.
 const CENTRAL: f64 = 0.1;
+
+/// Corrections of a step's multipliers.
+const REFINEMENTS: usize = 3;
+
+/// Steps after a central point is reached: each makes the equations hold to more digits.
+const POLISHING_STEPS: usize = 4;
 
 /// Relative part of its diagonal that is added to the matrix of the equations.
 const REGULARISATION: f64 = 1e-13;
@@ -48,35 +55,18 @@ pub fn centred(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Optio
         return None;
     }
     let equations = Equations::new(problem, target);
-    let mut point = pushed_inside(problem, duals)?;
-    let mut best = None;
-    for _ in 0..STEPS {
-        let Some((step, decrement)) = equations.newton(&point) else {
-            break;
-        };
-        let Some(length) = longest_step(&point, &step) else {
-            break;
-        };
-        for (matrix, change) in point.iter_mut().zip(&step) {
-            *matrix += length * change;
-        }
-        // A whole step satisfies the equations.
-        if length == 1.0 {
-            best = Some(point.clone());
-        }
-        let sides: usize = problem.cones.iter().map(|cone| cone.side).sum();
-        if length == 1.0 && decrement < CENTRAL * sides as f64 {
-            break;
-        }
-        if length < SHORTEST_STEP {
-            break;
-        }
-    }
-    best.map(|point| point.iter().map(upper).collect())
+    PUSHES.iter().find_map(|&part| {
+        let start = pushed_inside(problem, duals, part)?;
+        equations.centre(start)
+    })
 }
 
 /// The dual matrices with a multiple of the identity added; `None` when they are not finite.
-fn pushed_inside(problem: &Semidefinite, duals: &[Vec<f64>]) -> Option<Vec<DMatrix<f64>>> {
+fn pushed_inside(
+    problem: &Semidefinite,
+    duals: &[Vec<f64>],
+    part: f64,
+) -> Option<Vec<DMatrix<f64>>> {
     let sides = problem.cones.iter().map(|cone| cone.side);
     let total: usize = sides.clone().sum();
     let trace: f64 = sides
@@ -84,7 +74,7 @@ fn pushed_inside(problem: &Semidefinite, duals: &[Vec<f64>]) -> Option<Vec<DMatr
         .zip(duals)
         .map(|(side, dual)| (0..side).map(|k| dual[svec_index(k, k)]).sum::<f64>())
         .sum();
-    let push = PUSH * trace / total as f64;
+    let push = part * trace / total as f64;
     if !(push > 0.0 && push.is_finite()) {
         return None;
     }
@@ -136,6 +126,36 @@ impl<'a> Equations<'a> {
         }
     }
 
+    /// Newton's method from a start inside the cones.
+    fn centre(&self, mut point: Vec<DMatrix<f64>>) -> Option<Vec<Vec<f64>>> {
+        let sides: usize = self.blocks.iter().map(|block| block.side).sum();
+        let mut best = None;
+        let mut polishing = 0;
+        for _ in 0..STEPS {
+            let Some((step, decrement)) = self.newton(&point) else {
+                break;
+            };
+            let Some(length) = longest_step(&point, &step) else {
+                break;
+            };
+            for (matrix, change) in point.iter_mut().zip(&step) {
+                *matrix += length * change;
+            }
+            if length < 1.0 {
+                continue;
+            }
+            // A whole step satisfies the equations but for rounding.
+            best = Some(point.clone());
+            if decrement < CENTRAL * sides as f64 {
+                polishing += 1;
+            }
+            if polishing > POLISHING_STEPS {
+                break;
+            }
+        }
+        best.map(|point| point.iter().map(upper).collect())
+    }
+
     /// The step to the minimum of the second-order model of `-sum log det Z_k` on the equations, and
     /// the decrement.
     fn newton(&self, point: &[DMatrix<f64>]) -> Option<(Vec<DMatrix<f64>>, f64)> {
@@ -163,16 +183,21 @@ impl<'a> Equations<'a> {
             for row in column..count {
                 matrix[(row, column)] *= scale[row] * scale[column];
             }
-            matrix[(column, column)] += match scale[column] > 0.0 {
-                true => REGULARISATION,
-                false => 1.0,
-            };
+            if scale[column] == 0.0 {
+                matrix[(column, column)] = 1.0;
+            }
         }
-        let factor = matrix.llt(Side::Lower).ok()?;
+        let mut regular = matrix.clone();
+        (0..count).for_each(|k| regular[(k, k)] += REGULARISATION);
+        let factor = regular.llt(Side::Lower).ok()?;
         let right = Mat::from_fn(count, 1, |k, _| {
             scale[k] * (2.0 * values[k] - self.right[k])
         });
-        let multipliers = factor.solve(&right);
+        let mut multipliers = factor.solve(&right);
+        for _ in 0..REFINEMENTS {
+            let remainder = &right - symmetric_product(&matrix, &multipliers);
+            multipliers += factor.solve(&remainder);
+        }
         let multipliers: Vec<f64> = (0..count).map(|k| scale[k] * multipliers[(k, 0)]).collect();
         if !multipliers.iter().all(|value| value.is_finite()) {
             return None;
@@ -204,6 +229,21 @@ impl Block<'_> {
         out.fill_lower_triangle_with_upper_triangle();
         out
     }
+}
+
+/// The product with a symmetric matrix of which the lower triangle is given.
+fn symmetric_product(lower: &Mat<f64>, vector: &Mat<f64>) -> Mat<f64> {
+    let count = lower.nrows();
+    let mut out = Mat::<f64>::zeros(count, 1);
+    for column in 0..count {
+        out[(column, 0)] += lower[(column, column)] * vector[(column, 0)];
+        for row in column + 1..count {
+            let entry = lower[(row, column)];
+            out[(row, 0)] += entry * vector[(column, 0)];
+            out[(column, 0)] += entry * vector[(row, 0)];
+        }
+    }
+    out
 }
 
 /// `<F, Z>` for the upper triangle of F.

@@ -212,7 +212,7 @@ fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
 }
 
 /// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
-const KEPT: f64 = 0.5;
+const KEPT: f64 = 0.25;
 
 /// Stands for a gain bound that is not known yet.
 const UNKNOWN_GAIN: f64 = 1e300;
