@@ -76,7 +76,7 @@ fn design_path(args: &SimulateArgs, scenario: &Scenario) -> Option<PathBuf> {
     }
 }
 
-fn read_design(path: &Path) -> Result<Design, CliError> {
+pub(super) fn read_design(path: &Path) -> Result<Design, CliError> {
     let text = read_text(path).map_err(|error| CliError::file(path, error))?;
     Design::from_json(&text).map_err(|error| CliError::file(path, error))
 }

@@ -4,5 +4,6 @@ mod figures;
 mod page;
 mod series;
 
-pub use figures::FigureError;
-pub use page::page;
+pub use figures::{Figure, FigureError};
+pub use page::{document, escape, page, short};
+pub use series::Line;
