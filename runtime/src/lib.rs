@@ -1,6 +1,6 @@
 //! Event-triggered spacecraft attitude controllers, as they would fly.
 //!
-//! One file per published controller ([`xu2020`], [`wu2018`]) and one per concern they share. The
+//! One module per published controller ([`xu2020`], [`wu2018`], [`lei2022`]) and one per concern they share. The
 //! crate is `no_std`, allocates nothing, contains no `unsafe` code and runs in bounded time. It knows
 //! nothing of files, synthesis or simulation.
 //!
@@ -19,7 +19,9 @@
 pub mod attitude;
 pub mod command;
 pub mod compression;
+mod definite;
 pub mod error;
+pub mod lei2022;
 pub mod membership;
 mod sample_clock;
 pub mod saturation;

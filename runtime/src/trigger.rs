@@ -4,10 +4,9 @@ use core::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::error::{require, require_finite, AllowedRange, Field, ParameterError};
-
-/// Largest difference between mirrored entries of a trigger weight, relative to its largest entry.
-pub const SYMMETRY_TOLERANCE: f64 = 1e-9;
+use crate::definite::check_positive_definite;
+pub use crate::definite::SYMMETRY_TOLERANCE;
+use crate::error::{require, AllowedRange, Field, ParameterError};
 
 /// Adaptation of the threshold at every trigger, Xu and Huang 2020, below (10): with d the norm of
 /// the step from the last sent state to the new one, the threshold is multiplied by
@@ -168,7 +167,7 @@ impl<const N: usize> AperiodicTrigger<N> {
         weight: SMatrix<f64, N, N>,
         update: ThresholdUpdate,
     ) -> Result<Self, ParameterError> {
-        check_weight(&weight)?;
+        check_positive_definite("trigger_weight", &weight)?;
         update.check()?;
         Ok(Self {
             weight,
@@ -231,52 +230,4 @@ impl<const N: usize> AperiodicTrigger<N> {
         let value = (self.weight * vector).dot(vector);
         value.is_finite().then_some(value)
     }
-}
-
-const WEIGHT: &str = "trigger_weight";
-
-fn check_weight<const N: usize>(weight: &SMatrix<f64, N, N>) -> Result<(), ParameterError> {
-    let columns = weight.data.0;
-    let rows = weight.transpose().data.0;
-    let mut largest = 0.0_f64;
-    for (column, values) in columns.iter().enumerate() {
-        for (row, value) in values.iter().enumerate() {
-            require_finite(Field::entry(WEIGHT, row, column), *value)?;
-            largest = largest.max(value.abs());
-        }
-    }
-    for (row, (above, below)) in rows.iter().zip(&columns).enumerate() {
-        let pairs = above.iter().zip(below).enumerate().skip(row + 1);
-        for (column, (&value, &mirrored)) in pairs {
-            if (value - mirrored).abs() > SYMMETRY_TOLERANCE * largest {
-                return Err(ParameterError::NotSymmetric {
-                    field: Field::entry(WEIGHT, row, column),
-                    value,
-                    mirrored,
-                });
-            }
-        }
-    }
-    check_pivots(columns)
-}
-
-/// Gaussian elimination of a symmetric matrix; every pivot must be positive.
-fn check_pivots<const N: usize>(mut columns: [[f64; N]; N]) -> Result<(), ParameterError> {
-    for k in 0..N {
-        let eliminated = columns[k];
-        let pivot = eliminated[k];
-        if !(pivot > 0.0 && pivot.is_finite()) {
-            return Err(ParameterError::NotPositiveDefinite {
-                field: Field::entry(WEIGHT, k, k),
-                pivot,
-            });
-        }
-        for column in columns.iter_mut().skip(k + 1) {
-            let ratio = column[k] / pivot;
-            for (value, entry) in column.iter_mut().zip(&eliminated).skip(k + 1) {
-                *value -= ratio * entry;
-            }
-        }
-    }
-    Ok(())
 }
