@@ -201,6 +201,13 @@ pub enum ParameterError {
         /// The pivot found there.
         pivot: f64,
     },
+    /// A matrix that must have full row rank does not: some direction is out of its reach.
+    RankDeficient {
+        /// The matrix's first entry.
+        field: Field,
+        /// Determinant of the matrix times its transpose, relative to the cube of its mean diagonal.
+        determinant: f64,
+    },
 }
 
 impl fmt::Display for ParameterError {
@@ -234,6 +241,10 @@ impl fmt::Display for ParameterError {
             Self::NotPositiveDefinite { field, pivot } => write!(
                 f,
                 "{field}: the matrix is not positive definite, pivot {pivot}"
+            ),
+            Self::RankDeficient { field, determinant } => write!(
+                f,
+                "{field}: the matrix does not reach every direction, relative determinant {determinant}"
             ),
         }
     }

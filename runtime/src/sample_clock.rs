@@ -23,6 +23,11 @@ impl SampleClock {
         }
     }
 
+    /// Time of the last accepted sample, s.
+    pub(crate) fn last_s(&self) -> Option<f64> {
+        self.last_s
+    }
+
     /// Makes `time_s` the time of the last usable sample.
     pub(crate) fn accept(&mut self, time_s: f64) {
         self.last_s = Some(time_s);

@@ -4,9 +4,11 @@ use core::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::definite::check_positive_definite;
-pub use crate::definite::SYMMETRY_TOLERANCE;
 use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::matrix_check::require_positive_definite;
+
+/// Largest difference between mirrored entries of a trigger weight, relative to its largest entry.
+pub const SYMMETRY_TOLERANCE: f64 = crate::matrix_check::SYMMETRY_TOLERANCE;
 
 /// Adaptation of the threshold at every trigger, Xu and Huang 2020, below (10): with d the norm of
 /// the step from the last sent state to the new one, the threshold is multiplied by
@@ -167,7 +169,7 @@ impl<const N: usize> AperiodicTrigger<N> {
         weight: SMatrix<f64, N, N>,
         update: ThresholdUpdate,
     ) -> Result<Self, ParameterError> {
-        check_positive_definite("trigger_weight", &weight)?;
+        require_positive_definite(WEIGHT, &weight)?;
         update.check()?;
         Ok(Self {
             weight,
@@ -231,3 +233,5 @@ impl<const N: usize> AperiodicTrigger<N> {
         value.is_finite().then_some(value)
     }
 }
+
+const WEIGHT: &str = "trigger_weight";

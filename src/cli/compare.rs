@@ -194,6 +194,7 @@ fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliErr
     };
     Ok(Contestant {
         label: scenario.name.clone(),
+        file: read.file.clone(),
         scenario,
         design,
     })

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// A fault of one axis in a window of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,10 +13,9 @@ pub struct Fault {
     pub from_s: f64,
     /// End of the window, s.
     pub until_s: f64,
-    /// Share of the commanded torque that acts: 1 is healthy, 0 is dead.
+    /// Share of the commanded torque that acts: 1 is healthy, 0 is dead. A torque that acts on top is
+    /// part of the disturbance.
     pub effectiveness: f64,
-    /// Torque that acts on top, N m.
-    pub additive: f64,
 }
 
 /// Actuators of `M` axes.
@@ -28,6 +27,8 @@ pub struct ActuatorData<const M: usize> {
     pub dead_band: SVector<f64, M>,
     /// Time from command to torque, s.
     pub delay_s: f64,
+    /// Torque about each axis per unit torque of each actuator.
+    pub matrix: SMatrix<f64, M, M>,
     /// Faults.
     pub faults: Vec<Fault>,
 }
@@ -39,6 +40,7 @@ impl<const M: usize> ActuatorData<M> {
             limit: SVector::repeat(f64::INFINITY),
             dead_band: SVector::zeros(),
             delay_s: 0.0,
+            matrix: SMatrix::identity(),
             faults: Vec::new(),
         }
     }
@@ -120,10 +122,15 @@ impl<'a, const M: usize> Actuators<'a, M> {
         });
         for fault in &data.faults {
             if (fault.from_s..fault.until_s).contains(&time_s) {
-                torque[fault.axis] = fault.effectiveness * torque[fault.axis] + fault.additive;
+                torque[fault.axis] = fault.effectiveness * torque[fault.axis];
             }
         }
-        torque
+        data.matrix * torque
+    }
+
+    /// What the actuators have been told last.
+    pub fn last_command(&self) -> &SVector<f64, M> {
+        &self.last_command
     }
 }
 
@@ -171,7 +178,6 @@ mod tests {
                 from_s: 1.0,
                 until_s: 2.0,
                 effectiveness: 0.5,
-                additive: 0.25,
             }],
             ..ActuatorData::ideal()
         };
@@ -179,7 +185,20 @@ mod tests {
         actuators.command(0.0, &Vector2::new(1.0, 1.0));
         let second = |actuators: &mut Actuators<2>, time| actuators.torque(time).y;
         assert_eq!(second(&mut actuators, 0.999), 1.0);
-        assert_eq!(second(&mut actuators, 1.0), 0.75);
+        assert_eq!(second(&mut actuators, 1.0), 0.5);
         assert_eq!(second(&mut actuators, 2.0), 1.0);
+    }
+
+    #[test]
+    fn the_matrix_acts_on_what_the_actuators_give() {
+        let data = ActuatorData {
+            limit: Vector2::new(1.0, 1.0),
+            matrix: nalgebra::Matrix2::new(1.0, 0.5, 0.0, -2.0),
+            ..ActuatorData::ideal()
+        };
+        let mut actuators = Actuators::new(&data);
+        actuators.command(0.0, &Vector2::new(0.25, 4.0));
+        assert_eq!(actuators.torque(0.0), Vector2::new(0.75, -2.0));
+        assert_eq!(*actuators.last_command(), Vector2::new(0.25, 4.0));
     }
 }

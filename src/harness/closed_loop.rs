@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use runtime::command::Command;
 
 use super::actuator::{ActuatorData, Actuators};
-use super::controller::Controller;
+use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, Walker};
 use super::integrator::dormand_prince::DormandPrince;
 use super::integrator::{runge_kutta, Method};
@@ -28,6 +28,9 @@ pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
         mismatch: Option<f64>,
         controller: &C,
     );
+
+    /// At the sample that is reported next the link carried these steps (see [`Link::steps`]).
+    fn carried(&mut self, _steps: &[f64; M]) {}
 
     /// From `time_s` on this torque acts.
     fn hold(&mut self, time_s: f64, torque: &SVector<f64, M>);
@@ -179,12 +182,21 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         }
         let measurement = self.sensor.measure(at.time, &at.state);
         let mismatch = self.controller.membership_mismatch(&measurement);
+        let acting = actuators.torque(at.time);
+        self.controller.tell(&Truth {
+            time_s: at.time,
+            state: at.state.as_slice(),
+            disturbance: at.walker.now().as_slice(),
+            held: *actuators.last_command(),
+            acting,
+        });
         let command = self.controller.step(at.time, &measurement);
         match &mut self.link {
             None => actuators.command(at.time, &command.torque),
             Some(link) => {
                 let held = link.transmit(at.time, &command.torque);
                 actuators.command(at.time, &held);
+                observer.carried(link.steps());
             }
         }
         observer.sample(at.time, &at.state, &command, mismatch, &self.controller);

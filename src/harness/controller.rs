@@ -7,10 +7,29 @@ use runtime::lei2022::{self, SwitchCount};
 use runtime::membership::Membership;
 use runtime::{wu2018, xu2020};
 
+/// What is true at a sample, before the controller's step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth<'a, const M: usize> {
+    /// Time, s.
+    pub time_s: f64,
+    /// State of the plant.
+    pub state: &'a [f64],
+    /// Disturbance, with everything that acts whatever is commanded.
+    pub disturbance: &'a [f64],
+    /// What the actuators have been told last.
+    pub held: SVector<f64, M>,
+    /// What acts on the plant because of it.
+    pub acting: SVector<f64, M>,
+}
+
 /// An event-triggered controller that takes measurements `T` and commands `M` axes.
 pub trait Controller<T, const M: usize> {
     /// Takes the sample at `time_s` seconds.
     fn step(&mut self, time_s: f64, measurement: &T) -> Command<M>;
+
+    /// Told before each step what no sensor measures. Only for controllers that are tried with perfect
+    /// knowledge of something, or beside whose output an encoder works.
+    fn tell(&mut self, _truth: &Truth<M>) {}
 
     /// Whether this sample would be sent; the controller stays as it is.
     fn would_send(&self, time_s: f64, measurement: &T) -> bool;
@@ -223,6 +242,10 @@ pub type AnyController<T, const M: usize> = Box<dyn Controller<T, M>>;
 impl<T, const M: usize> Controller<T, M> for AnyController<T, M> {
     fn step(&mut self, time_s: f64, measurement: &T) -> Command<M> {
         self.as_mut().step(time_s, measurement)
+    }
+
+    fn tell(&mut self, truth: &Truth<M>) {
+        self.as_mut().tell(truth);
     }
 
     fn would_send(&self, time_s: f64, measurement: &T) -> bool {

@@ -302,6 +302,9 @@ fn spacecraft_not_covered(
             actuators.delay_s
         ));
     }
+    if actuators.matrix != Matrix3::identity() {
+        out.push("the actuators' matrix is not the identity".to_string());
+    }
     if !actuators.faults.is_empty() {
         out.push(format!("{} actuator faults", actuators.faults.len()));
     }

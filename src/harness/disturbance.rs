@@ -1,4 +1,4 @@
-//! Disturbances in time: a bias, sines, a table.
+//! Disturbances in time: a bias, sines, a table, pulses.
 
 use nalgebra::SVector;
 
@@ -37,6 +37,37 @@ impl<const D: usize> Table<D> {
     }
 }
 
+/// What acts in a window of time only: `constant + wave sin(w t + phase) exp(-decay t)`, with t the
+/// time of the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulse<const D: usize> {
+    /// Start of the window, s.
+    pub from_s: f64,
+    /// End of the window, s.
+    pub until_s: f64,
+    /// Constant part, in units of the disturbance.
+    pub constant: SVector<f64, D>,
+    /// Amplitude of the wave at time zero, in units of the disturbance.
+    pub wave: SVector<f64, D>,
+    /// Its angular frequency w, rad/s.
+    pub frequency_rad_s: f64,
+    /// Its phase, rad.
+    pub phase_rad: f64,
+    /// Its decay, 1/s.
+    pub decay_per_s: f64,
+}
+
+impl<const D: usize> Pulse<D> {
+    /// The value at `time_s`, when the window is open at `window_s`.
+    fn at(&self, time_s: f64, window_s: f64) -> SVector<f64, D> {
+        if !(self.from_s..self.until_s).contains(&window_s) {
+            return SVector::zeros();
+        }
+        let turn = libm::sin(self.frequency_rad_s * time_s + self.phase_rad);
+        self.constant + self.wave * (turn * libm::exp(-self.decay_per_s * time_s))
+    }
+}
+
 /// A disturbance of `D` components: the sum of its parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disturbance<const D: usize> {
@@ -46,6 +77,8 @@ pub struct Disturbance<const D: usize> {
     pub harmonics: Vec<Harmonic<D>>,
     /// Tabulated part.
     pub table: Option<Table<D>>,
+    /// Parts that act in a window only.
+    pub pulses: Vec<Pulse<D>>,
 }
 
 impl<const D: usize> Disturbance<D> {
@@ -55,6 +88,7 @@ impl<const D: usize> Disturbance<D> {
             bias: SVector::zeros(),
             harmonics: Vec::new(),
             table: None,
+            pulses: Vec::new(),
         }
     }
 
@@ -68,7 +102,13 @@ impl<const D: usize> Disturbance<D> {
         if let Some(table) = &self.table {
             value += table.at(time_s);
         }
-        value
+        value + self.pulses_at(time_s, time_s)
+    }
+
+    /// The pulses whose window is open at `window_s`, at `time_s`.
+    fn pulses_at(&self, time_s: f64, window_s: f64) -> SVector<f64, D> {
+        let values = self.pulses.iter().map(|pulse| pulse.at(time_s, window_s));
+        values.fold(SVector::zeros(), |sum, value| sum + value)
     }
 
     /// The same disturbance with more or fewer components; what is new is zero.
@@ -86,12 +126,29 @@ impl<const D: usize> Disturbance<D> {
                 times_s: table.times_s.clone(),
                 values: table.values.iter().map(resize).collect(),
             }),
+            pulses: self.pulses.iter().map(|pulse| resized(pulse)).collect(),
         }
     }
 
-    /// Times at which the slope jumps.
-    pub fn kinks_s(&self) -> &[f64] {
-        self.table.as_ref().map_or(&[], |table| &table.times_s)
+    /// Times at which the value or its slope jumps.
+    pub fn kinks_s(&self) -> Vec<f64> {
+        let table = self.table.iter().flat_map(|table| table.times_s.clone());
+        let pulses = self.pulses.iter();
+        table
+            .chain(pulses.flat_map(|pulse| [pulse.from_s, pulse.until_s]))
+            .collect()
+    }
+}
+
+fn resized<const D: usize, const E: usize>(pulse: &Pulse<D>) -> Pulse<E> {
+    Pulse {
+        from_s: pulse.from_s,
+        until_s: pulse.until_s,
+        constant: super::padding::vector(pulse.constant.as_slice()),
+        wave: super::padding::vector(pulse.wave.as_slice()),
+        frequency_rad_s: pulse.frequency_rad_s,
+        phase_rad: pulse.phase_rad,
+        decay_per_s: pulse.decay_per_s,
     }
 }
 
@@ -118,6 +175,8 @@ pub struct Walker<'a, const D: usize> {
     phases: Vec<Phase>,
     step_s: f64,
     until_reset: u32,
+    /// Without the pulses.
+    smooth: SVector<f64, D>,
     now: SVector<f64, D>,
 }
 
@@ -135,6 +194,7 @@ impl<'a, const D: usize> Walker<'a, D> {
             phases: vec![still; disturbance.harmonics.len()],
             step_s: 0.0,
             until_reset: 0,
+            smooth: SVector::zeros(),
             now: SVector::zeros(),
         };
         walker.stand_at(time_s);
@@ -153,20 +213,24 @@ impl<'a, const D: usize> Walker<'a, D> {
             (phase.sine, phase.cosine) = libm::sincos(harmonic.frequency_rad_s * time_s);
         }
         self.until_reset = STEPS_BETWEEN_RESETS;
-        self.now = self.value(time_s);
+        self.smooth = self.value(time_s);
+        self.now = self.smooth + self.disturbance.pulses_at(time_s, time_s);
     }
 
     /// Walks `step_s` seconds on from `time_s`, where it stands, and returns the values at the start,
-    /// the middle and the end of the step.
+    /// the middle and the end of the step. A pulse acts throughout a step or not at all: as its window
+    /// says of the middle.
     #[inline(always)]
     pub fn step(&mut self, time_s: f64, step_s: f64) -> [SVector<f64, D>; 3] {
-        if self.phases.is_empty() && self.disturbance.table.is_none() {
+        let disturbance = self.disturbance;
+        let steady = self.phases.is_empty() && disturbance.table.is_none();
+        if steady && disturbance.pulses.is_empty() {
             return [self.now; 3];
         }
         if step_s != self.step_s {
             self.set_step(step_s);
         }
-        let start = self.now;
+        let start = self.smooth;
         self.turn();
         let middle = self.value(time_s + 0.5 * step_s);
         self.until_reset -= 1;
@@ -174,9 +238,30 @@ impl<'a, const D: usize> Walker<'a, D> {
             self.stand_at(time_s + step_s);
         } else {
             self.turn();
-            self.now = self.value(time_s + step_s);
+            self.smooth = self.value(time_s + step_s);
         }
-        [start, middle, self.now]
+        let values = [start, middle, self.smooth];
+        if disturbance.pulses.is_empty() {
+            self.now = self.smooth;
+            return values;
+        }
+        self.with_pulses(time_s, step_s, values)
+    }
+
+    #[inline(never)]
+    fn with_pulses(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        mut values: [SVector<f64, D>; 3],
+    ) -> [SVector<f64, D>; 3] {
+        let (disturbance, end) = (self.disturbance, time_s + step_s);
+        let middle = time_s + 0.5 * step_s;
+        for (value, time) in values.iter_mut().zip([time_s, middle, end]) {
+            *value += disturbance.pulses_at(time, middle);
+        }
+        self.now = self.smooth + disturbance.pulses_at(end, end);
+        values
     }
 
     #[inline]
@@ -249,6 +334,7 @@ mod tests {
             bias: Vector2::new(0.3, -0.1),
             harmonics: vec![harmonic(0.06, 1.0, 0.5), harmonic(7.0, 0.4, -0.2)],
             table: None,
+            pulses: Vec::new(),
         }
     }
 
@@ -288,5 +374,35 @@ mod tests {
         assert_eq!(table.at(1.5), Vector2::new(1.0, 1.5));
         assert_eq!(table.at(9.0), Vector2::new(4.0, 0.0));
         assert_eq!(Table::<2>::default().at(1.0), Vector2::zeros());
+    }
+
+    #[test]
+    fn a_pulse_acts_in_the_steps_of_its_window() {
+        let pulse = Pulse {
+            from_s: 1.0,
+            until_s: 2.0,
+            constant: Vector2::new(0.5, 0.0),
+            wave: Vector2::new(0.0, 2.0),
+            frequency_rad_s: 3.0,
+            phase_rad: 0.4,
+            decay_per_s: 0.25,
+        };
+        let disturbance = Disturbance {
+            pulses: vec![pulse],
+            ..Disturbance::none()
+        };
+        let open =
+            |time: f64| Vector2::new(0.5, 2.0 * (3.0 * time + 0.4).sin() * (-0.25 * time).exp());
+        assert_eq!(disturbance.kinks_s(), vec![1.0, 2.0]);
+        assert_eq!(disturbance.at(0.99), Vector2::zeros());
+        assert!((disturbance.at(1.0) - open(1.0)).amax() < 1e-15);
+        assert_eq!(disturbance.at(2.0), Vector2::zeros());
+        let mut walker = Walker::new(&disturbance, 0.0);
+        assert_eq!(walker.step(0.0, 1.0), [Vector2::zeros(); 3]);
+        assert!((walker.now() - open(1.0)).amax() < 1e-15);
+        for (value, time) in walker.step(1.0, 1.0).iter().zip([1.0, 1.5, 2.0]) {
+            assert!((value - open(time)).amax() < 1e-15, "at {time} s");
+        }
+        assert_eq!(*walker.now(), Vector2::zeros());
     }
 }

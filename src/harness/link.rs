@@ -65,6 +65,7 @@ pub struct Link<const M: usize> {
     events: EventCount,
     outcome: LinkOutcome,
     differ_since_s: [Option<f64>; M],
+    steps: [f64; M],
 }
 
 impl<const M: usize> Link<M> {
@@ -85,12 +86,23 @@ impl<const M: usize> Link<M> {
                 ..LinkOutcome::default()
             },
             differ_since_s: [None; M],
+            steps: [0.0; M],
         })
     }
 
     /// Sends the command of a sample, N m, and returns the torque that the actuators hold from then on.
     pub fn transmit(&mut self, time_s: f64, command: &SVector<f64, M>) -> SVector<f64, M> {
+        let before = self.encoder.held();
         let sent = self.encoder.encode(time_s, command);
+        self.steps = std::array::from_fn(|axis| {
+            let level = sent.levels[axis].map_or(1.0, |level| f64::from(level) + 1.0);
+            let step = sent.held[axis] - before[axis];
+            if sent.words[axis].is_some() && !sent.resynchronised && step != 0.0 {
+                level.copysign(step)
+            } else {
+                0.0
+            }
+        });
         self.count(time_s, &sent);
         let words = sent.words.map(|word| {
             let word = word?;
@@ -112,6 +124,13 @@ impl<const M: usize> Link<M> {
             }
         }
         received.held
+    }
+
+    /// What the last sample's words say of each axis: zero without a word, or when it only repeats what
+    /// is held. A step counts positive upwards: 1 is the lowest level, or any step in an encoding without
+    /// levels.
+    pub fn steps(&self) -> &[f64; M] {
+        &self.steps
     }
 
     /// What the link has carried so far.

@@ -30,3 +30,4 @@ pub mod sensor;
 pub mod simulation;
 pub mod summary;
 pub mod usage;
+pub mod yang;

@@ -81,6 +81,23 @@ impl Reference {
         }
     }
 
+    /// Time derivative of the desired rate, rad/s^2, in the desired frame; not the jumps at
+    /// [`Self::kinks_s`].
+    pub fn acceleration(&self, time_s: f64) -> Vector3<f64> {
+        match *self {
+            Reference::Fixed(_) | Reference::Slew { .. } => Vector3::zeros(),
+            Reference::Sine {
+                axis,
+                amplitude_rad,
+                frequency_rad_s,
+                ..
+            } => {
+                let square = frequency_rad_s * frequency_rad_s;
+                axis * (-amplitude_rad * square * libm::sin(frequency_rad_s * time_s))
+            }
+        }
+    }
+
     /// The attitude and rate errors of a state, without sensor errors.
     #[inline(always)]
     pub fn error(&self, time_s: f64, state: &RigidBodyState) -> AttitudeMeasurement {

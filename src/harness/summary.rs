@@ -240,6 +240,7 @@ impl Summary {
             Metric::ShortestIntervalS => self.shortest_interval_s,
             Metric::MeanIntervalS => self.mean_interval_s,
             Metric::LinkMessages => self.link.as_ref().map(|link| link.messages as f64),
+            Metric::LinkWords => self.link.as_ref().map(|link| link.words as f64),
             Metric::LinkBits => self.link.as_ref().map(|link| link.bits as f64),
             Metric::LinkLongestDisagreementS => {
                 let link = self.link.as_ref();

@@ -81,7 +81,7 @@ impl Controller {
             Ok(sent) => Command {
                 torque: self.torque,
                 sent,
-                bytes: if sent { MESSAGE_BYTES } else { 0 },
+                bits: if sent { 8 * MESSAGE_BYTES } else { 0 },
                 status: Status::Nominal,
             },
             Err(reason) => Command::held(self.torque, reason),

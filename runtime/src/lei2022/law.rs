@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Barrier, PerformanceFunction, VirtualLaw};
 use crate::attitude::Quaternion;
-use crate::definite::check_positive_definite;
 use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::matrix_check::require_positive_definite;
 
 /// The term D_m tanh(z2 / p) of (12) against a bounded disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl ControlLaw {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        check_positive_definite("inertia", &self.inertia)?;
+        require_positive_definite("inertia", &self.inertia)?;
         self.performance.check()?;
         self.barrier.check()?;
         self.virtual_law.check()?;

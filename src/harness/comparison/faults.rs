@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::harness::actuator::Fault;
+use crate::harness::scenario::FaultFile;
 
 /// A named set of actuator faults.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,19 +11,20 @@ pub struct StandardFault {
     pub name: &'static str,
     /// What happens, in words.
     pub description: String,
-    /// The faults.
-    pub faults: Vec<Fault>,
+    /// The faults, as a scenario file has them.
+    pub faults: Vec<FaultFile>,
 }
 
 /// The standard faults of a run of `duration_s` seconds with the torque `limit`, N m, that can act on
 /// each axis (finite).
 pub fn standard_faults(duration_s: f64, limit: &Vector3<f64>) -> Vec<StandardFault> {
-    let fault = |axis: usize, window: (f64, f64), effectiveness: f64, share: f64| Fault {
-        axis,
+    let fault = |axis: u8, window: (f64, f64), effectiveness: f64, share: f64| FaultFile {
+        axis: u32::from(axis) + 1,
         from_s: window.0 * duration_s,
         until_s: window.1 * duration_s,
         effectiveness,
-        additive: share * limit[axis],
+        additive_nm: share * limit[usize::from(axis)],
+        additive_wave: None,
     };
     let from = |share: f64| format!("{:.4} s", share * duration_s);
     let quarter = from(0.25);

@@ -4,13 +4,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
 
 use nalgebra::Vector3;
+use synth::model::ModelError;
 
 use super::faults::{standard_faults, StandardFault};
 use super::table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
 use super::task::{limit_difference, ComparisonError, Contestant};
 use crate::harness::recorder::Table;
 use crate::harness::sampling::Instants;
-use crate::harness::scenario::System;
+use crate::harness::scenario::{Scenario, SystemFile};
 use crate::harness::simulation::{simulate, Outcome, SimulateError};
 use crate::harness::summary::{CertificateOutcome, Summary};
 
@@ -29,6 +30,14 @@ pub enum RunError {
     /// The scenarios cannot be compared.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
+    /// A scenario does not allow a standard fault.
+    #[error("{label}: {problem}")]
+    Fault {
+        /// The controller.
+        label: String,
+        /// What is wrong.
+        problem: ModelError,
+    },
     /// A scenario cannot be run.
     #[error("{label}: {problem}")]
     Simulate {
@@ -171,16 +180,28 @@ fn run_all(
 }
 
 fn run(contestant: &Contestant, fault: Option<&StandardFault>) -> Result<Outcome, RunError> {
-    let mut scenario = contestant.scenario.clone();
-    if let (Some(fault), System::RigidBody(body)) = (fault, &mut scenario.system) {
-        body.actuators.faults.extend(fault.faults.iter().copied());
-    }
+    let label = || contestant.label.clone();
+    let scenario = match fault {
+        None => contestant.scenario.clone(),
+        Some(fault) => with_fault(contestant, fault).map_err(|problem| RunError::Fault {
+            label: label(),
+            problem,
+        })?,
+    };
     simulate(&scenario, contestant.design.as_ref(), fault.is_none()).map_err(|problem| {
         RunError::Simulate {
-            label: contestant.label.clone(),
+            label: label(),
             problem,
         }
     })
+}
+
+fn with_fault(contestant: &Contestant, fault: &StandardFault) -> Result<Scenario, ModelError> {
+    let mut file = contestant.file.clone();
+    if let SystemFile::RigidBody(body) = &mut file.system {
+        body.faults.extend(fault.faults.iter().cloned());
+    }
+    Scenario::from_file(&file, contestant.scenario.sha256.clone())
 }
 
 fn row(

@@ -12,6 +12,8 @@ use crate::harness::scenario::{ControllerChoice, Scenario, ScenarioFile, System,
 pub struct Contestant {
     /// Name in tables and figures.
     pub label: String,
+    /// The scenario as written.
+    pub file: ScenarioFile,
     /// The checked scenario.
     pub scenario: Scenario,
     /// The design, for a scenario whose controller is one.

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::lei_file::LeiFile;
+use super::yang_file::YangFile;
 
 /// The controllers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,6 +18,8 @@ pub enum ControllerFile {
     Xu2020(Box<XuFile>),
     /// Lei et al. 2022.
     Lei2022(Box<LeiFile>),
+    /// Yang, Yang, Ji, Wang and Ma 2025.
+    Yang2025(Box<YangFile>),
 }
 
 /// Which design file.

@@ -11,6 +11,7 @@ use super::controller_file::{
 };
 use super::lei::lei2022;
 use super::systems::System;
+use super::yang::{check_yang, YangChoice};
 
 /// Most rules of a fuzzy controller.
 pub const MAX_RULES: usize = 8;
@@ -26,6 +27,8 @@ pub enum ControllerChoice {
     Xu(Box<XuChoice>),
     /// Lei et al. 2022.
     Lei(Box<lei2022::Parameters>),
+    /// Yang, Yang, Ji, Wang and Ma 2025.
+    Yang(Box<YangChoice>),
 }
 
 /// Xu and Huang's controller with given gains.
@@ -55,6 +58,7 @@ impl ControllerChoice {
             ControllerChoice::Wu(parameters) => Some(parameters.torque_limit),
             ControllerChoice::Xu(choice) => Some(choice.torque_limit),
             ControllerChoice::Lei(parameters) => Some(parameters.torque_limit),
+            ControllerChoice::Yang(choice) => Some(choice.parameters.torque_limit),
         }
     }
 
@@ -67,7 +71,9 @@ impl ControllerChoice {
             ControllerChoice::Lei(parameters) => {
                 parameters.trigger == lei2022::TriggerRule::EverySample
             }
-            ControllerChoice::Design(_) | ControllerChoice::Xu(_) => false,
+            ControllerChoice::Design(_) | ControllerChoice::Xu(_) | ControllerChoice::Yang(_) => {
+                false
+            }
         }
     }
 }
@@ -91,6 +97,11 @@ pub(super) fn check_controller(
         (ControllerFile::Lei2022(lei), System::RigidBody(body)) => {
             let parameters = lei2022(lei, body).map_err(|e| e.within("controller.lei2022"))?;
             Ok(ControllerChoice::Lei(Box::new(parameters)))
+        }
+        (ControllerFile::Yang2025(yang), System::RigidBody(body)) => {
+            let choice = check_yang(yang, body.body.inertia())
+                .map_err(|error| error.within("controller.yang2025"))?;
+            Ok(ControllerChoice::Yang(Box::new(choice)))
         }
         (_, System::TakagiSugeno(_)) => Err(ModelError::WrongShape {
             field: "controller".to_string(),

@@ -245,6 +245,8 @@ pub enum Metric {
     ThresholdRatio,
     /// Messages on the link to the actuators.
     LinkMessages,
+    /// Words on the link to the actuators: one for each axis that is sent something.
+    LinkWords,
     /// Bits on the link to the actuators.
     LinkBits,
     /// Longest time for which the two ends of the link held different torques (s).

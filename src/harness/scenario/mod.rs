@@ -10,6 +10,8 @@ mod link_file;
 mod links;
 mod system_file;
 mod systems;
+mod yang;
+mod yang_file;
 
 pub use check::Scenario;
 pub use controller_file::*;
@@ -19,3 +21,5 @@ pub use lei_file::*;
 pub use link_file::*;
 pub use system_file::*;
 pub use systems::{RigidBodySystem, System, TakagiSugenoSystem};
+pub use yang::YangChoice;
+pub use yang_file::*;

@@ -185,6 +185,10 @@ pub struct ActuatorsFile {
     /// Time from command to torque, not negative (s).
     #[serde(default)]
     pub delay_s: f64,
+    /// Torque about each body axis (rows) per unit torque of each actuator (columns); the identity
+    /// when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<[[f64; 3]; 3]>,
 }
 
 /// A fault of one axis in a window of time.
@@ -200,9 +204,28 @@ pub struct FaultFile {
     /// Share of the commanded torque that acts, in [0, 1]; 1 when left out.
     #[serde(default = "one")]
     pub effectiveness: f64,
-    /// Torque that acts on top [N m].
+    /// Torque about the axis that acts on top, whatever is commanded [N m].
     #[serde(default)]
     pub additive_nm: f64,
+    /// The same, changing in time: added to `additive_nm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub additive_wave: Option<FaultWaveFile>,
+}
+
+/// amplitude sin(frequency t + phase) exp(-decay t), with t the time of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaultWaveFile {
+    /// Amplitude at time zero [N m].
+    pub amplitude_nm: f64,
+    /// Angular frequency, not negative [rad/s].
+    pub frequency_rad_s: f64,
+    /// Phase (deg).
+    #[serde(default)]
+    pub phase_deg: f64,
+    /// Decay, not negative [1/s].
+    #[serde(default)]
+    pub decay_per_s: f64,
 }
 
 fn one() -> f64 {

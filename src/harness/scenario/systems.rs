@@ -13,7 +13,7 @@ use super::system_file::{
     SystemFile, TakagiSugenoFile, TorqueFile,
 };
 use crate::harness::actuator::{ActuatorData, Fault};
-use crate::harness::disturbance::{Disturbance, Harmonic, Table};
+use crate::harness::disturbance::{Disturbance, Harmonic, Pulse, Table};
 use crate::harness::padding;
 use crate::harness::plant::{Mixing, RigidBody};
 use crate::harness::reference::Reference;
@@ -91,17 +91,18 @@ fn rigid_body(file: &RigidBodyFile) -> Result<RigidBodySystem, ModelError> {
     })?;
     each("initial_rate_rad_s", &file.initial_rate_rad_s, finite)?;
     let mut actuators = actuators(&file.actuators)?;
+    let mut disturbance = torque(&file.disturbance)?;
     for (index, fault) in file.faults.iter().enumerate() {
-        actuators
-            .faults
-            .push(check_fault(&format!("faults[{index}]"), fault)?);
+        let (fault, pulse) = check_fault(&format!("faults[{index}]"), fault)?;
+        actuators.faults.push(fault);
+        disturbance.pulses.extend(pulse);
     }
     Ok(RigidBodySystem {
         body,
         attitude: attitude("initial_attitude", &file.initial_attitude)?,
         rate_rad_s: Vector3::from(file.initial_rate_rad_s),
         reference: reference(&file.reference)?,
-        disturbance: torque(&file.disturbance)?,
+        disturbance,
         sensors: sensors(&file.sensors)?,
         actuators,
     })
@@ -133,7 +134,7 @@ fn placeholder(plant: PlantFile) -> ModelFile {
 }
 
 /// The same rules as for the inertia of a model file.
-fn inertia(rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
+pub(super) fn inertia(rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     let model = placeholder(PlantFile::Exact(ExactPlant {
         inertia_kg_m2: *rows,
         torque_limit_nm: [1.0; 3],
@@ -146,7 +147,7 @@ fn inertia(rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
 }
 
 /// The same error at another place.
-fn relocated(mut error: ModelError, from: &str, to: &str) -> ModelError {
+pub(super) fn relocated(mut error: ModelError, from: &str, to: &str) -> ModelError {
     if let ModelError::OutOfRange { field, .. }
     | ModelError::WrongShape { field, .. }
     | ModelError::NotSymmetric { field, .. }
@@ -276,6 +277,7 @@ fn torque(file: &TorqueFile) -> Result<Disturbance<3>, ModelError> {
         bias: Vector3::from(file.bias_nm),
         harmonics,
         table: (!table.times_s.is_empty()).then_some(table),
+        pulses: Vec::new(),
     })
 }
 
@@ -302,11 +304,21 @@ fn actuators(file: &ActuatorsFile) -> Result<ActuatorData<3>, ModelError> {
         limit: Vector3::from(file.torque_limit_nm.unwrap_or([f64::INFINITY; 3])),
         dead_band: Vector3::from(file.dead_band_nm),
         delay_s: file.delay_s,
+        matrix: match &file.matrix {
+            None => Matrix3::identity(),
+            Some(rows) => {
+                for (row, entries) in rows.iter().enumerate() {
+                    each(&format!("actuators.matrix[{row}]"), entries, finite)?;
+                }
+                Matrix3::from_fn(|r, c| rows[r][c])
+            }
+        },
         faults: Vec::new(),
     })
 }
 
-fn check_fault(field: &str, file: &FaultFile) -> Result<Fault, ModelError> {
+/// A fault's share of the command that acts, and what acts on top.
+fn check_fault(field: &str, file: &FaultFile) -> Result<(Fault, Option<Pulse<3>>), ModelError> {
     let ok = (1..=3).contains(&file.axis);
     require(
         ok,
@@ -323,13 +335,41 @@ fn check_fault(field: &str, file: &FaultFile) -> Result<Fault, ModelError> {
         "in [0, 1]",
     )?;
     finite(&format!("{field}.additive_nm"), file.additive_nm)?;
-    Ok(Fault {
-        axis: file.axis as usize - 1,
+    let axis = file.axis as usize - 1;
+    let fault = Fault {
+        axis,
         from_s: file.from_s,
         until_s: file.until_s,
         effectiveness: file.effectiveness,
-        additive: file.additive_nm,
-    })
+    };
+    let along = |value: f64| Vector3::from_fn(|row, _| if row == axis { value } else { 0.0 });
+    let constant = Pulse {
+        from_s: file.from_s,
+        until_s: file.until_s,
+        constant: along(file.additive_nm),
+        wave: Vector3::zeros(),
+        frequency_rad_s: 0.0,
+        phase_rad: 0.0,
+        decay_per_s: 0.0,
+    };
+    let pulse = match &file.additive_wave {
+        None => (file.additive_nm != 0.0).then_some(constant),
+        Some(wave) => {
+            let field = format!("{field}.additive_wave");
+            finite(&format!("{field}.amplitude_nm"), wave.amplitude_nm)?;
+            not_negative(&format!("{field}.frequency_rad_s"), wave.frequency_rad_s)?;
+            finite(&format!("{field}.phase_deg"), wave.phase_deg)?;
+            not_negative(&format!("{field}.decay_per_s"), wave.decay_per_s)?;
+            Some(Pulse {
+                wave: along(wave.amplitude_nm),
+                frequency_rad_s: wave.frequency_rad_s,
+                phase_rad: wave.phase_deg.to_radians(),
+                decay_per_s: wave.decay_per_s,
+                ..constant
+            })
+        }
+    };
+    Ok((fault, pulse))
 }
 
 fn takagi_sugeno(file: &TakagiSugenoFile) -> Result<TakagiSugenoSystem, ModelError> {
@@ -420,5 +460,6 @@ fn signal(file: &TakagiSugenoFile, size: usize) -> Result<Disturbance<MAX_STATES
         bias: part("disturbance.bias", &file.disturbance.bias)?,
         harmonics,
         table: None,
+        pulses: Vec::new(),
     })
 }

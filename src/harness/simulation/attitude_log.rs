@@ -37,6 +37,8 @@ const COLUMNS: [&str; 16] = [
     "sent",
 ];
 const FIRST_TORQUE: usize = 8;
+/// Columns with a link, after the controller's signals.
+const LINK_COLUMNS: [&str; 3] = ["link_step_1", "link_step_2", "link_step_3"];
 /// Columns with a certificate.
 const CERTIFICATE_COLUMNS: [&str; 2] = ["lyapunov", "lyapunov_bound"];
 
@@ -71,6 +73,7 @@ pub struct AttitudeLog {
     settle: SettleRule,
     recorder: Option<Recorder>,
     row: Vec<f64>,
+    link_steps: Option<[f64; 3]>,
     torque: Vector3<f64>,
     disturbance: Vector3<f64>,
 }
@@ -78,7 +81,7 @@ pub struct AttitudeLog {
 impl AttitudeLog {
     /// Nothing yet. `settle` says when an attitude error counts as settled; the tail begins
     /// at `tail_from_s`; a trajectory is kept when `interval_s` says how dense, with the controller's
-    /// `signals` in its last columns.
+    /// `signals` in its last columns, followed by the steps on the link where there is one.
     pub fn new(
         reference: Reference,
         settle: SettleRule,
@@ -86,12 +89,16 @@ impl AttitudeLog {
         lyapunov: Option<LyapunovMonitor<6>>,
         interval_s: Option<f64>,
         signals: &[&str],
+        linked: bool,
     ) -> Self {
         let mut columns: Vec<String> = COLUMNS.map(str::to_string).into();
         if lyapunov.is_some() {
             columns.extend(CERTIFICATE_COLUMNS.map(str::to_string));
         }
         columns.extend(signals.iter().map(|name| name.to_string()));
+        if linked {
+            columns.extend(LINK_COLUMNS.map(str::to_string));
+        }
         Self {
             reference,
             events: EventCount::default(),
@@ -108,6 +115,7 @@ impl AttitudeLog {
             switches: None,
             settle,
             row: Vec::with_capacity(columns.len()),
+            link_steps: linked.then_some([0.0; 3]),
             recorder: interval_s.map(|interval| Recorder::new(columns, interval)),
             torque: Vector3::zeros(),
             disturbance: Vector3::zeros(),
@@ -141,6 +149,10 @@ impl AttitudeLog {
         self.row
             .resize(first + controller.signal_names().len(), 0.0);
         controller.signals(time_s, error, &mut self.row[first..]);
+        if let Some(steps) = &self.link_steps {
+            let steps = if sent { *steps } else { [0.0; 3] };
+            self.row.extend(steps);
+        }
         if let Some(recorder) = &mut self.recorder {
             recorder.write(&self.row);
         }
@@ -233,10 +245,15 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
     ) {
         self.events.record(time_s, command, mismatch);
         self.switches = controller.switch_count();
-        if command.sent && self.recorder.is_some() {
+        let carried = self.link_steps.iter().flatten().any(|&step| step != 0.0);
+        if (command.sent || carried) && self.recorder.is_some() {
             let error = self.reference.error(time_s, state);
             self.write(time_s, &error, true, controller);
         }
+    }
+
+    fn carried(&mut self, steps: &[f64; 3]) {
+        self.link_steps = Some(*steps);
     }
 
     #[inline]

@@ -18,6 +18,8 @@ use crate::harness::plant::rigid_body_state;
 use crate::harness::sampling::Sampling;
 use crate::harness::scenario::{ControllerChoice, RigidBodySystem, Scenario, XuChoice};
 use crate::harness::sensor::AttitudeSensor;
+use crate::harness::summary::Summary;
+use crate::harness::yang::YangAttitude;
 
 /// Runs a scenario on the rigid body.
 pub(super) fn run(
@@ -49,6 +51,15 @@ pub(super) fn run(
             let controller = lei2022::Controller::new(**parameters)?;
             let (end, log) = fly(scenario, system, controller, watch);
             (end, log, lei_name(parameters), parameters.torque_limit)
+        }
+        (ControllerChoice::Yang(choice), _) => {
+            let oracle = choice.told_fault.then_some(system.body);
+            let linked = scenario.link.is_some();
+            let controller =
+                YangAttitude::new(choice.parameters, system.reference, oracle, linked)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            let name = "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string();
+            (end, log, name, choice.parameters.torque_limit)
         }
         (ControllerChoice::Design(_), Some(design)) => {
             let (controller, limit) = designed(design)?;
@@ -91,6 +102,7 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
         watch.monitor,
         watch.trajectory.then_some(scenario.output_interval_s),
         controller.signal_names(),
+        watch.link.is_some(),
     );
     let mut breakpoints_s = system.actuators.fault_edges_s();
     breakpoints_s.extend(system.reference.kinks_s());
@@ -181,6 +193,18 @@ fn fuzzy_of<const R: usize>(
     Ok(Box::new(XuAttitude::new(controller)))
 }
 
+/// A controller without a trigger of its own sends what the encoder behind it sends.
+fn messages_on_the_link(summary: &mut Summary) {
+    let Some(link) = &summary.link else {
+        return;
+    };
+    summary.triggers = link.messages;
+    summary.bits = link.bits;
+    summary.bytes = link.bytes;
+    summary.shortest_interval_s = link.shortest_interval_s;
+    summary.mean_interval_s = link.mean_interval_s;
+}
+
 fn finish(
     scenario: &Scenario,
     design: Option<&Design>,
@@ -232,6 +256,9 @@ fn finish(
     summary.tail_error_deg = log.pointing.tail_peak().and_then(degrees);
     summary.turn_ons = log.switches.map(|count| u64::from(count.on));
     summary.turn_offs = log.switches.map(|count| u64::from(count.off));
+    if matches!(scenario.controller, ControllerChoice::Yang(_)) {
+        messages_on_the_link(&mut summary);
+    }
     summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
     Outcome {

@@ -1,27 +1,35 @@
-//! Check of matrices that must be symmetric and positive definite.
+//! Checks of parameters that are matrices.
 
 use nalgebra::SMatrix;
 
 use crate::error::{require_finite, Field, ParameterError};
 
 /// Largest difference between mirrored entries of a symmetric matrix, relative to its largest entry.
-pub const SYMMETRY_TOLERANCE: f64 = 1e-9;
+pub(crate) const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
-/// Checks that the matrix called `name` is finite, symmetric up to [`SYMMETRY_TOLERANCE`] and positive
-/// definite.
-pub(crate) fn check_positive_definite<const N: usize>(
+/// Checks that every entry is finite.
+pub(crate) fn require_finite_entries<const R: usize, const C: usize>(
+    name: &'static str,
+    matrix: &SMatrix<f64, R, C>,
+) -> Result<(), ParameterError> {
+    for (column, values) in matrix.data.0.iter().enumerate() {
+        for (row, value) in values.iter().enumerate() {
+            require_finite(Field::entry(name, row, column), *value)?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a matrix is finite, symmetric up to [`SYMMETRY_TOLERANCE`] and positive definite.
+pub(crate) fn require_positive_definite<const N: usize>(
     name: &'static str,
     matrix: &SMatrix<f64, N, N>,
 ) -> Result<(), ParameterError> {
+    require_finite_entries(name, matrix)?;
     let columns = matrix.data.0;
     let rows = matrix.transpose().data.0;
-    let mut largest = 0.0_f64;
-    for (column, values) in columns.iter().enumerate() {
-        for (row, value) in values.iter().enumerate() {
-            require_finite(Field::entry(name, row, column), *value)?;
-            largest = largest.max(value.abs());
-        }
-    }
+    let entries = columns.iter().flatten();
+    let largest = entries.fold(0.0_f64, |largest, value| largest.max(value.abs()));
     for (row, (above, below)) in rows.iter().zip(&columns).enumerate() {
         let pairs = above.iter().zip(below).enumerate().skip(row + 1);
         for (column, (&value, &mirrored)) in pairs {
