@@ -2,6 +2,7 @@
 
 mod analyse;
 mod check;
+mod compare;
 mod error;
 mod export;
 mod feasibility;
@@ -50,6 +51,8 @@ enum Verb {
     Verify(verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
     Simulate(simulate::SimulateArgs),
+    /// Run several controllers on the same task and put them side by side
+    Compare(compare::CompareArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
     /// Read a file of any kind and say whether it is valid
@@ -77,6 +80,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Analyse(args) => analyse::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
+        Verb::Compare(args) => compare::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),

@@ -76,7 +76,7 @@ fn design_path(args: &SimulateArgs, scenario: &Scenario) -> Option<PathBuf> {
     }
 }
 
-fn read_design(path: &Path) -> Result<Design, CliError> {
+pub(super) fn read_design(path: &Path) -> Result<Design, CliError> {
     let text = read_text(path).map_err(|error| CliError::file(path, error))?;
     Design::from_json(&text).map_err(|error| CliError::file(path, error))
 }
@@ -133,10 +133,10 @@ fn describe(summary: &Summary) -> String {
         "largest torque: {:.4} N m; impulse: {:.4} N m s",
         summary.max_torque, summary.impulse
     ));
-    describe_bounds(summary, &mut lines);
     if let Some(link) = &summary.link {
         describe_link(link, &mut lines);
     }
+    describe_bounds(summary, &mut lines);
     if let Some(outcome) = &summary.certificate {
         describe_certificate(outcome, &mut lines);
     }
@@ -152,6 +152,20 @@ fn describe(summary: &Summary) -> String {
     }
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
+}
+
+fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
+    lines.push(format!("link: {}", link.encoding));
+    lines.push(format!(
+        "link messages: {}; words: {}; bits: {}",
+        link.messages, link.words, link.bits
+    ));
+    if link.lost_words + link.corrupted_words > 0 {
+        lines.push(format!(
+            "link words lost: {}; corrupted: {}; refused: {}; longest disagreement: {:.3} s",
+            link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
+        ));
+    }
 }
 
 /// Switching and prescribed bounds, for the controllers that have them.
@@ -173,20 +187,6 @@ fn describe_bounds(summary: &Summary, lines: &mut Vec<String>) {
                 usage.largest_ratio, usage.largest_ratio_at_s
             ));
         }
-    }
-}
-
-fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
-    lines.push(format!("link: {}", link.encoding));
-    lines.push(format!(
-        "link messages: {}; words: {}; bits: {}",
-        link.messages, link.words, link.bits
-    ));
-    if link.lost_words + link.corrupted_words > 0 {
-        lines.push(format!(
-            "link words lost: {}; corrupted: {}; refused: {}; longest disagreement: {:.3} s",
-            link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
-        ));
     }
 }
 

@@ -6,5 +6,6 @@ mod page;
 mod prescribed;
 mod series;
 
-pub use figures::FigureError;
-pub use page::page;
+pub use figures::{Figure, FigureError};
+pub use page::{document, escape, page, short};
+pub use series::Line;

@@ -27,19 +27,36 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     }
     notes(summary, &mut body);
     for figure in figures(summary, trajectory) {
-        let svg = figure.to_svg()?;
-        let title = escape(&figure.title);
-        put(&mut body, format_args!("<section><h2>{title}</h2>\n"));
-        legend(&figure, &mut body);
-        put(&mut body, format_args!("{svg}</section>\n"));
+        figure.write_section(&mut body)?;
     }
     provenance(summary, &mut body);
-    Ok(format!(
+    let title = format!("{}: run report", summary.scenario);
+    Ok(document(&title, &body))
+}
+
+/// A page around its body.
+pub fn document(title: &str, body: &str) -> String {
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}: run report</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
-        escape(&summary.scenario)
-    ))
+         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+        escape(title)
+    )
+}
+
+impl Figure {
+    /// Writes the figure with its title and legend.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn write_section(&self, body: &mut String) -> Result<(), FigureError> {
+        let svg = self.to_svg()?;
+        let title = escape(&self.title);
+        put(body, format_args!("<section><h2>{title}</h2>\n"));
+        legend(self, body);
+        put(body, format_args!("{svg}</section>\n"));
+        Ok(())
+    }
 }
 
 /// Text for HTML.
@@ -348,7 +365,7 @@ fn provenance(summary: &Summary, body: &mut String) {
 }
 
 /// Five significant digits.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();
     }

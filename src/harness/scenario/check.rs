@@ -72,13 +72,26 @@ impl Scenario {
     /// # Errors
     /// The first field that is missing, unknown, of the wrong type or out of its range.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
+        let (file, sha256) = Self::read(text)?;
+        Ok(Self::from_file(&file, sha256)?)
+    }
+
+    /// Reads the text of a scenario file, unchecked, and its SHA-256 in hexadecimal.
+    ///
+    /// # Errors
+    /// A field that is missing, unknown or of the wrong type.
+    pub fn read(text: &str) -> Result<(ScenarioFile, String), FileError> {
         let file: ScenarioFile = parse(text, Kind::Scenario)?;
         let digest = Sha256::digest(text.as_bytes());
         let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self::new(&file, sha256)?)
+        Ok((file, sha256))
     }
 
-    fn new(file: &ScenarioFile, sha256: String) -> Result<Self, ModelError> {
+    /// Checks a scenario file.
+    ///
+    /// # Errors
+    /// The first field that is out of its range.
+    pub fn from_file(file: &ScenarioFile, sha256: String) -> Result<Self, ModelError> {
         if file.schema_version != SCENARIO_SCHEMA_VERSION {
             return Err(ModelError::SchemaVersion {
                 found: file.schema_version,
@@ -90,9 +103,9 @@ impl Scenario {
         let controller = check_controller(&file.controller, &system)?;
         let instants = check_sampling(&file.sampling, file.duration_s)?;
         let method = check_integrator(&file.integrator, file.duration_s)?;
-        check_continuous(&instants, &method, &system, &controller)?;
         let link = file.link.as_ref();
         let link = link.map(|link| check_link(link, &system, &instants));
+        check_continuous(&instants, &method, &system, &controller)?;
         check_metrics(&file.metrics, file.duration_s)?;
         check_requirements(&file.requirements)?;
         let tolerance_deg = file.metrics.settle_tolerance_deg;

@@ -243,12 +243,6 @@ pub enum Metric {
     FunnelRatio,
     /// Largest ratio of what the trigger watches to its threshold, for a controller that watches it.
     ThresholdRatio,
-    /// Times the actuators were turned on, for a controller that turns them off.
-    TurnOns,
-    /// Times they were turned off.
-    TurnOffs,
-    /// Share of the run in which a torque acts.
-    OnTimeShare,
     /// Messages on the link to the actuators.
     LinkMessages,
     /// Words on the link to the actuators: one for each axis that is sent something.
@@ -257,6 +251,12 @@ pub enum Metric {
     LinkBits,
     /// Longest time for which the two ends of the link held different torques (s).
     LinkLongestDisagreementS,
+    /// Times the actuators were turned on, for a controller that turns them off.
+    TurnOns,
+    /// Times they were turned off.
+    TurnOffs,
+    /// Share of the run in which a torque acts.
+    OnTimeShare,
 }
 
 /// What is written of the trajectory.

@@ -267,10 +267,10 @@ fn finish(
         .last
         .and_then(|last| degrees(last.error.rotation_angle_rad()));
     summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
+    summary.link = log.link.clone();
     summary.tail_error_deg = log.pointing.tail_peak().and_then(degrees);
     summary.turn_ons = log.switches.map(|count| u64::from(count.on));
     summary.turn_offs = log.switches.map(|count| u64::from(count.off));
-    summary.link = log.link.clone();
     if matches!(scenario.controller, ControllerChoice::Yang(_)) {
         messages_on_the_link(&mut summary);
     }
