@@ -5,6 +5,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod yang;
+
 use core::hint::black_box;
 
 use runtime::attitude::{skew, AttitudeMeasurement, Quaternion};
@@ -38,6 +40,7 @@ pub fn exercise_controllers() -> Result<f64, ParameterError> {
         wu(wu2018::Unwinding::ShortestRotation {
             hysteresis: black_box(0.1),
         })?,
+        yang::largest_torque()?,
     ];
     Ok(torques.into_iter().fold(0.0, f64::max))
 }
