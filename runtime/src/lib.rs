@@ -1,8 +1,8 @@
 //! Event-triggered spacecraft attitude controllers, as they would fly.
 //!
-//! One file or folder per published controller ([`xu2020`], [`wu2018`], [`yang2025`]) and one per concern they share. The
-//! crate is `no_std`, allocates nothing, contains no `unsafe` code and runs in bounded time. It knows
-//! nothing of files, synthesis or simulation.
+//! One file or folder per published controller ([`xu2020`], [`wu2018`], [`lei2022`], [`yang2025`]) and
+//! one per concern they share. The crate is `no_std`, allocates nothing, contains no `unsafe` code and
+//! runs in bounded time. It knows nothing of files, synthesis or simulation.
 //!
 //! Every controller has the same shape: `new(parameters)` checks the parameters and returns a
 //! [`ParameterError`](error::ParameterError) that carries the numbers; `step(time_s, &measurement)`
@@ -20,6 +20,7 @@ pub mod attitude;
 pub mod command;
 pub mod compression;
 pub mod error;
+pub mod lei2022;
 mod matrix_check;
 pub mod membership;
 mod sample_clock;

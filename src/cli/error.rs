@@ -23,6 +23,9 @@ pub enum CliError {
         /// Why.
         reason: String,
     },
+    /// Scenarios cannot be compared.
+    #[error("{0}")]
+    Comparison(String),
     /// Synthesis could not run.
     #[error(transparent)]
     Synthesis(#[from] synth::synthesis::SynthesisError),

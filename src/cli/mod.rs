@@ -1,6 +1,7 @@
 //! The command line: one file for each verb.
 
 mod check;
+mod compare;
 mod error;
 mod export;
 mod files;
@@ -43,6 +44,8 @@ enum Verb {
     Verify(verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
     Simulate(simulate::SimulateArgs),
+    /// Run several controllers on the same task and put them side by side
+    Compare(compare::CompareArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
     /// Read a model, design or scenario file and say whether it is valid
@@ -68,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Synthesize(args) => synthesize::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
+        Verb::Compare(args) => compare::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),

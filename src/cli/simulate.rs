@@ -76,7 +76,7 @@ fn design_path(args: &SimulateArgs, scenario: &Scenario) -> Option<PathBuf> {
     }
 }
 
-fn read_design(path: &Path) -> Result<Design, CliError> {
+pub(super) fn read_design(path: &Path) -> Result<Design, CliError> {
     let text = read_text(path).map_err(|error| CliError::file(path, error))?;
     Design::from_json(&text).map_err(|error| CliError::file(path, error))
 }
@@ -136,6 +136,7 @@ fn describe(summary: &Summary) -> String {
     if let Some(link) = &summary.link {
         describe_link(link, &mut lines);
     }
+    describe_bounds(summary, &mut lines);
     if let Some(outcome) = &summary.certificate {
         describe_certificate(outcome, &mut lines);
     }
@@ -164,6 +165,28 @@ fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
             "link words lost: {}; corrupted: {}; refused: {}; longest disagreement: {:.3} s",
             link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
         ));
+    }
+}
+
+/// Switching and prescribed bounds, for the controllers that have them.
+fn describe_bounds(summary: &Summary, lines: &mut Vec<String>) {
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        let share = 100.0 * summary.on_time_share;
+        lines.push(format!(
+            "actuators: turned on {on} and off {off} times, {share:.1} % of the time with a torque"
+        ));
+    }
+    let usages = [
+        ("error over its prescribed bound", &summary.funnel),
+        ("trigger over its threshold", &summary.threshold),
+    ];
+    for (name, usage) in usages {
+        if let Some(usage) = usage {
+            lines.push(format!(
+                "largest {name}: {:.6} at {:.3} s",
+                usage.largest_ratio, usage.largest_ratio_at_s
+            ));
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 pub mod actuator;
 pub mod closed_loop;
+pub mod comparison;
 pub mod controller;
 pub mod design;
 pub mod disturbance;

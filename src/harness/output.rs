@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use synth::model::{read_text, write_atomically, FileError};
 
+use super::comparison::{self, Comparison, Curves};
 use super::recorder::{Table, TableError};
 use super::report;
 use super::simulation::Outcome;
@@ -15,6 +16,13 @@ pub const TRAJECTORY_FILE: &str = "trajectory.csv";
 pub const SUMMARY_FILE: &str = "summary.json";
 /// Name of the report's file.
 pub const REPORT_FILE: &str = "report.html";
+
+/// Name of a comparison's table.
+pub const COMPARISON_FILE: &str = "comparison.json";
+/// Name of a comparison's table as comma-separated values.
+pub const COMPARISON_CSV: &str = "comparison.csv";
+/// Name of a comparison's page.
+pub const COMPARISON_PAGE: &str = "comparison.html";
 
 /// Why a run's files cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -53,19 +61,41 @@ pub enum OutputError {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_run(folder: &Path, outcome: &Outcome) -> Result<(), OutputError> {
-    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
-        path: folder.to_path_buf(),
-        problem: FileError::Io {
-            action: "cannot be created",
-            source,
-        },
-    })?;
+    create(folder)?;
     let empty = Table::default();
     let trajectory = outcome.trajectory.as_ref().unwrap_or(&empty);
     let page = report::page(&outcome.summary, trajectory)?;
     write(&folder.join(TRAJECTORY_FILE), &trajectory.to_csv())?;
     write(&folder.join(SUMMARY_FILE), &summary_text(&outcome.summary))?;
     write(&folder.join(REPORT_FILE), &page)
+}
+
+/// Creates the folder and writes every file of a comparison into it.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_comparison(
+    folder: &Path,
+    comparison: &Comparison,
+    curves: &[Curves],
+) -> Result<(), OutputError> {
+    create(folder)?;
+    let page = comparison::page(comparison, curves)?;
+    // It holds finite numbers, strings and lists only, so it can always be written.
+    let table = serde_json::to_string_pretty(comparison).unwrap_or_default() + "\n";
+    write(&folder.join(COMPARISON_FILE), &table)?;
+    write(&folder.join(COMPARISON_CSV), &comparison.to_csv())?;
+    write(&folder.join(COMPARISON_PAGE), &page)
+}
+
+fn create(folder: &Path) -> Result<(), OutputError> {
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
+        path: folder.to_path_buf(),
+        problem: FileError::Io {
+            action: "cannot be created",
+            source,
+        },
+    })
 }
 
 /// A summary as one JSON object.

@@ -27,19 +27,36 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     }
     notes(summary, &mut body);
     for figure in figures(summary, trajectory) {
-        let svg = figure.to_svg()?;
-        let title = escape(&figure.title);
-        put(&mut body, format_args!("<section><h2>{title}</h2>\n"));
-        legend(&figure, &mut body);
-        put(&mut body, format_args!("{svg}</section>\n"));
+        figure.write_section(&mut body)?;
     }
     provenance(summary, &mut body);
-    Ok(format!(
+    let title = format!("{}: run report", summary.scenario);
+    Ok(document(&title, &body))
+}
+
+/// A page around its body.
+pub fn document(title: &str, body: &str) -> String {
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}: run report</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
-        escape(&summary.scenario)
-    ))
+         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+        escape(title)
+    )
+}
+
+impl Figure {
+    /// Writes the figure with its title and legend.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn write_section(&self, body: &mut String) -> Result<(), FigureError> {
+        let svg = self.to_svg()?;
+        let title = escape(&self.title);
+        put(body, format_args!("<section><h2>{title}</h2>\n"));
+        legend(self, body);
+        put(body, format_args!("{svg}</section>\n"));
+        Ok(())
+    }
 }
 
 /// Text for HTML.
@@ -122,6 +139,7 @@ fn metrics(summary: &Summary, body: &mut String) {
         rows.push(("Largest input", short(summary.max_torque)));
         rows.push(("Integral of the input's magnitude", short(summary.impulse)));
     }
+    rows.extend(bound_rows(summary));
     if summary.held_samples > 0 {
         let reason = summary.first_hold.as_deref().unwrap_or("unknown");
         rows.push((
@@ -180,6 +198,31 @@ fn link(outcome: &LinkOutcome, body: &mut String) {
     body.push_str("<section><h2>Link to the actuators</h2>\n");
     numbers(&rows, body);
     body.push_str("</section>\n");
+}
+
+/// Switching and prescribed bounds, for the controllers that have them.
+fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        rows.push(("Turned on; off", format!("{on}; {off}")));
+        let share = short(100.0 * summary.on_time_share);
+        rows.push(("Time with a torque (%)", share));
+    }
+    let usages = [
+        ("Largest error over its prescribed bound", &summary.funnel),
+        ("Largest trigger over its threshold", &summary.threshold),
+    ];
+    for (name, usage) in usages {
+        if let Some(usage) = usage {
+            let ratio = format!(
+                "{:.6} at {} s",
+                usage.largest_ratio,
+                short(usage.largest_ratio_at_s)
+            );
+            rows.push((name, ratio));
+        }
+    }
+    rows
 }
 
 fn requirements(summary: &Summary, body: &mut String) {
@@ -322,7 +365,7 @@ fn provenance(summary: &Summary, body: &mut String) {
 }
 
 /// Five significant digits.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();
     }
@@ -369,6 +412,7 @@ fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     let mut out = Vec::new();
     if summary.system == "rigid_body" {
         out.extend(attitude_figures(summary, &collect, &figure));
+        out.extend(super::intermittent::figures(summary, trajectory));
     } else {
         out.extend(state_figures(trajectory, &collect, &figure));
     }
@@ -418,6 +462,14 @@ fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<
     limits.sort_by(f64::total_cmp);
     limits.dedup();
     let error = collect(&[("error_deg", "attitude error")], false);
+    // A tolerance on the components is drawn with them.
+    let (title, tolerance) = match summary.scales.settle_tolerance_component {
+        Some(_) => ("Attitude error", None),
+        None => (
+            "Attitude error and settling tolerance",
+            Some(summary.scales.settle_tolerance),
+        ),
+    };
     vec![
         figure("Error quaternion", "component", collect(&quaternion, false)),
         figure("Body rate", "rate error (rad/s)", collect(&rates, false)),
@@ -427,12 +479,8 @@ fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<
         },
         Figure {
             logarithmic: true,
-            limits: vec![summary.scales.settle_tolerance],
-            ..figure(
-                "Attitude error and settling tolerance",
-                "error (deg)",
-                error,
-            )
+            limits: tolerance.into_iter().collect(),
+            ..figure(title, "error (deg)", error)
         },
     ]
 }

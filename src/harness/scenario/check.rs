@@ -54,6 +54,8 @@ pub struct Scenario {
     pub method: Method,
     /// When an attitude error counts as settled, rad.
     pub settle_tolerance_rad: f64,
+    /// When an attitude error counts as settled instead: the largest component of its vector part.
+    pub settle_tolerance_component: Option<f64>,
     /// When another plant's state counts as settled.
     pub settle_tolerance_state: f64,
     /// Length of the tail, s.
@@ -70,13 +72,26 @@ impl Scenario {
     /// # Errors
     /// The first field that is missing, unknown, of the wrong type or out of its range.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
+        let (file, sha256) = Self::read(text)?;
+        Ok(Self::from_file(&file, sha256)?)
+    }
+
+    /// Reads the text of a scenario file, unchecked, and its SHA-256 in hexadecimal.
+    ///
+    /// # Errors
+    /// A field that is missing, unknown or of the wrong type.
+    pub fn read(text: &str) -> Result<(ScenarioFile, String), FileError> {
         let file: ScenarioFile = parse(text, Kind::Scenario)?;
         let digest = Sha256::digest(text.as_bytes());
         let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self::new(&file, sha256)?)
+        Ok((file, sha256))
     }
 
-    fn new(file: &ScenarioFile, sha256: String) -> Result<Self, ModelError> {
+    /// Checks a scenario file.
+    ///
+    /// # Errors
+    /// The first field that is out of its range.
+    pub fn from_file(file: &ScenarioFile, sha256: String) -> Result<Self, ModelError> {
         if file.schema_version != SCENARIO_SCHEMA_VERSION {
             return Err(ModelError::SchemaVersion {
                 found: file.schema_version,
@@ -88,9 +103,9 @@ impl Scenario {
         let controller = check_controller(&file.controller, &system)?;
         let instants = check_sampling(&file.sampling, file.duration_s)?;
         let method = check_integrator(&file.integrator, file.duration_s)?;
-        check_continuous(&instants, &method, &system)?;
         let link = file.link.as_ref();
         let link = link.map(|link| check_link(link, &system, &instants));
+        check_continuous(&instants, &method, &system, &controller)?;
         check_metrics(&file.metrics, file.duration_s)?;
         check_requirements(&file.requirements)?;
         let tolerance_deg = file.metrics.settle_tolerance_deg;
@@ -109,6 +124,7 @@ impl Scenario {
             settle_tolerance_rad: tolerance_deg
                 .unwrap_or(DEFAULT_SETTLE_TOLERANCE_DEG)
                 .to_radians(),
+            settle_tolerance_component: file.metrics.settle_tolerance_component,
             settle_tolerance_state: file
                 .metrics
                 .settle_tolerance_state
@@ -230,9 +246,17 @@ fn check_continuous(
     instants: &Instants,
     method: &Method,
     system: &System,
+    controller: &ControllerChoice,
 ) -> Result<(), ModelError> {
-    if !matches!(instants, Instants::Continuous { .. }) {
+    let Instants::Continuous { resolution_s } = instants else {
         return Ok(());
+    };
+    if controller.sends_every_sample() {
+        let field = "sampling.instants.continuous.resolution_s";
+        let allowed =
+            "left out, and the sampling periodic or aperiodic, because the controller sends \
+                       every sample";
+        return require(false, field, *resolution_s, allowed);
     }
     let refuse = |field: &str, value: f64, allowed: &str| {
         let allowed = format!("{allowed} when sampling.instants is continuous");
@@ -270,6 +294,14 @@ fn check_metrics(file: &MetricsFile, duration: f64) -> Result<(), ModelError> {
             tolerance,
             "above 0 and at most 180",
         )?;
+    }
+    if let Some(tolerance) = file.settle_tolerance_component {
+        let field = "metrics.settle_tolerance_component";
+        let ok = tolerance > 0.0 && tolerance < 1.0;
+        require(ok, field, tolerance, "above 0 and below 1")?;
+        let alone = file.settle_tolerance_deg.is_none();
+        let allowed = "left out when settle_tolerance_deg is given";
+        require(alone, field, tolerance, allowed)?;
     }
     if let Some(tolerance) = file.settle_tolerance_state {
         check_positive("metrics.settle_tolerance_state", tolerance)?;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::lei_file::LeiFile;
 use super::yang_file::YangFile;
 
 /// The controllers.
@@ -15,6 +16,8 @@ pub enum ControllerFile {
     Wu2018(WuFile),
     /// Xu and Huang 2020 with given gains: nothing is proved.
     Xu2020(Box<XuFile>),
+    /// Lei et al. 2022.
+    Lei2022(Box<LeiFile>),
     /// Yang, Yang, Ji, Wang and Ma 2025.
     Yang2025(Box<YangFile>),
 }

@@ -18,17 +18,17 @@ pub(super) fn check_link(
     system: &System,
     instants: &Instants,
 ) -> Result<LinkData<3>, ModelError> {
-    let refuse = |found: &str, expected: &str| ModelError::WrongShape {
-        field: "link".to_string(),
-        found: found.to_string(),
-        expected: expected.to_string(),
-    };
     if matches!(system, System::TakagiSugeno(_)) {
-        return Err(refuse("a link", "none, because system is takagi_sugeno"));
+        return Err(ModelError::WrongShape {
+            field: "link".to_string(),
+            found: "3 axes".to_string(),
+            expected: "none: a link is for a rigid_body only".to_string(),
+        });
     }
-    if matches!(instants, Instants::Continuous { .. }) {
-        let expected = "none, because sampling.instants is continuous";
-        return Err(refuse("a link", expected));
+    if let Instants::Continuous { resolution_s } = *instants {
+        let field = "sampling.instants.continuous.resolution_s";
+        let allowed = "left out, because a link needs periodic or aperiodic sampling";
+        require(false, field, resolution_s, allowed)?;
     }
     for (key, value) in [
         ("bit_error_probability", file.bit_error_probability),

@@ -11,8 +11,8 @@ use synth::model::ModelError;
 
 use super::systems::{inertia, relocated};
 use super::yang_file::{
-    AdhesionFile, FaultEstimationFile, PerformanceFile, ResilienceFile, YangEnvelopeFile, YangFile,
-    YangGainsFile,
+    AdhesionFile, FaultEstimationFile, ResilienceFile, YangEnvelopeFile, YangFile, YangGainsFile,
+    YangPerformanceFile,
 };
 
 /// The checked controller.
@@ -63,8 +63,8 @@ fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
 
 fn envelopes(file: &YangEnvelopeFile) -> Result<[EnvelopeParameters; 3], ModelError> {
     let appointed = match &file.performance {
-        PerformanceFile::AppointedTime(function) => Some(function.appointed_time_s),
-        PerformanceFile::Exponential(_) => None,
+        YangPerformanceFile::AppointedTime(function) => Some(function.appointed_time_s),
+        YangPerformanceFile::Exponential(_) => None,
     };
     let spans = match &file.adhesion {
         None => None,
@@ -90,16 +90,16 @@ fn envelopes(file: &YangEnvelopeFile) -> Result<[EnvelopeParameters; 3], ModelEr
     }))
 }
 
-fn performance(file: &PerformanceFile, axis: usize) -> Performance {
+fn performance(file: &YangPerformanceFile, axis: usize) -> Performance {
     match file {
-        PerformanceFile::AppointedTime(function) => Performance::AppointedTime {
+        YangPerformanceFile::AppointedTime(function) => Performance::AppointedTime {
             initial_level: function.initial_level,
             final_level: function.final_level,
             appointed_time_s: function.appointed_time_s[axis],
             rate_per_s: function.rate_per_s,
             offset: function.offset,
         },
-        PerformanceFile::Exponential(function) => Performance::Exponential {
+        YangPerformanceFile::Exponential(function) => Performance::Exponential {
             initial_level: function.initial_level,
             final_level: function.final_level,
             rate_per_s: function.rate_per_s,

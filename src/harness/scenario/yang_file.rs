@@ -31,7 +31,7 @@ pub struct YangFile {
 #[serde(deny_unknown_fields)]
 pub struct YangEnvelopeFile {
     /// The performance function rho(t).
-    pub performance: PerformanceFile,
+    pub performance: YangPerformanceFile,
     /// a in (10), above 0.
     pub shape: f64,
     /// True for (10), wide on the side of the initial error and narrow on the other; false for bounds
@@ -54,7 +54,7 @@ fn yes() -> bool {
 /// A performance function.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum PerformanceFile {
+pub enum YangPerformanceFile {
     /// (8): reaches its final level at the appointed time.
     AppointedTime(AppointedTimeFile),
     /// The usual exponential.
