@@ -166,7 +166,7 @@ fn each_baseline_without_a_part_of_the_envelope_leaves_it_when_that_part_is_miss
 
 /// Counts depend on the last digits of the start: means over ten of them are compared.
 #[test]
-fn compression_needs_a_quarter_fewer_words_and_two_thirds_fewer_bits_than_its_rivals() {
+fn compression_needs_a_quarter_fewer_words_and_70_percent_fewer_bits_than_its_rivals() {
     let counts = |text: &str| {
         let runs: Vec<Summary> = perturbed(&scenario(text), 10).iter().map(run).collect();
         assert!(runs.iter().all(|summary| summary.violations == 0));
@@ -235,7 +235,6 @@ fn a_finer_alphabet_does_not_give_the_papers_6_bits_a_word() {
     println!("z = 6, m = 4: {} words, {} bits", link.words, link.bits);
     // 4 log2 6 = 10.3 bits, so 11; the paper's 12768 bits in 2128 words are 6 each.
     assert_eq!(link.bits, 11 * link.words);
-    assert_eq!(12_768 / 2_128, 6);
     assert_eq!(summary.violations, 0);
 }
 
@@ -289,17 +288,16 @@ fn a_fast_estimate_of_the_fault_serves_as_well_as_the_true_one() {
 }
 
 #[test]
-fn a_lossy_link_with_resynchronisation_loses_the_envelope_but_not_the_spacecraft() {
+fn one_word_in_a_hundred_may_be_lost_when_the_link_is_resynchronised_every_second() {
     let mut scenario = whole();
     let link = scenario.link.as_mut().unwrap();
     link.word_loss_probability = 0.01;
     link.parameters.resynchronisation_period_s = Some(1.0);
     let summary = run(&scenario);
-    println!(
-        "{:?} {:?} {:?}",
-        summary.link, summary.funnel, summary.final_error_deg
-    );
-    assert!(summary.final_error_deg.unwrap() < 20.0);
+    println!("{:?} {:?}", summary.link, summary.funnel);
+    let link = summary.link.unwrap();
+    assert!(link.lost_words > 0 && link.longest_disagreement_s > 0.0);
+    assert_eq!(summary.violations, 0);
 }
 
 #[test]
