@@ -52,6 +52,7 @@ fn undisturbed(mut scenario: Scenario) -> Scenario {
         bias: Vector3::zeros(),
         harmonics: Vec::new(),
         table: None,
+        pulses: Vec::new(),
     };
     scenario
 }
