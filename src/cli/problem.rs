@@ -5,13 +5,13 @@ use std::process::ExitCode;
 
 use serde_json::{json, Value};
 use synth::certify::{Report, Verdict};
-use synth::design::SolverRun;
-use synth::problem::{self, Problem, ProblemDesignFile, ProblemOutcome, ProblemSynthesized};
-use synth::solve::{Clarabel, SolveError};
-use synth::synthesis::{Failure, SynthesisError};
+use synth::problem::{
+    self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
+};
+use synth::solve::Clarabel;
 
 use super::progress::SolverProgress;
-use super::synthesize::{describe_run, print_blocking, SynthesizeArgs};
+use super::synthesize::{describe_run, print_end, solver_problem, SynthesizeArgs};
 use super::verify::{describe, exit_code};
 use super::{files, print, CliError, EXIT_NO, EXIT_SOLVER};
 
@@ -44,15 +44,8 @@ pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<ExitCode, CliErro
 fn solve(args: &SynthesizeArgs, problem: &Problem, text: &str) -> Result<ProblemOutcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    match problem::synthesize(problem, text, &Clarabel::default(), observer) {
-        Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
-        // The numbers overflow on the way from the file to the solver.
-        Err(SynthesisError::Solve(fault @ SolveError::NotFinite { .. })) => {
-            let reason = format!("{fault}; the file's numbers are too far apart");
-            Err(CliError::unsuitable(&args.model, reason))
-        }
-        other => Ok(other?),
-    }
+    let found = problem::synthesize(problem, text, &Clarabel::default(), observer);
+    found.map_err(|error| solver_problem(&args.model, error))
 }
 
 fn finish(
@@ -84,11 +77,7 @@ fn finish(
     runs.iter().for_each(|run| print(&describe_run(run)));
     print(&guarantee(problem, &design.file));
     print(&describe(&report));
-    match (kept, report.verdict) {
-        (Some(path), _) => print(&format!("written: {}", path.display())),
-        (None, Verdict::NotProved) => print("nothing written"),
-        (None, Verdict::Proved) => print("nothing written; give -o DESIGN.json to keep the design"),
-    }
+    print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))
 }
 
@@ -146,8 +135,8 @@ fn answer(problem: &Problem, design: &ProblemDesignFile, report: &Report) -> Val
     })
 }
 
-fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &Failure, status: &str) {
-    let runs: &[SolverRun] = &failure.runs;
+fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailure, status: &str) {
+    let runs = &failure.runs;
     if args.json {
         let share = |(name, share): &(String, f64)| json!({ "name": name, "share": share });
         let blocking: Vec<Value> = failure.blocking.iter().map(share).collect();
@@ -176,6 +165,14 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &Failure, sta
         "infeasible" => "no feedback satisfies the conditions, says the solver (not proved)",
         _ => "the solver failed numerically",
     });
-    print_blocking(failure);
+    if let Some(slack) = failure.slack {
+        print(&format!(
+            "smallest slack with which every condition holds: {slack:.4e} (scaled units)"
+        ));
+    }
+    print("conditions that block (share of the dual solution):");
+    for (name, share) in failure.blocking.iter().take(12) {
+        print(&format!("  {:5.1} %  {name}", 100.0 * share));
+    }
     print("nothing written");
 }

@@ -110,14 +110,20 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
             padding: Padding::None,
         },
     };
-    match synthesis::synthesize(model, text, args.form().into(), &backend, observer) {
-        Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
+    let found = synthesis::synthesize(model, text, args.form().into(), &backend, observer);
+    found.map_err(|error| solver_problem(&args.model, error))
+}
+
+/// What a search that could not run means to the user.
+pub fn solver_problem(model: &Path, error: SynthesisError) -> CliError {
+    match error {
+        SynthesisError::Cancelled(_) => CliError::Interrupted,
         // The numbers overflow on the way from the model to the solver.
-        Err(SynthesisError::Solve(problem @ SolveError::NotFinite { .. })) => {
+        SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
             let reason = format!("{problem}; the model's numbers are too far apart");
-            Err(CliError::unsuitable(&args.model, reason))
+            CliError::unsuitable(model, reason)
         }
-        other => Ok(other?),
+        other => other.into(),
     }
 }
 
@@ -177,12 +183,17 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
         ));
     }
     print(&describe(&report));
-    match (kept, report.verdict) {
+    print_end(kept, report.verdict);
+    Ok(exit_code(report.verdict))
+}
+
+/// What became of the design.
+pub(super) fn print_end(kept: Option<&PathBuf>, verdict: Verdict) {
+    match (kept, verdict) {
         (Some(path), _) => print(&format!("written: {}", path.display())),
         (None, Verdict::NotProved) => print("nothing written"),
         (None, Verdict::Proved) => print("nothing written; give -o DESIGN.json to keep the design"),
     }
-    Ok(exit_code(report.verdict))
 }
 
 fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status: &str) {
@@ -213,20 +224,6 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
         return;
     }
     print(&headline(&args.model, status));
-    print_blocking(failure);
-    print("nothing written");
-}
-
-/// A solver's run in words.
-pub(super) fn describe_run(run: &SolverRun) -> String {
-    format!(
-        "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
-        run.solver, run.goal, run.vertices, run.status, run.iterations, run.seconds
-    )
-}
-
-/// The smallest slack and what blocks.
-pub(super) fn print_blocking(failure: &Failure) {
     match failure.slack {
         Some(slack) => print(&format!(
             "smallest slack t with which every condition holds: {slack:.4e} (scaled units; above 0: they cannot hold)"
@@ -237,6 +234,15 @@ pub(super) fn print_blocking(failure: &Failure) {
     for (name, share) in failure.blocking.iter().take(12) {
         print(&format!("  {:5.1} %  {name}", 100.0 * share));
     }
+    print("nothing written");
+}
+
+/// A solver's run in words.
+pub(super) fn describe_run(run: &SolverRun) -> String {
+    format!(
+        "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
+        run.solver, run.goal, run.vertices, run.status, run.iterations, run.seconds
+    )
 }
 
 fn headline(model: &Path, status: &str) -> String {

@@ -10,4 +10,4 @@ pub use run::{
     scaled_task, synthesize, Cancelled, Failure, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
 };
 
-pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, Sought};
+pub(crate) use solver::{generator, now, run_solver, sha256_of, Sought};

@@ -11,11 +11,9 @@ use crate::certify::{Report, Verdict};
 use crate::conditions::state_feedback::{DesignProblem, Hatted, StateFeedback, Units, VertexPlant};
 use crate::conditions::xu2020::Strictness;
 use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
-use crate::lmi::{self, Affine, Semidefinite, Unknowns};
+use crate::lmi::{self, svec_index, Affine, Condition, Semidefinite, Unknowns};
 use crate::solve::{Accuracy, Backend, Observer, Solution, Status};
-use crate::synthesis::{
-    blocking, generator, now, run_solver, sha256_of, Failure, Sought, SynthesisError,
-};
+use crate::synthesis::{generator, now, run_solver, sha256_of, Sought, SynthesisError};
 
 /// Margin of every strict inequality in the first solve, in scaled units.
 const MARGIN: f64 = 1e-6;
@@ -44,15 +42,28 @@ pub struct ProblemSynthesized {
     pub solve_seconds: f64,
 }
 
+/// Why there is no feedback.
+#[derive(Debug, Clone)]
+pub struct ProblemFailure {
+    /// The smallest slack with which all conditions hold, in scaled units, where the solver found it.
+    pub slack: Option<f64>,
+    /// The conditions with the largest share of the dual solution: those that block.
+    pub blocking: Vec<(String, f64)>,
+    /// Time spent in solvers (s).
+    pub solve_seconds: f64,
+    /// The solver's runs.
+    pub runs: Vec<SolverRun>,
+}
+
 /// What synthesis found.
 #[derive(Debug, Clone)]
 pub enum ProblemOutcome {
     /// A feedback; its report says whether it is proved.
     Solved(Box<ProblemSynthesized>),
     /// The solver says that there is none.
-    Infeasible(Failure),
+    Infeasible(ProblemFailure),
     /// The solver gave up.
-    SolverFailed(Failure),
+    SolverFailed(ProblemFailure),
 }
 
 /// Which optimum is sought.
@@ -284,9 +295,9 @@ impl Run<'_> {
         &mut self,
         asked: &P,
         plant: &VertexPlant,
-    ) -> Result<Failure, SynthesisError> {
+    ) -> Result<ProblemFailure, SynthesisError> {
         let (program, solution) = self.run(asked, plant, Goal::SmallestSlack)?;
-        Ok(Failure {
+        Ok(ProblemFailure {
             slack: usable(&solution).then_some(solution.objective),
             blocking: blocking(&program.problem.conditions, &solution),
             solve_seconds: self.seconds(),
@@ -297,4 +308,22 @@ impl Run<'_> {
     fn seconds(&self) -> f64 {
         self.runs.iter().map(|run| run.seconds).sum()
     }
+}
+
+/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
+fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<(String, f64)> {
+    let traces = conditions
+        .iter()
+        .zip(&solution.duals)
+        .map(|(condition, dual)| {
+            let trace: f64 = (0..condition.side()).map(|k| dual[svec_index(k, k)]).sum();
+            (condition.name().to_string(), trace)
+        });
+    let traces: Vec<(String, f64)> = traces.filter(|(_, trace)| trace.is_finite()).collect();
+    let total: f64 = traces.iter().map(|(_, trace)| trace).sum();
+    let shares = traces.into_iter();
+    let shares = shares.map(|(name, trace)| (name, trace / total.max(f64::MIN_POSITIVE)));
+    let mut shares: Vec<(String, f64)> = shares.filter(|(_, share)| *share >= 0.01).collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares
 }

@@ -1,7 +1,15 @@
 //! Two solves and a check.
 
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::Instant;
+
+use sha2::{Digest, Sha256};
+use time::format_description::well_known::Rfc3339;
+use time::OffsetDateTime;
+
 use super::active::{self, MANY_VERTICES};
-use super::solver::{blocking, generator, now, run_solver, sha256_of, Sought};
 use super::{assemble_at, Assembled, Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
@@ -9,6 +17,7 @@ use crate::design::{
     recover, CertificateFile, DesignFile, ProblemUnits, Provenance, RecoverError, SolverRun,
     VerdictFile, DESIGN_SCHEMA_VERSION,
 };
+use crate::lmi::svec_index;
 use crate::model::{Model, ModelError};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, SolveError, Status};
@@ -244,14 +253,33 @@ impl Run<'_> {
         chosen: &[usize],
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let assembled = assemble_at(task, self.form, goal, chosen);
-        let sought = Sought {
-            goal: goal.name(),
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let observer = self.observer.clone().map(|observer| -> Observer {
+            let cancelled = Arc::clone(&cancelled);
+            Arc::new(move |progress| {
+                let go_on = observer(progress);
+                if !go_on {
+                    cancelled.store(true, Ordering::Relaxed);
+                }
+                go_on
+            })
+        });
+        let start = Instant::now();
+        let solution =
+            self.backend
+                .solve(&assembled.problem.lower(), goal.accuracy(task), observer)?;
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(Cancelled.into());
+        }
+        self.runs.push(SolverRun {
+            goal: goal.name().to_string(),
             vertices: chosen.len(),
-            accuracy: goal.accuracy(task),
-        };
-        let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(self.backend, &assembled.problem, &sought, observer)?;
-        self.runs.push(run);
+            solver: self.backend.name(),
+            status: solution.status_text.clone(),
+            objective: finite_or_zero(solution.objective),
+            iterations: solution.iterations,
+            seconds: start.elapsed().as_secs_f64(),
+        });
         Ok((assembled, solution))
     }
 
@@ -285,10 +313,12 @@ impl Run<'_> {
     }
 
     fn provenance(&self, problem: ProblemUnits) -> Provenance {
+        let now = OffsetDateTime::now_utc().replace_nanosecond(0);
+        let date = now.ok().and_then(|now| now.format(&Rfc3339).ok());
         Provenance {
-            generator: generator(),
-            model_sha256: sha256_of(self.model_text),
-            date: now(),
+            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            model_sha256: hex(&Sha256::digest(self.model_text.as_bytes())),
+            date: date.unwrap_or_default(),
             form: self.form.name().to_string(),
             problem,
             solver_runs: Vec::new(),
@@ -302,9 +332,46 @@ impl Run<'_> {
         let trusted = matches!(solution.status, Status::Solved | Status::Inaccurate);
         Ok(Failure {
             slack: trusted.then_some(solution.objective),
-            blocking: blocking(&assembled.problem.conditions, &solution),
+            blocking: blocking(&assembled, &solution),
             solve_seconds: self.runs.iter().map(|run| run.seconds).sum(),
             runs: self.runs.clone(),
         })
     }
+}
+
+/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
+/// The cliques of a reduced condition (18) count together, at all its vertices.
+fn blocking(assembled: &Assembled, solution: &Solution) -> Vec<(String, f64)> {
+    let mut traces = BTreeMap::<String, f64>::new();
+    for (condition, dual) in assembled.problem.conditions.iter().zip(&solution.duals) {
+        let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
+        let trace: f64 = diagonal.sum();
+        let whole = match condition.name().split_once(" clique ") {
+            Some((whole, _)) => format!("{whole} all vertices"),
+            None => condition.name().to_string(),
+        };
+        if trace.is_finite() {
+            *traces.entry(whole).or_default() += trace;
+        }
+    }
+    let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
+    let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
+    shares
+        .iter_mut()
+        .for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
+    shares.retain(|(_, share)| *share >= 0.01);
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares
+}
+
+fn finite_or_zero(value: f64) -> f64 {
+    if value.is_finite() {
+        value
+    } else {
+        0.0
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

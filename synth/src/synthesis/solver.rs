@@ -1,6 +1,5 @@
 //! One run of a solver, with its record.
 
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,7 +10,7 @@ use time::OffsetDateTime;
 
 use super::{Cancelled, SynthesisError};
 use crate::design::SolverRun;
-use crate::lmi::{svec_index, Condition, Problem};
+use crate::lmi::Problem;
 use crate::solve::{Accuracy, Backend, Observer, Solution};
 
 /// What is sought, and at how many vertices, for the record.
@@ -54,31 +53,6 @@ pub(crate) fn run_solver(
         seconds: start.elapsed().as_secs_f64(),
     };
     Ok((solution, run))
-}
-
-/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
-/// The cliques of a reduced condition (18) count together, at all its vertices.
-pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<(String, f64)> {
-    let mut traces = BTreeMap::<String, f64>::new();
-    for (condition, dual) in conditions.iter().zip(&solution.duals) {
-        let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
-        let trace: f64 = diagonal.sum();
-        let whole = match condition.name().split_once(" clique ") {
-            Some((whole, _)) => format!("{whole} all vertices"),
-            None => condition.name().to_string(),
-        };
-        if trace.is_finite() {
-            *traces.entry(whole).or_default() += trace;
-        }
-    }
-    let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
-    let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
-    shares
-        .iter_mut()
-        .for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
-    shares.retain(|(_, share)| *share >= 0.01);
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
-    shares
 }
 
 fn finite_or_zero(value: f64) -> f64 {
