@@ -86,6 +86,25 @@ fn header(summary: &Summary, body: &mut String) {
     );
 }
 
+/// The head of a section and a table of names and values; the section stays open.
+fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
+    put(
+        body,
+        format_args!("<section><h2>{title}</h2>\n<table class=\"numbers\">\n"),
+    );
+    for (name, value) in rows {
+        put(
+            body,
+            format_args!(
+                "<tr><th>{}</th><td>{}</td></tr>\n",
+                escape(name),
+                escape(value)
+            ),
+        );
+    }
+    body.push_str("</table>\n");
+}
+
 fn metrics(summary: &Summary, body: &mut String) {
     let number = |value: Option<f64>| value.map_or("none".to_string(), short);
     let mut rows: Vec<(&str, String)> = vec![
@@ -128,18 +147,8 @@ fn metrics(summary: &Summary, body: &mut String) {
     if let Some(mismatch) = summary.largest_membership_mismatch {
         rows.push(("Largest membership mismatch", short(mismatch)));
     }
-    body.push_str("<section><h2>Numbers</h2>\n<table class=\"numbers\">\n");
-    for (name, value) in rows {
-        put(
-            body,
-            format_args!(
-                "<tr><th>{}</th><td>{}</td></tr>\n",
-                escape(name),
-                escape(&value)
-            ),
-        );
-    }
-    body.push_str("</table></section>\n");
+    numbers("Numbers", &rows, body);
+    body.push_str("</section>\n");
 }
 
 fn requirements(summary: &Summary, body: &mut String) {
@@ -222,18 +231,7 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
         };
         rows.push(("Largest output over largest disturbance", from));
     }
-    body.push_str("<section><h2>Certificate</h2>\n<table class=\"numbers\">\n");
-    for (name, value) in rows {
-        put(
-            body,
-            format_args!(
-                "<tr><th>{}</th><td>{}</td></tr>\n",
-                escape(name),
-                escape(&value)
-            ),
-        );
-    }
-    body.push_str("</table>\n");
+    numbers("Certificate", &rows, body);
     if !outcome.not_covered.is_empty() {
         body.push_str("<p>The proof does not cover this run because of:</p>\n<ul>\n");
         for reason in &outcome.not_covered {
