@@ -2,7 +2,8 @@
 //! exports of both, and cvxpy + Clarabel on the full form, for models/xu2020.json; then growth with
 //! the number of vertices. Other solvers are left out, and named, when they are not installed.
 //!
-//! `cargo bench --bench synthesis` runs everything; `-- --quick` leaves out what takes minutes.
+//! `cargo bench --bench synthesis` runs everything; `-- --quick` leaves out what takes minutes;
+//! `-- --growth 1024` runs one model with that many vertices and nothing else.
 
 #[path = "synthesis/external.rs"]
 mod external;
@@ -31,6 +32,13 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     if let Some(position) = arguments.iter().position(|a| a == "--child") {
         child(&arguments[position + 1], &arguments[position + 2]);
+        return;
+    }
+    if let Some(position) = arguments.iter().position(|a| a == "--growth") {
+        let vertices = arguments
+            .get(position + 1)
+            .and_then(|count| count.parse().ok());
+        growth::run_one(vertices.expect("a number of vertices, 16 to 4096"));
         return;
     }
     let quick = arguments.iter().any(|argument| argument == "--quick");

@@ -12,6 +12,16 @@ use super::{print_table, Row};
 /// Whole syntheses (both solves and the check) for 16, 64 and 256 vertices, and 1024 unless quick.
 pub fn run(quick: bool) {
     let parameters: &[u32] = if quick { &[4, 6] } else { &[4, 6, 8, 10] };
+    print_rows(parameters);
+}
+
+/// One whole synthesis, for a number of vertices that is a power of two from 16 on.
+pub fn run_one(vertices: u32) {
+    assert!(vertices.is_power_of_two() && (16..=4096).contains(&vertices));
+    print_rows(&[vertices.trailing_zeros()]);
+}
+
+fn print_rows(parameters: &[u32]) {
     let rows: Vec<Row> = parameters
         .iter()
         .map(|&count| synthesis_row(count))

@@ -5,15 +5,13 @@ use std::process::ExitCode;
 
 use serde_json::{json, Value};
 use synth::certify::{Report, Verdict};
-use synth::design::SolverRun;
 use synth::problem::{
-    self, Failure, Problem, ProblemDesignFile, ProblemOutcome, ProblemSynthesized,
+    self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
-use synth::solve::{Clarabel, SolveError};
-use synth::synthesis::SynthesisError;
+use synth::solve::Clarabel;
 
 use super::progress::SolverProgress;
-use super::synthesize::{describe_run, SynthesizeArgs};
+use super::synthesize::{describe_run, print_end, solver_problem, SynthesizeArgs};
 use super::verify::{describe, exit_code};
 use super::{feasibility, files, print, CliError, EXIT_NO, EXIT_SOLVER};
 
@@ -46,15 +44,8 @@ pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<ExitCode, CliErro
 fn solve(args: &SynthesizeArgs, problem: &Problem, text: &str) -> Result<ProblemOutcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    match problem::synthesize(problem, text, &Clarabel::default(), observer) {
-        Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
-        // The numbers overflow on the way from the file to the solver.
-        Err(SynthesisError::Solve(fault @ SolveError::NotFinite { .. })) => {
-            let reason = format!("{fault}; the file's numbers are too far apart");
-            Err(CliError::unsuitable(&args.model, reason))
-        }
-        other => Ok(other?),
-    }
+    let found = problem::synthesize(problem, text, &Clarabel::default(), observer);
+    found.map_err(|error| solver_problem(&args.model, error))
 }
 
 fn finish(
@@ -86,11 +77,7 @@ fn finish(
     runs.iter().for_each(|run| print(&describe_run(run)));
     print(&guarantee(problem, &design.file));
     print(&describe(&report));
-    match (kept, report.verdict) {
-        (Some(path), _) => print(&format!("written: {}", path.display())),
-        (None, Verdict::NotProved) => print("nothing written"),
-        (None, Verdict::Proved) => print("nothing written; give -o DESIGN.json to keep the design"),
-    }
+    print_end(kept.map(std::path::PathBuf::as_path), report.verdict);
     Ok(exit_code(report.verdict))
 }
 
@@ -148,8 +135,8 @@ fn answer(problem: &Problem, design: &ProblemDesignFile, report: &Report) -> Val
     })
 }
 
-fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &Failure, status: &str) {
-    let runs: &[SolverRun] = &failure.runs;
+fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailure, status: &str) {
+    let runs = &failure.runs;
     if args.json {
         let share = |(name, share): &(String, f64)| json!({ "name": name, "share": share });
         let blocking: Vec<Value> = failure.blocking.iter().map(share).collect();

@@ -214,12 +214,17 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         ));
     }
     print(&describe(&report));
-    match (kept, report.verdict) {
+    print_end(kept, report.verdict);
+    Ok(exit_code(report.verdict))
+}
+
+/// What became of the design.
+pub(super) fn print_end(kept: Option<&Path>, verdict: Verdict) {
+    match (kept, verdict) {
         (Some(path), _) => print(&format!("written: {}", path.display())),
         (None, Verdict::NotProved) => print("nothing written"),
         (None, Verdict::Proved) => print("nothing written; give -o DESIGN.json to keep the design"),
     }
-    Ok(exit_code(report.verdict))
 }
 
 fn tell_failure(args: &Ending, decision: &Decision, status: &str) {

@@ -20,12 +20,9 @@ use simulation::{EventTriggeredLoop, Plant, Promise};
 use synth::certify::interval::Interval as Enclosure;
 use synth::certify::theorem1::{for_each_condition, Certificate};
 use synth::certify::Verdict;
-use synth::conditions::xu2020::{
-    decrease, full_condition, side_conditions, Interval, Sector, Strictness, DEAD_ZONE_UNIT,
-};
+use synth::conditions::xu2020::{decrease, Interval, Sector, DEAD_ZONE_UNIT};
 use synth::conditions::Task;
 use synth::design::recover;
-use synth::lmi::Condition;
 use synth::model::Model;
 use synth::scaling::Scaling;
 use synth::solve::Clarabel;
@@ -218,23 +215,6 @@ fn block_diagonal(blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
     out
 }
 
-fn synthesis_conditions(task: &Task, point: &Point) -> Vec<Condition> {
-    let strictness = Strictness::fixed(0.0);
-    let mut out = side_conditions(task, &point.design, &strictness);
-    for interval in Interval::BOTH {
-        for vertex in 0..task.system.vertices.len() {
-            out.push(full_condition(
-                task,
-                vertex,
-                interval,
-                &point.design,
-                &strictness,
-            ));
-        }
-    }
-    out
-}
-
 /// Every condition of Theorem 2 at random unknowns is the congruence of the condition of the same
 /// name that the check assembles from the recovered design; the number compared.
 fn compare_with_the_check(model: &Model, stream: &mut Stream, sector: Sector) -> usize {
@@ -254,7 +234,7 @@ fn compare_with_the_check(model: &Model, stream: &mut Stream, sector: Sector) ->
         point: &point,
     };
     let mut compared = 0;
-    for condition in synthesis_conditions(&task, &point) {
+    for condition in point.conditions(&task) {
         let name = condition.name();
         let value = condition.expression().value(&point.values);
         let Some(map) = to_checked.map(name, value.nrows()) else {

@@ -9,12 +9,9 @@ use exact::Stream;
 use nalgebra::{DMatrix, DVector};
 use random::{Point, Sizes};
 use synth::certify::theorem1::Certificate;
-use synth::conditions::xu2020::{
-    full_condition, side_conditions, Interval, Sector, Strictness, DEAD_ZONE_UNIT,
-};
+use synth::conditions::xu2020::{Sector, DEAD_ZONE_UNIT};
 use synth::conditions::Task;
 use synth::design::recover;
-use synth::lmi::Condition;
 use synth::model::Model;
 use synth::scaling::Scaling;
 use synth::solve::{Backend, Clarabel, Status};
@@ -174,23 +171,6 @@ fn point_in_si(stream: &mut Stream, si: &Task, scaled: &Point, scaling: &Scaling
     out
 }
 
-fn conditions(task: &Task, point: &Point) -> Vec<Condition> {
-    let strictness = Strictness::fixed(0.0);
-    let mut out = side_conditions(task, &point.design, &strictness);
-    for interval in Interval::BOTH {
-        for vertex in 0..task.system.vertices.len() {
-            out.push(full_condition(
-                task,
-                vertex,
-                interval,
-                &point.design,
-                &strictness,
-            ));
-        }
-    }
-    out
-}
-
 /// The diagonal congruence that takes `from` to `to`, told from their diagonals; `None` when a
 /// diagonal entry is zero.
 fn diagonal_congruence(from: &DMatrix<f64>, to: &DMatrix<f64>) -> Option<DVector<f64>> {
@@ -217,9 +197,10 @@ fn every_scaled_condition_is_the_unscaled_one_congruent_by_powers_of_two() {
         let task = scaling.apply(&si);
         let scaled = Point::random(&mut stream, &task, Sector::Unknown);
         let unscaled = point_in_si(&mut stream, &si, &scaled, &scaling);
-        let both = conditions(&task, &scaled)
+        let both = scaled
+            .conditions(&task)
             .into_iter()
-            .zip(conditions(&si, &unscaled));
+            .zip(unscaled.conditions(&si));
         for (after, before) in both {
             let name = after.name();
             assert_eq!(name, before.name());

@@ -4,6 +4,7 @@
 
 pub mod json_schema;
 pub mod random;
+pub mod refusals;
 pub mod solvers;
 
 use std::ffi::OsStr;

@@ -107,6 +107,25 @@ fn header(summary: &Summary, body: &mut String) {
     );
 }
 
+/// The head of a section and a table of names and values; the section stays open.
+fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
+    put(
+        body,
+        format_args!("<section><h2>{title}</h2>\n<table class=\"numbers\">\n"),
+    );
+    for (name, value) in rows {
+        put(
+            body,
+            format_args!(
+                "<tr><th>{}</th><td>{}</td></tr>\n",
+                escape(name),
+                escape(value)
+            ),
+        );
+    }
+    body.push_str("</table>\n");
+}
+
 fn metrics(summary: &Summary, body: &mut String) {
     let number = |value: Option<f64>| value.map_or("none".to_string(), short);
     let mut rows: Vec<(&str, String)> = vec![
@@ -150,25 +169,8 @@ fn metrics(summary: &Summary, body: &mut String) {
     if let Some(mismatch) = summary.largest_membership_mismatch {
         rows.push(("Largest membership mismatch", short(mismatch)));
     }
-    body.push_str("<section><h2>Numbers</h2>\n");
-    numbers(&rows, body);
+    numbers("Numbers", &rows, body);
     body.push_str("</section>\n");
-}
-
-/// A table of names and values.
-fn numbers(rows: &[(&str, String)], body: &mut String) {
-    body.push_str("<table class=\"numbers\">\n");
-    for (name, value) in rows {
-        put(
-            body,
-            format_args!(
-                "<tr><th>{}</th><td>{}</td></tr>\n",
-                escape(name),
-                escape(value)
-            ),
-        );
-    }
-    body.push_str("</table>\n");
 }
 
 fn link(outcome: &LinkOutcome, body: &mut String) {
@@ -195,8 +197,7 @@ fn link(outcome: &LinkOutcome, body: &mut String) {
             short(outcome.longest_disagreement_s),
         ),
     ];
-    body.push_str("<section><h2>Link to the actuators</h2>\n");
-    numbers(&rows, body);
+    numbers("Link to the actuators", &rows, body);
     body.push_str("</section>\n");
 }
 
@@ -305,8 +306,7 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
         };
         rows.push(("Largest output over largest disturbance", from));
     }
-    body.push_str("<section><h2>Certificate</h2>\n");
-    numbers(&rows, body);
+    numbers("Certificate", &rows, body);
     if !outcome.not_covered.is_empty() {
         body.push_str("<p>The proof does not cover this run because of:</p>\n<ul>\n");
         for reason in &outcome.not_covered {

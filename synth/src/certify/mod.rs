@@ -19,7 +19,7 @@ use crate::model::{Mismatch, Model, Plant};
 use definite::{prove_positive_definite, IntervalMatrix};
 use interval::Interval;
 use matrix::Matrix;
-use theorem1::{for_each_condition, Certificate};
+use theorem1::{for_each_condition, Certificate, Statement};
 
 /// The answer of the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -64,9 +64,9 @@ impl Report {
 
 /// Checks every condition of Theorem 1 for the given numbers.
 pub fn check(model: &Model, certificate: &Certificate) -> Report {
-    judge_all(not_covered(model, certificate), |check| {
+    judge_all(not_covered(model, certificate), |tell| {
         for_each_condition::<Interval>(model, certificate, |statement| {
-            check(statement.name, statement.matrix);
+            tell(statement.name, statement.matrix);
         });
     })
 }
@@ -79,11 +79,15 @@ pub fn judge_all(
     let mut conditions = Vec::new();
     let mut verdict = Verdict::Proved;
     tell(&mut |name, matrix| {
-        let (proved, margin) = judge(&matrix);
+        let statement = Statement { name, matrix };
+        let (proved, margin) = judge(&statement);
         if !proved {
             verdict = Verdict::NotProved;
         }
-        conditions.push(ConditionMargin { name, margin });
+        conditions.push(ConditionMargin {
+            name: statement.name,
+            margin,
+        });
     });
     Report {
         verdict,
@@ -92,7 +96,8 @@ pub fn judge_all(
     }
 }
 
-fn judge(matrix: &Matrix<Interval>) -> (bool, f64) {
+fn judge(statement: &Statement<Interval>) -> (bool, f64) {
+    let matrix = &statement.matrix;
     let symmetric = IntervalMatrix::from_upper(matrix.nrows(), |r, c| *matrix.at(r, c));
     match prove_positive_definite(&symmetric) {
         Ok(margin) => (true, margin.proved),

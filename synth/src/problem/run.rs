@@ -42,22 +42,10 @@ pub struct ProblemSynthesized {
     pub solve_seconds: f64,
 }
 
-/// What synthesis found.
+/// Why there is no feedback.
 #[derive(Debug, Clone)]
-pub enum ProblemOutcome {
-    /// A feedback; its report says whether it is proved.
-    Solved(Box<ProblemSynthesized>),
-    /// The solver says that there is none.
-    Infeasible(Failure),
-    /// The solver gave up.
-    SolverFailed(Failure),
-}
-
-/// Why there is no proved feedback.
-#[derive(Debug, Clone)]
-pub struct Failure {
-    /// The smallest slack with which all conditions hold, in scaled units, where the solver found
-    /// it; above 0 it says that the conditions cannot hold with their margin.
+pub struct ProblemFailure {
+    /// The smallest slack with which all conditions hold, in scaled units, where the solver found it.
     pub slack: Option<f64>,
     /// The conditions with the largest share of the dual solution: those that block.
     pub blocking: Vec<(String, f64)>,
@@ -65,6 +53,17 @@ pub struct Failure {
     pub solve_seconds: f64,
     /// The solver's runs.
     pub runs: Vec<SolverRun>,
+}
+
+/// What synthesis found.
+#[derive(Debug, Clone)]
+pub enum ProblemOutcome {
+    /// A feedback; its report says whether it is proved.
+    Solved(Box<ProblemSynthesized>),
+    /// The solver says that there is none.
+    Infeasible(ProblemFailure),
+    /// The solver gave up.
+    SolverFailed(ProblemFailure),
 }
 
 /// Which optimum is sought.
@@ -296,9 +295,9 @@ impl Run<'_> {
         &mut self,
         asked: &P,
         plant: &VertexPlant,
-    ) -> Result<Failure, SynthesisError> {
+    ) -> Result<ProblemFailure, SynthesisError> {
         let (program, solution) = self.run(asked, plant, Goal::SmallestSlack)?;
-        Ok(Failure {
+        Ok(ProblemFailure {
             slack: usable(&solution).then_some(solution.objective),
             blocking: blocking(&program.problem.conditions, &solution),
             solve_seconds: self.seconds(),

@@ -4,9 +4,11 @@
 #![allow(dead_code)]
 
 use nalgebra::{DMatrix, DVector};
-use synth::conditions::xu2020::{DesignUnknowns, Sector, DEAD_ZONE_UNIT};
+use synth::conditions::xu2020::{
+    full_condition, side_conditions, DesignUnknowns, Interval, Sector, Strictness, DEAD_ZONE_UNIT,
+};
 use synth::conditions::Task;
-use synth::lmi::Unknowns;
+use synth::lmi::{Condition, Unknowns};
 use synth::model::{
     GainForm, LinearBound, Mismatch, Model, ModelFile, Objective, PlantFile, Specs, VerticesPlant,
     MODEL_SCHEMA_VERSION,
@@ -156,6 +158,24 @@ impl Point {
             &DMatrix::from_element(1, 1, 3.5 + 0.5 * stream.signed_unit()),
         );
         point
+    }
+
+    /// Every condition of Theorem 2 in the full form, without margin.
+    pub fn conditions(&self, task: &Task) -> Vec<Condition> {
+        let strictness = Strictness::fixed(0.0);
+        let mut out = side_conditions(task, &self.design, &strictness);
+        for interval in Interval::BOTH {
+            for vertex in 0..task.system.vertices.len() {
+                out.push(full_condition(
+                    task,
+                    vertex,
+                    interval,
+                    &self.design,
+                    &strictness,
+                ));
+            }
+        }
+        out
     }
 
     /// Gives the matrix unknown `name` the value `matrix`, entry by entry.

@@ -133,7 +133,7 @@ pub fn refute(model: &Model, weights: &Weights) -> Refutation {
     let mut conditions = Vec::new();
     let mut definite = true;
     let balance = for_each_statement::<Interval>(model, weights, |statement| {
-        let (proved, margin) = judge(&statement.matrix);
+        let (proved, margin) = judge(&statement);
         definite &= proved;
         conditions.push(ConditionMargin {
             name: statement.name,
