@@ -8,6 +8,7 @@ mod progress;
 mod report;
 mod schema;
 mod simulate;
+mod sweep;
 mod synthesize;
 mod verify;
 
@@ -43,6 +44,8 @@ enum Verb {
     Verify(verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
     Simulate(simulate::SimulateArgs),
+    /// Run variants of a scenario, or synthesize variants of a model, over a grid
+    Sweep(sweep::SweepArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
     /// Read a model, design or scenario file and say whether it is valid
@@ -68,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Synthesize(args) => synthesize::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
+        Verb::Sweep(args) => sweep::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),

@@ -7,6 +7,7 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 
 use super::{files, print, CliError, EXIT_NO};
+use crate::harness::design::certified_angle_deg;
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -57,11 +58,6 @@ pub fn exit_code(verdict: Verdict) -> ExitCode {
         Verdict::Proved => ExitCode::SUCCESS,
         Verdict::NotProved => ExitCode::from(EXIT_NO),
     }
-}
-
-/// Angle of the largest rotation at rest that is in the certified set, about any axis.
-pub fn certified_angle_deg(vector_part: Option<f64>) -> Option<f64> {
-    vector_part.map(|radius| (2.0 * radius.clamp(0.0, 1.0).asin()).to_degrees())
 }
 
 /// The verdict in words.

@@ -53,19 +53,27 @@ pub enum OutputError {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_run(folder: &Path, outcome: &Outcome) -> Result<(), OutputError> {
-    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
-        path: folder.to_path_buf(),
-        problem: FileError::Io {
-            action: "cannot be created",
-            source,
-        },
-    })?;
+    create_folder(folder)?;
     let empty = Table::default();
     let trajectory = outcome.trajectory.as_ref().unwrap_or(&empty);
     let page = report::page(&outcome.summary, trajectory)?;
     write(&folder.join(TRAJECTORY_FILE), &trajectory.to_csv())?;
     write(&folder.join(SUMMARY_FILE), &summary_text(&outcome.summary))?;
     write(&folder.join(REPORT_FILE), &page)
+}
+
+/// Creates a folder with those above it.
+///
+/// # Errors
+/// A folder that cannot be created.
+pub fn create_folder(folder: &Path) -> Result<(), OutputError> {
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
+        path: folder.to_path_buf(),
+        problem: FileError::Io {
+            action: "cannot be created",
+            source,
+        },
+    })
 }
 
 /// A summary as one JSON object.
