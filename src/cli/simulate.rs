@@ -131,6 +131,7 @@ fn describe(summary: &Summary) -> String {
         "largest torque: {:.4} N m; impulse: {:.4} N m s",
         summary.max_torque, summary.impulse
     ));
+    describe_bounds(summary, &mut lines);
     if let Some(outcome) = &summary.certificate {
         describe_certificate(outcome, &mut lines);
     }
@@ -146,6 +147,28 @@ fn describe(summary: &Summary) -> String {
     }
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
+}
+
+/// Switching and prescribed bounds, for the controllers that have them.
+fn describe_bounds(summary: &Summary, lines: &mut Vec<String>) {
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        let share = 100.0 * summary.on_time_share;
+        lines.push(format!(
+            "actuators: turned on {on} and off {off} times, {share:.1} % of the time with a torque"
+        ));
+    }
+    let usages = [
+        ("error over its prescribed bound", &summary.funnel),
+        ("trigger over its threshold", &summary.threshold),
+    ];
+    for (name, usage) in usages {
+        if let Some(usage) = usage {
+            lines.push(format!(
+                "largest {name}: {:.6} at {:.3} s",
+                usage.largest_ratio, usage.largest_ratio_at_s
+            ));
+        }
+    }
 }
 
 fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {

@@ -9,6 +9,8 @@ pub struct Effort<const M: usize> {
     pub max_torque: f64,
     /// Integral over time of the magnitudes of all axes, N m s.
     pub impulse: f64,
+    /// Time in which a torque acted, s.
+    pub on_s: f64,
     /// Times at which the torque that acts changed.
     pub updates: u64,
     last: SVector<f64, M>,
@@ -20,6 +22,7 @@ impl<const M: usize> Effort<M> {
         Self {
             max_torque: 0.0,
             impulse: 0.0,
+            on_s: 0.0,
             updates: 0,
             last: SVector::zeros(),
         }
@@ -38,7 +41,11 @@ impl<const M: usize> Effort<M> {
     /// The torque acted for `span_s` seconds.
     #[inline]
     pub fn end(&mut self, span_s: f64, torque: &SVector<f64, M>) {
-        self.impulse += span_s * torque.iter().map(|value| value.abs()).sum::<f64>();
+        let magnitude = torque.iter().map(|value| value.abs()).sum::<f64>();
+        self.impulse += span_s * magnitude;
+        if magnitude != 0.0 {
+            self.on_s += span_s;
+        }
     }
 }
 

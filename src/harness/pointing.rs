@@ -11,6 +11,7 @@ pub struct ErrorStatistics {
     outside: bool,
     last_outside_s: f64,
     tail_squares: f64,
+    tail_peak_square: f64,
     tail_s: f64,
 }
 
@@ -24,6 +25,7 @@ impl ErrorStatistics {
             outside: true,
             last_outside_s: 0.0,
             tail_squares: 0.0,
+            tail_peak_square: 0.0,
             tail_s: 0.0,
         }
     }
@@ -44,7 +46,11 @@ impl ErrorStatistics {
             self.last_outside_s = time_s;
         }
         if time_s > self.tail_from_s {
-            self.tail_squares += step_s * tail_square();
+            let square = tail_square();
+            self.tail_squares += step_s * square;
+            if exceeds(square, self.tail_peak_square) {
+                self.tail_peak_square = square;
+            }
             self.tail_s += step_s;
         }
     }
@@ -57,6 +63,12 @@ impl ErrorStatistics {
     /// The last time outside of the tolerance, s (zero when never); `None` when the run ends outside.
     pub fn settle_seconds(&self) -> Option<f64> {
         (!self.outside).then_some(self.last_outside_s)
+    }
+
+    /// Largest error over the tail, in the unit of the root mean square.
+    pub fn tail_peak(&self) -> Option<f64> {
+        let peak = self.tail_peak_square.sqrt();
+        (self.tail_s > 0.0 && peak.is_finite()).then_some(peak)
     }
 
     /// Root mean square over the tail, weighted by time.
@@ -86,10 +98,12 @@ mod tests {
         assert_eq!(error.settle_seconds(), Some(2.0));
         let expected = ((0.04 + 0.16) / 2.0_f64).sqrt();
         assert!((error.tail_rms().unwrap() - expected).abs() < 1e-15);
+        assert_eq!(error.tail_peak(), Some(0.4));
         error.record(6.0, 1.0, 9.0, || 9.0);
         assert_eq!(error.settle_seconds(), None);
         error.record(7.0, 1.0, f64::NAN, || f64::NAN);
         assert_eq!(error.settle_seconds(), None);
         assert_eq!(error.tail_rms(), None);
+        assert_eq!(error.tail_peak(), None);
     }
 }

@@ -65,6 +65,9 @@ pub struct Summary {
     pub final_error_deg: Option<f64>,
     /// Root mean square of the attitude error over the tail, deg.
     pub rms_error_deg: Option<f64>,
+    /// Largest attitude error over the tail, deg.
+    #[serde(default)]
+    pub tail_error_deg: Option<f64>,
     /// Norm of the state at the end, for a plant that is no spacecraft.
     pub final_state_norm: Option<f64>,
     /// Root mean square of the norm of the state over the tail, for a plant that is no spacecraft.
@@ -75,6 +78,15 @@ pub struct Summary {
     pub max_torque: f64,
     /// Integral over time of the magnitudes of all axes' torques, N m s.
     pub impulse: f64,
+    /// Share of the run in which a torque acted.
+    #[serde(default)]
+    pub on_time_share: f64,
+    /// Times the actuators were turned on, for a controller that turns them off.
+    #[serde(default)]
+    pub turn_ons: Option<u64>,
+    /// Times they were turned off.
+    #[serde(default)]
+    pub turn_offs: Option<u64>,
     /// Steps at which a claim of the controller's certificate was broken or its error was outside of its
     /// prescribed bounds; zero without either.
     pub violations: u64,
@@ -179,6 +191,9 @@ pub struct Scales {
     pub torque_limit: Vec<f64>,
     /// Settling tolerance, deg (norm of the state for another plant).
     pub settle_tolerance: f64,
+    /// Settling tolerance of the components of the error quaternion's vector part, where it is on them.
+    #[serde(default)]
+    pub settle_tolerance_component: Option<f64>,
     /// Length of the tail, s.
     pub tail_s: f64,
 }
@@ -211,6 +226,7 @@ impl Summary {
             Metric::SettleSeconds => self.settle_seconds,
             Metric::FinalErrorDeg => self.final_error_deg,
             Metric::RmsErrorDeg => self.rms_error_deg,
+            Metric::TailErrorDeg => self.tail_error_deg,
             Metric::FinalStateNorm => self.final_state_norm,
             Metric::RmsStateNorm => self.rms_state_norm,
             Metric::MaxRate => self.max_rate,
@@ -221,6 +237,9 @@ impl Summary {
             Metric::MeanIntervalS => self.mean_interval_s,
             Metric::FunnelRatio => self.funnel.as_ref().map(|usage| usage.largest_ratio),
             Metric::ThresholdRatio => self.threshold.as_ref().map(|usage| usage.largest_ratio),
+            Metric::TurnOns => self.turn_ons.map(|count| count as f64),
+            Metric::TurnOffs => self.turn_offs.map(|count| count as f64),
+            Metric::OnTimeShare => Some(self.on_time_share),
             Metric::LyapunovRatio => {
                 let certificate = self.certificate.as_ref();
                 certificate.map(|outcome| outcome.largest_lyapunov_ratio)

@@ -118,6 +118,7 @@ fn metrics(summary: &Summary, body: &mut String) {
         rows.push(("Largest input", short(summary.max_torque)));
         rows.push(("Integral of the input's magnitude", short(summary.impulse)));
     }
+    rows.extend(bound_rows(summary));
     if summary.held_samples > 0 {
         let reason = summary.first_hold.as_deref().unwrap_or("unknown");
         rows.push((
@@ -140,6 +141,31 @@ fn metrics(summary: &Summary, body: &mut String) {
         );
     }
     body.push_str("</table></section>\n");
+}
+
+/// Switching and prescribed bounds, for the controllers that have them.
+fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        rows.push(("Turned on; off", format!("{on}; {off}")));
+        let share = short(100.0 * summary.on_time_share);
+        rows.push(("Time with a torque (%)", share));
+    }
+    let usages = [
+        ("Largest error over its prescribed bound", &summary.funnel),
+        ("Largest trigger over its threshold", &summary.threshold),
+    ];
+    for (name, usage) in usages {
+        if let Some(usage) = usage {
+            let ratio = format!(
+                "{:.6} at {} s",
+                usage.largest_ratio,
+                short(usage.largest_ratio_at_s)
+            );
+            rows.push((name, ratio));
+        }
+    }
+    rows
 }
 
 fn requirements(summary: &Summary, body: &mut String) {
@@ -339,6 +365,7 @@ fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     let mut out = Vec::new();
     if summary.system == "rigid_body" {
         out.extend(attitude_figures(summary, &collect, &figure));
+        out.extend(super::intermittent::figures(summary, trajectory));
     } else {
         out.extend(state_figures(trajectory, &collect, &figure));
     }
@@ -387,6 +414,14 @@ fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<
     limits.sort_by(f64::total_cmp);
     limits.dedup();
     let error = collect(&[("error_deg", "attitude error")], false);
+    // A tolerance on the components is drawn with them.
+    let (title, tolerance) = match summary.scales.settle_tolerance_component {
+        Some(_) => ("Attitude error", None),
+        None => (
+            "Attitude error and settling tolerance",
+            Some(summary.scales.settle_tolerance),
+        ),
+    };
     vec![
         figure("Error quaternion", "component", collect(&quaternion, false)),
         figure("Body rate", "rate error (rad/s)", collect(&rates, false)),
@@ -396,12 +431,8 @@ fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<
         },
         Figure {
             logarithmic: true,
-            limits: vec![summary.scales.settle_tolerance],
-            ..figure(
-                "Attitude error and settling tolerance",
-                "error (deg)",
-                error,
-            )
+            limits: tolerance.into_iter().collect(),
+            ..figure(title, "error (deg)", error)
         },
     ]
 }

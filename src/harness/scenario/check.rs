@@ -50,6 +50,8 @@ pub struct Scenario {
     pub method: Method,
     /// When an attitude error counts as settled, rad.
     pub settle_tolerance_rad: f64,
+    /// When an attitude error counts as settled instead: the largest component of its vector part.
+    pub settle_tolerance_component: Option<f64>,
     /// When another plant's state counts as settled.
     pub settle_tolerance_state: f64,
     /// Length of the tail, s.
@@ -84,7 +86,7 @@ impl Scenario {
         let controller = check_controller(&file.controller, &system)?;
         let instants = check_sampling(&file.sampling, file.duration_s)?;
         let method = check_integrator(&file.integrator, file.duration_s)?;
-        check_continuous(&instants, &method, &system)?;
+        check_continuous(&instants, &method, &system, &controller)?;
         check_metrics(&file.metrics, file.duration_s)?;
         check_requirements(&file.requirements)?;
         let tolerance_deg = file.metrics.settle_tolerance_deg;
@@ -102,6 +104,7 @@ impl Scenario {
             settle_tolerance_rad: tolerance_deg
                 .unwrap_or(DEFAULT_SETTLE_TOLERANCE_DEG)
                 .to_radians(),
+            settle_tolerance_component: file.metrics.settle_tolerance_component,
             settle_tolerance_state: file
                 .metrics
                 .settle_tolerance_state
@@ -223,9 +226,17 @@ fn check_continuous(
     instants: &Instants,
     method: &Method,
     system: &System,
+    controller: &ControllerChoice,
 ) -> Result<(), ModelError> {
-    if !matches!(instants, Instants::Continuous { .. }) {
+    let Instants::Continuous { resolution_s } = instants else {
         return Ok(());
+    };
+    if controller.sends_every_sample() {
+        let field = "sampling.instants.continuous.resolution_s";
+        let allowed =
+            "left out, and the sampling periodic or aperiodic, because the controller sends \
+                       every sample";
+        return require(false, field, *resolution_s, allowed);
     }
     let refuse = |field: &str, value: f64, allowed: &str| {
         let allowed = format!("{allowed} when sampling.instants is continuous");
@@ -263,6 +274,14 @@ fn check_metrics(file: &MetricsFile, duration: f64) -> Result<(), ModelError> {
             tolerance,
             "above 0 and at most 180",
         )?;
+    }
+    if let Some(tolerance) = file.settle_tolerance_component {
+        let field = "metrics.settle_tolerance_component";
+        let ok = tolerance > 0.0 && tolerance < 1.0;
+        require(ok, field, tolerance, "above 0 and below 1")?;
+        let alone = file.settle_tolerance_deg.is_none();
+        let allowed = "left out when settle_tolerance_deg is given";
+        require(alone, field, tolerance, allowed)?;
     }
     if let Some(tolerance) = file.settle_tolerance_state {
         check_positive("metrics.settle_tolerance_state", tolerance)?;

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::lei_file::LeiFile;
+
 /// The controllers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -13,6 +15,8 @@ pub enum ControllerFile {
     Wu2018(WuFile),
     /// Xu and Huang 2020 with given gains: nothing is proved.
     Xu2020(Box<XuFile>),
+    /// Lei et al. 2022.
+    Lei2022(Box<LeiFile>),
 }
 
 /// Which design file.

@@ -2,13 +2,14 @@
 
 use nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
-use runtime::wu2018;
+use runtime::{lei2022, wu2018};
 use synth::model::{check_matrix, check_positive, check_positive_definite, finite, ModelError};
 
 use super::check::{each, not_negative, require};
 use super::controller_file::{
     ClaimFile, ControllerFile, ThresholdFile, WuFile, WuGainsFile, WuTriggerFile, XuFile,
 };
+use super::lei::lei2022;
 use super::systems::System;
 
 /// Most rules of a fuzzy controller.
@@ -23,6 +24,8 @@ pub enum ControllerChoice {
     Wu(wu2018::Parameters),
     /// Xu and Huang 2020 with given gains.
     Xu(Box<XuChoice>),
+    /// Lei et al. 2022.
+    Lei(Box<lei2022::Parameters>),
 }
 
 /// Xu and Huang's controller with given gains.
@@ -51,6 +54,20 @@ impl ControllerChoice {
             ControllerChoice::Design(_) => None,
             ControllerChoice::Wu(parameters) => Some(parameters.torque_limit),
             ControllerChoice::Xu(choice) => Some(choice.torque_limit),
+            ControllerChoice::Lei(parameters) => Some(parameters.torque_limit),
+        }
+    }
+
+    /// Whether the torque changes at every sample, so that there is no trigger to watch.
+    pub(super) fn sends_every_sample(&self) -> bool {
+        match self {
+            ControllerChoice::Wu(parameters) => {
+                parameters.trigger == wu2018::TriggerRule::EverySample
+            }
+            ControllerChoice::Lei(parameters) => {
+                parameters.trigger == lei2022::TriggerRule::EverySample
+            }
+            ControllerChoice::Design(_) | ControllerChoice::Xu(_) => false,
         }
     }
 }
@@ -70,6 +87,10 @@ pub(super) fn check_controller(
         (ControllerFile::Xu2020(xu), System::RigidBody(_)) => {
             let choice = xu2020(xu).map_err(|error| error.within("controller.xu2020"))?;
             Ok(ControllerChoice::Xu(Box::new(choice)))
+        }
+        (ControllerFile::Lei2022(lei), System::RigidBody(body)) => {
+            let parameters = lei2022(lei, body).map_err(|e| e.within("controller.lei2022"))?;
+            Ok(ControllerChoice::Lei(Box::new(parameters)))
         }
         (_, System::TakagiSugeno(_)) => Err(ModelError::WrongShape {
             field: "controller".to_string(),

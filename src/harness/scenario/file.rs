@@ -169,6 +169,10 @@ pub struct MetricsFile {
     /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_tolerance_state: Option<f64>,
+    /// A spacecraft has settled when no component of the vector part of its error quaternion is above
+    /// this in magnitude, above 0 and below 1. In the place of settle_tolerance_deg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle_tolerance_component: Option<f64>,
     /// The root mean square is taken over the last so many seconds, above 0; a fifth of the run when
     /// left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -208,6 +212,8 @@ pub enum Metric {
     FinalErrorDeg,
     /// Root mean square of the attitude error over the tail (deg).
     RmsErrorDeg,
+    /// Largest attitude error over the tail (deg).
+    TailErrorDeg,
     /// Norm of the state at the end.
     FinalStateNorm,
     /// Root mean square of the norm of the state over the tail.
@@ -232,6 +238,12 @@ pub enum Metric {
     FunnelRatio,
     /// Largest ratio of what the trigger watches to its threshold, for a controller that watches it.
     ThresholdRatio,
+    /// Times the actuators were turned on, for a controller that turns them off.
+    TurnOns,
+    /// Times they were turned off.
+    TurnOffs,
+    /// Share of the run in which a torque acts.
+    OnTimeShare,
 }
 
 /// What is written of the trajectory.

@@ -4,6 +4,8 @@ mod check;
 mod controller_file;
 mod controllers;
 mod file;
+mod lei;
+mod lei_file;
 mod system_file;
 mod systems;
 
@@ -11,5 +13,6 @@ pub use check::Scenario;
 pub use controller_file::*;
 pub use controllers::{ControllerChoice, XuChoice};
 pub use file::*;
+pub use lei_file::*;
 pub use system_file::*;
 pub use systems::{RigidBodySystem, System, TakagiSugenoSystem};

@@ -3,6 +3,7 @@
 use nalgebra::{Vector3, Vector6};
 use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
+use runtime::lei2022::SwitchCount;
 
 use crate::harness::closed_loop::Observer;
 use crate::harness::controller::Controller;
@@ -62,6 +63,9 @@ pub struct AttitudeLog {
     pub funnel: Option<Usage>,
     /// Use of its trigger's threshold.
     pub threshold: Option<Usage>,
+    /// How often it switched the actuators.
+    pub switches: Option<SwitchCount>,
+    settle: SettleRule,
     recorder: Option<Recorder>,
     row: Vec<f64>,
     torque: Vector3<f64>,
@@ -69,12 +73,12 @@ pub struct AttitudeLog {
 }
 
 impl AttitudeLog {
-    /// Nothing yet. Settled means an attitude error of at most `settle_tolerance_rad`; the tail begins
+    /// Nothing yet. `settle` says when an attitude error counts as settled; the tail begins
     /// at `tail_from_s`; a trajectory is kept when `interval_s` says how dense, with the controller's
     /// `signals` in its last columns.
     pub fn new(
         reference: Reference,
-        settle_tolerance_rad: f64,
+        settle: SettleRule,
         tail_from_s: f64,
         lyapunov: Option<LyapunovMonitor<6>>,
         interval_s: Option<f64>,
@@ -85,13 +89,11 @@ impl AttitudeLog {
             columns.extend(CERTIFICATE_COLUMNS.map(str::to_string));
         }
         columns.extend(signals.iter().map(|name| name.to_string()));
-        // |q| = sin(angle / 2).
-        let tolerance = libm::sin(0.5 * settle_tolerance_rad);
         Self {
             reference,
             events: EventCount::default(),
             effort: Effort::new(),
-            pointing: ErrorStatistics::new(tolerance, tail_from_s),
+            pointing: ErrorStatistics::new(settle.tolerance(), tail_from_s),
             steps: 0,
             rate_squared: 0.0,
             start: None,
@@ -99,6 +101,8 @@ impl AttitudeLog {
             lyapunov,
             funnel: None,
             threshold: None,
+            switches: None,
+            settle,
             row: Vec::with_capacity(columns.len()),
             recorder: interval_s.map(|interval| Recorder::new(columns, interval)),
             torque: Vector3::zeros(),
@@ -151,6 +155,39 @@ impl AttitudeLog {
     }
 }
 
+/// What counts as settled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SettleRule {
+    /// A rotation angle of at most this, rad.
+    Angle(f64),
+    /// Components of the error quaternion's vector part of at most this magnitude.
+    Component(f64),
+}
+
+impl SettleRule {
+    /// Bound of the magnitude.
+    fn tolerance(self) -> f64 {
+        match self {
+            // |q| = sin(angle / 2).
+            SettleRule::Angle(angle_rad) => libm::sin(0.5 * angle_rad),
+            SettleRule::Component(tolerance) => tolerance,
+        }
+    }
+
+    #[inline(always)]
+    fn magnitude_squared(self, error: &AttitudeMeasurement) -> f64 {
+        let vector = &error.error.vector;
+        match self {
+            SettleRule::Angle(_) => vector.norm_squared(),
+            SettleRule::Component(_) => {
+                // A component that is not a number must not vanish in a maximum.
+                let largest = vector.amax();
+                largest * largest + 0.0 * vector.sum()
+            }
+        }
+    }
+}
+
 /// The state [rate; vector part] with the sign that makes the scalar part positive.
 #[inline(always)]
 fn fuzzy_state(measurement: &AttitudeMeasurement) -> Vector6<f64> {
@@ -171,7 +208,7 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
         self.start = Some(error);
         self.last = Some(error);
         self.rate_squared = body_rate(state).norm_squared();
-        self.pointing.start(error.error.vector.norm_squared());
+        self.pointing.start(self.settle.magnitude_squared(&error));
         if let Some(monitor) = &mut self.lyapunov {
             monitor.start(&error.rigid_body_state(), disturbance.norm_squared());
         }
@@ -191,6 +228,7 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
         controller: &C,
     ) {
         self.events.record(time_s, command, mismatch);
+        self.switches = controller.switch_count();
         if command.sent && self.recorder.is_some() {
             let error = self.reference.error(time_s, state);
             self.write(time_s, &error, true, controller);
@@ -223,7 +261,7 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
         self.steps += 1;
         let error = self.reference.error(time_s, state);
         self.rate_squared = self.rate_squared.max(body_rate(state).norm_squared());
-        let magnitude = error.error.vector.norm_squared();
+        let magnitude = self.settle.magnitude_squared(&error);
         self.pointing.record(time_s, step_s, magnitude, || {
             let angle = error.error.rotation_angle_rad();
             angle * angle

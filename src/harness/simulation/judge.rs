@@ -1,10 +1,14 @@
 //! From what was watched to the summary and its verdict.
 
+use runtime::attitude::AttitudeMeasurement;
+use runtime::lei2022;
+
 use crate::harness::closed_loop::End;
 use crate::harness::design::Design;
 use crate::harness::events::EventCount;
 use crate::harness::integrator::Method;
 use crate::harness::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
+use crate::harness::sampling::Instants;
 use crate::harness::scenario::{Scenario, XuChoice};
 use crate::harness::summary::{
     CertificateOutcome, RunProvenance, RunVerdict, Scales, Summary, SUMMARY_SCHEMA_VERSION,
@@ -16,8 +20,8 @@ pub(super) struct Parts<'a> {
     pub system: &'static str,
     pub controller: String,
     pub events: &'a EventCount,
-    /// Updates, largest torque (N m), impulse (N m s).
-    pub effort: (u64, f64, f64),
+    /// Updates, largest torque (N m), impulse (N m s), time with a torque (s).
+    pub effort: (u64, f64, f64, f64),
     pub steps: u64,
     pub settle_seconds: Option<f64>,
     pub torque_limit: Vec<f64>,
@@ -36,7 +40,7 @@ pub(super) fn summary(
     certificate: Option<CertificateOutcome>,
 ) -> Summary {
     let events = parts.events;
-    let (updates, max_torque, impulse) = parts.effort;
+    let (updates, max_torque, impulse, on_s) = parts.effort;
     let mut notes = parts.notes;
     if let End::Diverged { time_s } = parts.end {
         notes.push(format!(
@@ -62,11 +66,15 @@ pub(super) fn summary(
         settle_seconds: parts.settle_seconds,
         final_error_deg: None,
         rms_error_deg: None,
+        tail_error_deg: None,
         final_state_norm: None,
         rms_state_norm: None,
         max_rate: None,
         max_torque,
         impulse,
+        on_time_share: on_s / scenario.duration_s,
+        turn_ons: None,
+        turn_offs: None,
         violations,
         requirements: Vec::new(),
         samples: events.samples,
@@ -86,6 +94,7 @@ pub(super) fn summary(
             duration_s: scenario.duration_s,
             torque_limit: parts.torque_limit,
             settle_tolerance: parts.settle_tolerance,
+            settle_tolerance_component: scenario.settle_tolerance_component,
             tail_s: scenario.tail_s,
         },
         provenance: RunProvenance {
@@ -222,6 +231,38 @@ pub(super) fn published_notes(
             "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
              {mismatch:.4}.",
             claim.membership_mismatch
+        ));
+    }
+}
+
+/// What is to be said of a run with Lei et al.'s controller.
+pub(super) fn intermittent_notes(
+    scenario: &Scenario,
+    parameters: &lei2022::Parameters,
+    start: &AttitudeMeasurement,
+    notes: &mut Vec<String>,
+) {
+    let Some(trigger) = parameters.trigger.composite() else {
+        return;
+    };
+    let continuous = matches!(scenario.instants, Instants::Continuous { .. });
+    if !continuous && trigger.relative_buffer == 0.0 {
+        notes.push(
+            "The trigger is evaluated at samples without a relative_buffer: V2 may exceed its envelope \
+             S2 before the next sample."
+                .to_string(),
+        );
+    }
+    let law = &parameters.law;
+    let error = start.error.shortest();
+    let energy = law
+        .evaluate(0.0, &error, &start.rate_rad_s)
+        .rate_error_energy;
+    if energy >= trigger.envelope_initial_j {
+        notes.push(format!(
+            "The start is above the envelope: V2 is {energy:.3e} J and S2(0) is {:.3e} J; the paper \
+             needs S2(0) above V2(0).",
+            trigger.envelope_initial_j
         ));
     }
 }

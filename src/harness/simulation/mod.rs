@@ -6,7 +6,7 @@ mod rigid_body;
 mod state_log;
 mod takagi_sugeno;
 
-pub use attitude_log::AttitudeLog;
+pub use attitude_log::{AttitudeLog, SettleRule};
 
 use runtime::error::ParameterError;
 

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 use runtime::attitude::AttitudeMeasurement;
 use runtime::membership::{GaussianRules, RigidBodyBox};
-use runtime::{wu2018, xu2020};
+use runtime::{lei2022, wu2018, xu2020};
 
-use super::attitude_log::AttitudeLog;
+use super::attitude_log::{AttitudeLog, SettleRule};
 use super::judge::{self, Parts};
 use super::{ordered, Outcome, SimulateError};
 use crate::harness::closed_loop::{ClosedLoop, End};
@@ -41,6 +41,11 @@ pub(super) fn run(
             let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
             (end, log, name, choice.torque_limit)
         }
+        (ControllerChoice::Lei(parameters), _) => {
+            let controller = lei2022::Controller::new(**parameters)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            (end, log, lei_name(parameters), parameters.torque_limit)
+        }
         (ControllerChoice::Design(_), Some(design)) => {
             let (controller, limit) = designed(design)?;
             let (end, log) = fly(scenario, system, controller, watch);
@@ -72,7 +77,10 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
 ) -> (End, AttitudeLog) {
     let mut log = AttitudeLog::new(
         system.reference,
-        scenario.settle_tolerance_rad,
+        match scenario.settle_tolerance_component {
+            Some(tolerance) => SettleRule::Component(tolerance),
+            None => SettleRule::Angle(scenario.settle_tolerance_rad),
+        },
         scenario.duration_s - scenario.tail_s,
         watch.monitor,
         watch.trajectory.then_some(scenario.output_interval_s),
@@ -105,6 +113,14 @@ fn wu_name(parameters: &wu2018::Parameters) -> String {
     match parameters.trigger {
         wu2018::TriggerRule::Relative { .. } => "Wu, Shen and Cao 2018, law (6) and trigger (8)",
         wu2018::TriggerRule::EverySample => "Wu, Shen and Cao 2018, law (6) at every sample",
+    }
+    .to_string()
+}
+
+fn lei_name(parameters: &lei2022::Parameters) -> String {
+    match parameters.trigger {
+        lei2022::TriggerRule::Composite(_) => "Lei et al. 2022, law (12) with triggers (6) and (8)",
+        lei2022::TriggerRule::EverySample => "Lei et al. 2022, law (12) at every sample",
     }
     .to_string()
 }
@@ -169,6 +185,9 @@ fn finish(
     if let (ControllerChoice::Xu(choice), Some(state)) = (&scenario.controller, start_state) {
         judge::published_notes(choice, state.norm(), &log.events, &mut notes);
     }
+    if let (ControllerChoice::Lei(parameters), Some(start)) = (&scenario.controller, &log.start) {
+        judge::intermittent_notes(scenario, parameters, start, &mut notes);
+    }
     let parts = Parts {
         system: "rigid_body",
         controller,
@@ -177,6 +196,7 @@ fn finish(
             log.effort.updates,
             log.effort.max_torque,
             log.effort.impulse,
+            log.effort.on_s,
         ),
         steps: log.steps,
         settle_seconds: log.pointing.settle_seconds(),
@@ -199,6 +219,9 @@ fn finish(
         .last
         .and_then(|last| degrees(last.error.rotation_angle_rad()));
     summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
+    summary.tail_error_deg = log.pointing.tail_peak().and_then(degrees);
+    summary.turn_ons = log.switches.map(|count| u64::from(count.on));
+    summary.turn_offs = log.switches.map(|count| u64::from(count.off));
     summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
     Outcome {

@@ -89,6 +89,7 @@ fn run_padded<const N: usize, const M: usize>(
             log.effort.updates,
             log.effort.max_torque,
             log.effort.impulse,
+            log.effort.on_s,
         ),
         steps: log.steps,
         settle_seconds: log.error.settle_seconds(),
