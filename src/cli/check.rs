@@ -7,6 +7,7 @@ use serde_json::json;
 use synth::model::{kind_of, read_text, Kind, Model};
 
 use super::{files, print, CliError};
+use crate::harness::design_check::{design_check, DesignCheck};
 use crate::harness::scenario::Scenario;
 
 /// Arguments of `check`.
@@ -19,9 +20,12 @@ pub struct CheckArgs {
     json: bool,
 }
 
-/// Reads a file of any kind and says what it is. Nothing is proved here.
+/// Reads a file of any kind and says what it is, and for a controller whose paper has conditions on its
+/// parameters, which of them hold. Nothing is proved here. A condition that fails is no error: the file
+/// is valid, and the status is 0.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let text = read_text(&args.file).map_err(|problem| CliError::file(&args.file, problem))?;
+    let mut design = None;
     let (kind, summary) = match kind_of(&text) {
         Some(Kind::Design) => {
             let (design, model) = files::design(&args.file)?;
@@ -30,7 +34,14 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
                 format!("{}, {}", design.name, describe(&model)),
             )
         }
-        Some(Kind::Scenario) => (Kind::Scenario, scenario(args, &text)?),
+        Some(Kind::Scenario) => {
+            let scenario = scenario(args, &text)?;
+            design = design_check(&scenario);
+            (
+                Kind::Scenario,
+                format!("{}, {} s", scenario.name, scenario.duration_s),
+            )
+        }
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {
             let (_, model) = files::model(&args.file)?;
@@ -41,14 +52,53 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
         }
     };
     if args.json {
-        print(&json!({ "valid": true, "kind": kind.to_string(), "summary": summary }).to_string());
-    } else {
-        print(&format!(
-            "{}: valid {kind} file: {summary}",
-            args.file.display()
-        ));
+        let mut report = json!({ "valid": true, "kind": kind.to_string(), "summary": summary });
+        if let Some(check) = &design {
+            report["design_check"] = json!({
+                "paper": check.paper,
+                "conditions": check.conditions,
+                "constants": check.bounds,
+            });
+        }
+        print(&report.to_string());
+        return Ok(ExitCode::SUCCESS);
+    }
+    print(&format!(
+        "{}: valid {kind} file: {summary}",
+        args.file.display()
+    ));
+    if let Some(check) = &design {
+        print(&conditions(check));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The conditions in words, those that fail marked.
+fn conditions(check: &DesignCheck) -> String {
+    let held = check.conditions.iter().filter(|one| one.holds).count();
+    let mut lines = vec![format!(
+        "{held} of {} conditions of {} hold (sufficient for its proof; a run may meet its requirements without them):",
+        check.conditions.len(),
+        check.paper
+    )];
+    for condition in &check.conditions {
+        let verdict = if condition.holds { "holds" } else { "FAILS" };
+        let side =
+            |value: Option<f64>| value.map_or("undefined".to_string(), |v| format!("{v:.4e}"));
+        lines.push(format!(
+            "  {verdict}  {}: {}; {} {} {}  [{}]",
+            condition.name,
+            condition.statement,
+            side(condition.left),
+            condition.relation.sign(),
+            side(condition.right),
+            condition.place
+        ));
+        if !condition.note.is_empty() {
+            lines.push(format!("         {}", condition.note));
+        }
+    }
+    lines.join("\n")
 }
 
 fn describe(model: &Model) -> String {
@@ -59,8 +109,6 @@ fn describe(model: &Model) -> String {
     )
 }
 
-fn scenario(args: &CheckArgs, text: &str) -> Result<String, CliError> {
-    let scenario = Scenario::from_json(text);
-    let scenario = scenario.map_err(|problem| CliError::file(&args.file, problem))?;
-    Ok(format!("{}, {} s", scenario.name, scenario.duration_s))
+fn scenario(args: &CheckArgs, text: &str) -> Result<Scenario, CliError> {
+    Scenario::from_json(text).map_err(|problem| CliError::file(&args.file, problem))
 }

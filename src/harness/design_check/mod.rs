@@ -4,6 +4,9 @@
 //! still valid, and its runs may meet every requirement: the conditions are sufficient, not necessary.
 
 pub mod lei2022;
+mod scenario;
+
+pub use scenario::{design_check, DesignCheck};
 
 use serde::Serialize;
 

@@ -124,7 +124,7 @@ fn virtual_derivatives(
 ) -> (f64, f64) {
     let law = &case.law;
     let (performance, slope) = (&law.performance, law.virtual_law.slope);
-    let torque = case.torque_limit.norm() + case.disturbance_nm;
+    let torque = case.torque_limit.norm() + case.disturbance_nm.norm();
     let angular_acceleration = (torque + most * rate * rate) / least;
     let turn = 0.5 * rate;
     let turn_rate = 0.5 * angular_acceleration + turn * turn;

@@ -93,10 +93,14 @@ fn first_layer_decays(case: &Case, bounds: &Bounds) -> Condition {
 /// Used in (26): D_m bounds every component of the disturbance.
 fn disturbance_compensated(case: &Case, _: &Bounds) -> Condition {
     Condition::new(
-        ("disturbance compensated", "D_m >= |d|"),
+        ("disturbance compensated", "D_m >= max |d_i|"),
         ("(26)", Paper),
-        (case.law.disturbance.bound_nm, AtLeast, case.disturbance_nm),
-        "|d|: the norm of the file's amplitudes, which bounds the disturbance".to_string(),
+        (
+            case.law.disturbance.bound_nm,
+            AtLeast,
+            case.disturbance_nm.amax(),
+        ),
+        "max |d_i|: of the sums of the amplitudes of each component".to_string(),
     )
 }
 

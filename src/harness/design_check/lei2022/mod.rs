@@ -24,8 +24,8 @@ pub struct Case {
     pub error: Quaternion,
     /// Body rate at the start, rad/s.
     pub rate_rad_s: Vector3<f64>,
-    /// Largest norm of the disturbance torque, N m.
-    pub disturbance_nm: f64,
+    /// Bound of each component of the disturbance torque, N m.
+    pub disturbance_nm: Vector3<f64>,
     /// Largest body rate that is required, rad/s, where it is.
     pub rate_limit_rad_s: Option<f64>,
 }
