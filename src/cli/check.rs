@@ -9,6 +9,8 @@ use synth::model::{kind_of, read_text, Kind, Model};
 use super::{files, print, CliError};
 use crate::harness::design_check::{design_check, DesignCheck};
 use crate::harness::scenario::Scenario;
+use crate::harness::tune::file::Requirements;
+use crate::harness::tune::limits::least_time_s;
 
 /// Arguments of `check`.
 #[derive(clap::Args)]
@@ -42,6 +44,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
                 format!("{}, {} s", scenario.name, scenario.duration_s),
             )
         }
+        Some(Kind::Requirements) => (Kind::Requirements, requirements(args, &text)?),
         // A model is the default: its errors name the missing fields.
         Some(Kind::Model) | None => {
             let (_, model) = files::model(&args.file)?;
@@ -111,4 +114,14 @@ fn describe(model: &Model) -> String {
 
 fn scenario(args: &CheckArgs, text: &str) -> Result<Scenario, CliError> {
     Scenario::from_json(text).map_err(|problem| CliError::file(&args.file, problem))
+}
+
+fn requirements(args: &CheckArgs, text: &str) -> Result<String, CliError> {
+    let found = Requirements::from_json(text);
+    let found = found.map_err(|problem| CliError::file(&args.file, problem))?;
+    let (file, least) = (&found.file, least_time_s(&found));
+    Ok(format!(
+        "{}, {} deg within {} s; any controller needs {least:.3} s",
+        file.name, file.manoeuvre.angle_deg, file.limits.settle_s
+    ))
 }

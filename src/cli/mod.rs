@@ -10,6 +10,7 @@ mod schema;
 mod simulate;
 mod sweep;
 mod synthesize;
+mod tune;
 mod verify;
 
 pub use error::CliError;
@@ -46,6 +47,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Run variants of a scenario, or synthesize variants of a model, over a grid
     Sweep(sweep::SweepArgs),
+    /// Search controller parameters for a spacecraft and write a scenario with them
+    Tune(tune::TuneArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
     /// Read a model, design or scenario file and say whether it is valid
@@ -72,6 +75,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Sweep(args) => sweep::run(args),
+        Verb::Tune(args) => tune::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),

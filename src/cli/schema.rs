@@ -9,6 +9,7 @@ use synth::model::ModelFile;
 
 use super::{print, CliError};
 use crate::harness::scenario::ScenarioFile;
+use crate::harness::tune::file::TuneFile;
 
 /// Arguments of `schema`.
 #[derive(clap::Args)]
@@ -26,6 +27,8 @@ enum KindArg {
     Design,
     /// What simulate runs
     Scenario,
+    /// What tune searches for
+    Requirements,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -34,6 +37,7 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
         KindArg::Scenario => schema_for!(ScenarioFile),
+        KindArg::Requirements => schema_for!(TuneFile),
     };
     // A schema is a JSON value already.
     print(&serde_json::to_string_pretty(&schema).unwrap_or_default());

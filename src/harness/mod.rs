@@ -29,4 +29,5 @@ pub mod sensor;
 pub mod simulation;
 pub mod summary;
 pub mod sweep;
+pub mod tune;
 pub mod usage;

@@ -207,7 +207,11 @@ fn check_spacecraft(craft: &SpacecraftFile) -> Result<(), ModelError> {
 
 fn check_task(file: &TuneFile) -> Result<(), ModelError> {
     let limits = &file.limits;
-    within("manoeuvre.angle_deg", file.manoeuvre.angle_deg, (0.0, 170.0))?;
+    within(
+        "manoeuvre.angle_deg",
+        file.manoeuvre.angle_deg,
+        (0.0, 170.0),
+    )?;
     if let Some(axis) = &file.manoeuvre.axis {
         for (index, &part) in axis.iter().enumerate() {
             finite(&format!("manoeuvre.axis[{index}]"), part)?;
@@ -226,7 +230,10 @@ fn check_task(file: &TuneFile) -> Result<(), ModelError> {
     let bound = file.disturbance.bound_nm;
     range("disturbance.bound_nm", bound, bound >= 0.0, "0 or above")?;
     finite("disturbance.bound_nm", bound)?;
-    check_positive("disturbance.frequency_rad_s", file.disturbance.frequency_rad_s)
+    check_positive(
+        "disturbance.frequency_rad_s",
+        file.disturbance.frequency_rad_s,
+    )
 }
 
 fn check_search(file: &TuneFile) -> Result<f64, ModelError> {
@@ -242,7 +249,12 @@ fn check_search(file: &TuneFile) -> Result<f64, ModelError> {
     }
     let settle = file.limits.settle_s;
     let duration = search.duration_s.unwrap_or((4.0 * settle).max(700.0));
-    range("search.duration_s", duration, duration > settle, "above limits.settle_s")?;
+    range(
+        "search.duration_s",
+        duration,
+        duration > settle,
+        "above limits.settle_s",
+    )?;
     finite("search.duration_s", duration)?;
     Ok(duration)
 }

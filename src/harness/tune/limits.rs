@@ -76,7 +76,10 @@ fn angle_and_acceleration(requirements: &Requirements) -> (f64, f64) {
 /// # Errors
 /// The first demand that physics refuses, with the number that is possible.
 pub fn check_possible(requirements: &Requirements) -> Result<(), Impossible> {
-    let (limits, angle_deg) = (&requirements.file.limits, requirements.file.manoeuvre.angle_deg);
+    let (limits, angle_deg) = (
+        &requirements.file.limits,
+        requirements.file.manoeuvre.angle_deg,
+    );
     let settle_s = limits.settle_s;
     let bound_nm = requirements.file.disturbance.bound_nm;
     let limit_nm = requirements.least_torque_nm();

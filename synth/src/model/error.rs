@@ -11,6 +11,8 @@ pub enum Kind {
     Design,
     /// A scenario file.
     Scenario,
+    /// A requirements file of the parameter search.
+    Requirements,
 }
 
 impl fmt::Display for Kind {
@@ -19,6 +21,7 @@ impl fmt::Display for Kind {
             Kind::Model => "model",
             Kind::Design => "design",
             Kind::Scenario => "scenario",
+            Kind::Requirements => "requirements",
         })
     }
 }

@@ -124,6 +124,8 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         Some(Kind::Design)
     } else if keys.contains_key("duration_s") {
         Some(Kind::Scenario)
+    } else if keys.contains_key("manoeuvre") {
+        Some(Kind::Requirements)
     } else if keys.contains_key("specs") {
         Some(Kind::Model)
     } else {

@@ -259,7 +259,7 @@ fn off_time(case: &Case, bounds: &Bounds) -> Condition {
     let beta = trigger.decay_rate_per_s;
     let on = shortest_on_time(case, bounds, 0.0);
     let gap = trigger.envelope_terminal_j - bounds.second_layer_residual_j;
-    let decrease = gap * (1.0 - (-beta * on).exp());
+    let decrease = gap * -(-beta * on).exp_m1();
     let excess = decrease - trigger.buffer_j;
     let note = match excess > 0.0 {
         true => format!(
