@@ -92,6 +92,16 @@ pub fn all_shipped() -> Vec<PathBuf> {
     names.iter().map(|name| shipped(name)).collect()
 }
 
+/// What kind of file a shipped file is.
+pub fn shipped_kind(file: &Value) -> &'static str {
+    let has = |key| file.get(key).is_some();
+    match (has("duration_s"), has("manoeuvre")) {
+        (true, _) => "scenario",
+        (false, true) => "requirements",
+        (false, false) => "model",
+    }
+}
+
 /// An empty folder that goes away with the test.
 pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")

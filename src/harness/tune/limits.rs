@@ -9,8 +9,8 @@ use super::file::Requirements;
 pub enum Impossible {
     /// The torque does not turn the body in time.
     #[error(
-        "field 'limits.settle_s': {settle_s} s is too short: with every torque at its limit and about its \
-         easiest axis the body needs {least_s:.4} s for {angle_deg} deg from rest to rest"
+        "field 'limits.settle_s': the value {settle_s} is not allowed; no controller turns this body by \
+         {angle_deg} deg from rest to rest in less than {least_s:.4} s with these torques"
     )]
     Torque {
         /// Demanded, s.
@@ -22,8 +22,8 @@ pub enum Impossible {
     },
     /// The rate limit does not turn the body in time.
     #[error(
-        "field 'limits.rate_rad_s': at {rate_rad_s} rad/s, reached with every torque at its limit, \
-         {angle_deg} deg take {least_s:.4} s; limits.settle_s is {settle_s} s"
+        "field 'limits.settle_s': the value {settle_s} is not allowed; no controller turns this body by \
+         {angle_deg} deg from rest to rest in less than {least_s:.4} s at {rate_rad_s} rad/s or less"
     )]
     Rate {
         /// Rate limit, rad/s.
@@ -37,8 +37,8 @@ pub enum Impossible {
     },
     /// The disturbance may be stronger than the actuators.
     #[error(
-        "field 'disturbance.bound_nm': {bound_nm} N m can be more than the torque of an axis, whose limit is \
-         {limit_nm} N m"
+        "field 'disturbance.bound_nm': the value {bound_nm} is not allowed; it must be below {limit_nm}, the \
+         smallest of spacecraft.torque_limit_nm"
     )]
     Disturbance {
         /// Bound of the disturbance, N m.
