@@ -153,7 +153,7 @@ fn a_point_whose_file_is_not_valid_says_why_and_the_others_go_on() {
     let folder = folder();
     let file = scenario(folder.path());
     let out = folder.path().join("out");
-    sweep(&file, &["relative=0.5,1.5"], &out, &[]).ends_with(0);
+    sweep(&file, &["relative=0.6,1.5"], &out, &[]).ends_with(0);
     let rows = Rows::read(&out);
     assert_eq!(rows.text(0, "verdict"), "requirements_met");
     assert_eq!(rows.text(1, "verdict"), "invalid");
