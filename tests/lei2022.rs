@@ -11,6 +11,7 @@ use serde_json::{json, Value};
 use steadfast::harness::disturbance::Disturbance;
 use steadfast::harness::integrator::Method;
 use steadfast::harness::recorder::Table;
+use steadfast::harness::reference::Reference;
 use steadfast::harness::sampling::Instants;
 use steadfast::harness::scenario::{ControllerChoice, Metric, RigidBodySystem, Scenario, System};
 use steadfast::harness::simulation::simulate;
@@ -241,6 +242,27 @@ fn sampled_without_a_relative_buffer_v2_passes_its_envelope_and_with_one_it_does
     assert!(ratio(100.0, 0.1) < 1.0 && ratio(20.0, 0.3) < 1.0);
     let notes = run(&sampled(fast(), 10.0)).notes;
     assert!(notes.iter().any(|note| note.contains("relative_buffer")));
+}
+
+#[test]
+fn what_the_controller_is_not_made_for_is_noted() {
+    let mut moving = fast();
+    let start = moving.clone();
+    body(&mut moving).reference = Reference::Slew {
+        start: Quaternion::identity(),
+        axis: Vector3::z(),
+        rate_rad_s: 1e-3,
+        from_s: 0.0,
+        until_s: 10.0,
+    };
+    let notes = run(&moving).notes;
+    assert!(notes.iter().any(|note| note.contains("reference moves")));
+    let mut low = start.clone();
+    trigger(&mut low).envelope_initial_j = 1e-3;
+    let notes = run(&low).notes;
+    assert!(notes.iter().any(|note| note.contains("above the envelope")));
+    let none: [String; 0] = [];
+    assert_eq!(run(&start).notes, none);
 }
 
 /// What switching off saves is updates and time on, not fuel.
