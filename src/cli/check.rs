@@ -8,7 +8,10 @@ use synth::model::{kind_of, Kind, Model};
 use synth::problem::Problem;
 
 use super::{files, print, CliError};
+use crate::harness::design_check::{design_check, DesignCheck};
 use crate::harness::scenario::Scenario;
+use crate::harness::tune::file::Requirements;
+use crate::harness::tune::limits::least_time_s;
 
 /// Arguments of `check`.
 #[derive(clap::Args)]
@@ -20,9 +23,12 @@ pub struct CheckArgs {
     json: bool,
 }
 
-/// Reads a file of any kind and says what it is. Nothing is proved here.
+/// Reads a file of any kind and says what it is, and for a controller whose paper has conditions on its
+/// parameters, which of them hold. Nothing is proved here. A condition that fails is no error: the file
+/// is valid, and the status is 0.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
     let text = files::text(&args.file)?;
+    let mut design = None;
     let (kind, summary) = match kind_of(&text) {
         Some(Kind::Design) => {
             let (design, model) = files::design_of(&args.file, &text)?;
@@ -31,7 +37,15 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
                 format!("{}, {}", design.name, describe(&model)),
             )
         }
-        Some(Kind::Scenario) => (Kind::Scenario, scenario(args, &text)?),
+        Some(Kind::Scenario) => {
+            let scenario = scenario(args, &text)?;
+            design = design_check(&scenario);
+            (
+                Kind::Scenario,
+                format!("{}, {} s", scenario.name, scenario.duration_s),
+            )
+        }
+        Some(Kind::Requirements) => (Kind::Requirements, requirements(args, &text)?),
         Some(Kind::Infeasibility) => {
             let (file, model) = files::infeasibility_of(&args.file, &text)?;
             (
@@ -64,14 +78,53 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
         }
     };
     if args.json {
-        print(&json!({ "valid": true, "kind": kind.to_string(), "summary": summary }).to_string());
-    } else {
-        print(&format!(
-            "{}: valid {kind} file: {summary}",
-            args.file.display()
-        ));
+        let mut report = json!({ "valid": true, "kind": kind.to_string(), "summary": summary });
+        if let Some(check) = &design {
+            report["design_check"] = json!({
+                "paper": check.paper,
+                "conditions": check.conditions,
+                "constants": check.bounds,
+            });
+        }
+        print(&report.to_string());
+        return Ok(ExitCode::SUCCESS);
+    }
+    print(&format!(
+        "{}: valid {kind} file: {summary}",
+        args.file.display()
+    ));
+    if let Some(check) = &design {
+        print(&conditions(check));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The conditions in words, those that fail marked.
+fn conditions(check: &DesignCheck) -> String {
+    let held = check.conditions.iter().filter(|one| one.holds).count();
+    let mut lines = vec![format!(
+        "{held} of {} conditions of {} hold (sufficient for its proof; a run may meet its requirements without them):",
+        check.conditions.len(),
+        check.paper
+    )];
+    for condition in &check.conditions {
+        let verdict = if condition.holds { "holds" } else { "FAILS" };
+        let side =
+            |value: Option<f64>| value.map_or("undefined".to_string(), |v| format!("{v:.4e}"));
+        lines.push(format!(
+            "  {verdict}  {}: {}; {} {} {}  [{}]",
+            condition.name,
+            condition.statement,
+            side(condition.left),
+            condition.relation.sign(),
+            side(condition.right),
+            condition.place
+        ));
+        if !condition.note.is_empty() {
+            lines.push(format!("         {}", condition.note));
+        }
+    }
+    lines.join("\n")
 }
 
 fn describe(model: &Model) -> String {
@@ -94,8 +147,16 @@ fn describe_problem(problem: &Problem) -> String {
     )
 }
 
-fn scenario(args: &CheckArgs, text: &str) -> Result<String, CliError> {
-    let scenario = Scenario::from_json(text);
-    let scenario = scenario.map_err(|problem| CliError::file(&args.file, problem))?;
-    Ok(format!("{}, {} s", scenario.name, scenario.duration_s))
+fn scenario(args: &CheckArgs, text: &str) -> Result<Scenario, CliError> {
+    Scenario::from_json(text).map_err(|problem| CliError::file(&args.file, problem))
+}
+
+fn requirements(args: &CheckArgs, text: &str) -> Result<String, CliError> {
+    let found = Requirements::from_json(text);
+    let found = found.map_err(|problem| CliError::file(&args.file, problem))?;
+    let (file, least) = (&found.file, least_time_s(&found));
+    Ok(format!(
+        "{}, {} deg within {} s; any controller needs {least:.3} s",
+        file.name, file.manoeuvre.angle_deg, file.limits.settle_s
+    ))
 }

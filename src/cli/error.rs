@@ -26,6 +26,14 @@ pub enum CliError {
     /// Scenarios cannot be compared.
     #[error("{0}")]
     Comparison(String),
+    /// An argument that is not what it should be.
+    #[error("argument {argument}: {reason}")]
+    Argument {
+        /// The argument, such as --vary.
+        argument: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// Synthesis could not run.
     #[error(transparent)]
     Synthesis(#[from] synth::synthesis::SynthesisError),

@@ -12,7 +12,9 @@ mod progress;
 mod report;
 mod schema;
 mod simulate;
+mod sweep;
 mod synthesize;
+mod tune;
 mod verify;
 
 pub use error::CliError;
@@ -53,6 +55,10 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Run several controllers on the same task and put them side by side
     Compare(compare::CompareArgs),
+    /// Run variants of a scenario, or synthesize variants of a model, over a grid
+    Sweep(sweep::SweepArgs),
+    /// Search controller parameters for a spacecraft and write a scenario with them
+    Tune(tune::TuneArgs),
     /// Build the report page of a run again from its files
     Report(report::ReportArgs),
     /// Read a file of any kind and say whether it is valid
@@ -81,6 +87,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Verify(args) => verify::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Compare(args) => compare::run(args),
+        Verb::Sweep(args) => sweep::run(args),
+        Verb::Tune(args) => tune::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),

@@ -1,4 +1,4 @@
-//! Progress of a solver on a terminal, and its cancellation by Ctrl-C.
+//! Progress of long work on a terminal, and its cancellation by Ctrl-C.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -57,6 +57,45 @@ impl SolverProgress {
 }
 
 impl Drop for SolverProgress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A bar over the parts of long work on standard error when that is a terminal, nothing otherwise.
+pub struct PartsProgress {
+    bar: ProgressBar,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl PartsProgress {
+    /// Starts showing `count` parts of what is named, such as "points".
+    pub fn start(count: usize, what: &str) -> Self {
+        let bar = ProgressBar::new(count as u64);
+        let template = "{elapsed} [{bar:40}] {pos}/{len} {msg}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_string());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        PartsProgress {
+            bar,
+            interrupted: interrupted(),
+        }
+    }
+
+    /// One part more is done.
+    pub fn done(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Set by Ctrl-C.
+    pub fn stop(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.interrupted)
+    }
+}
+
+impl Drop for PartsProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

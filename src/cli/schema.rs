@@ -11,6 +11,7 @@ use synth::problem::{ProblemDesignFile, ProblemFile};
 
 use super::{print, CliError};
 use crate::harness::scenario::ScenarioFile;
+use crate::harness::tune::file::TuneFile;
 
 /// Arguments of `schema`.
 #[derive(clap::Args)]
@@ -36,6 +37,8 @@ enum KindArg {
     ProblemDesign,
     /// What analyse judges
     Gains,
+    /// What tune searches for
+    Requirements,
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
@@ -48,6 +51,7 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
         KindArg::Infeasibility => schema_for!(InfeasibilityFile),
         KindArg::Problem => schema_for!(ProblemFile),
         KindArg::ProblemDesign => schema_for!(ProblemDesignFile),
+        KindArg::Requirements => schema_for!(TuneFile),
     };
     // A schema is a JSON value already.
     print(&serde_json::to_string_pretty(&schema).unwrap_or_default());

@@ -34,13 +34,7 @@ pub struct SimulateArgs {
 pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
     let text = read_text(&args.scenario).map_err(|e| CliError::file(&args.scenario, e))?;
     let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
-    let design = match design_path(args, &scenario) {
-        Some(path) => Some(read_design(&path)?),
-        None => None,
-    };
-    if let Some(design) = &design {
-        announce(design);
-    }
+    let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
     let outcome = simulate(&scenario, design.as_ref(), args.output.is_some())
         .map_err(|error| CliError::unsuitable(&args.scenario, error))?;
     if let Some(folder) = &args.output {
@@ -62,18 +56,23 @@ pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
     })
 }
 
-/// The command line's design, or the scenario's, whose path starts at the scenario's folder.
-fn design_path(args: &SimulateArgs, scenario: &Scenario) -> Option<PathBuf> {
-    if args.design.is_some() {
-        return args.design.clone();
-    }
-    match &scenario.controller {
-        ControllerChoice::Design(Some(file)) => {
-            let folder = args.scenario.parent().unwrap_or(Path::new("."));
-            Some(folder.join(file))
+/// The command line's design, or the scenario's, whose path starts at the scenario's folder; its
+/// verdict goes to standard error.
+pub(super) fn design_of(
+    scenario: &Scenario,
+    scenario_path: &Path,
+    given: Option<&Path>,
+) -> Result<Option<Design>, CliError> {
+    let path = match (given, &scenario.controller) {
+        (Some(path), _) => path.to_path_buf(),
+        (None, ControllerChoice::Design(Some(file))) => {
+            scenario_path.parent().unwrap_or(Path::new(".")).join(file)
         }
-        _ => None,
-    }
+        (None, _) => return Ok(None),
+    };
+    let design = read_design(&path)?;
+    announce(&design);
+    Ok(Some(design))
 }
 
 pub(super) fn read_design(path: &Path) -> Result<Design, CliError> {

@@ -13,8 +13,9 @@ use synth::solve::{Clarabel, Padding, SolveError};
 use synth::synthesis::{self, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
-use super::verify::{certified_angle_deg, describe, exit_code};
+use super::verify::{describe, exit_code};
 use super::{feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
+use crate::harness::design::certified_angle_deg;
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]

@@ -8,6 +8,7 @@ use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
 use super::{feasibility, files, print, problem, CliError, EXIT_NO};
+use crate::harness::design::certified_angle_deg;
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -67,11 +68,6 @@ pub fn exit_code(verdict: Verdict) -> ExitCode {
         Verdict::Proved => ExitCode::SUCCESS,
         Verdict::NotProved => ExitCode::from(EXIT_NO),
     }
-}
-
-/// Angle of the largest rotation at rest that is in the certified set, about any axis.
-pub fn certified_angle_deg(vector_part: Option<f64>) -> Option<f64> {
-    vector_part.map(|radius| (2.0 * radius.clamp(0.0, 1.0).asin()).to_degrees())
 }
 
 /// The verdict in words.

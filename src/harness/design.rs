@@ -368,3 +368,8 @@ fn vertices_not_covered(
         ));
     }
 }
+
+/// Angle of the largest rotation at rest that is in the certified set, about any axis, deg.
+pub fn certified_angle_deg(vector_part: Option<f64>) -> Option<f64> {
+    vector_part.map(|radius| (2.0 * radius.clamp(0.0, 1.0).asin()).to_degrees())
+}

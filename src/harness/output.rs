@@ -61,7 +61,7 @@ pub enum OutputError {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_run(folder: &Path, outcome: &Outcome) -> Result<(), OutputError> {
-    create(folder)?;
+    create_folder(folder)?;
     let empty = Table::default();
     let trajectory = outcome.trajectory.as_ref().unwrap_or(&empty);
     let page = report::page(&outcome.summary, trajectory)?;
@@ -79,7 +79,7 @@ pub fn write_comparison(
     comparison: &Comparison,
     curves: &[Curves],
 ) -> Result<(), OutputError> {
-    create(folder)?;
+    create_folder(folder)?;
     let page = comparison::page(comparison, curves)?;
     // It holds finite numbers, strings and lists only, so it can always be written.
     let table = serde_json::to_string_pretty(comparison).unwrap_or_default() + "\n";
@@ -88,7 +88,11 @@ pub fn write_comparison(
     write(&folder.join(COMPARISON_PAGE), &page)
 }
 
-fn create(folder: &Path) -> Result<(), OutputError> {
+/// Creates a folder with those above it.
+///
+/// # Errors
+/// A folder that cannot be created.
+pub fn create_folder(folder: &Path) -> Result<(), OutputError> {
     std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
         path: folder.to_path_buf(),
         problem: FileError::Io {

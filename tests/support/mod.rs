@@ -93,12 +93,17 @@ pub fn all_shipped() -> Vec<PathBuf> {
     names.iter().map(|name| shipped(name)).collect()
 }
 
-/// The kind of a shipped file.
-pub fn kind(file: &Value) -> &'static str {
-    if file.get("duration_s").is_some() {
+/// What kind of file a shipped file is.
+pub fn shipped_kind(file: &Value) -> &'static str {
+    let has = |key| file.get(key).is_some();
+    if has("duration_s") {
         "scenario"
-    } else if file.get("problem").is_some() {
+    } else if has("problem") {
         "problem"
+    } else if has("manoeuvre") {
+        "requirements"
+    } else if file["gains"].is_array() {
+        "gains"
     } else {
         "model"
     }

@@ -19,6 +19,8 @@ pub enum Kind {
     ProblemDesign,
     /// A gains file.
     Gains,
+    /// A requirements file of the parameter search.
+    Requirements,
 }
 
 impl fmt::Display for Kind {
@@ -31,6 +33,7 @@ impl fmt::Display for Kind {
             Kind::Problem => "problem",
             Kind::ProblemDesign => "problem design",
             Kind::Gains => "gains",
+            Kind::Requirements => "requirements",
         })
     }
 }

@@ -132,6 +132,8 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         Some(Kind::Scenario)
     } else if asks(&value) {
         Some(Kind::Problem)
+    } else if keys.contains_key("manoeuvre") {
+        Some(Kind::Requirements)
     } else if keys.contains_key("specs") {
         Some(Kind::Model)
     } else if keys.get("gains").is_some_and(serde_json::Value::is_array) {

@@ -1,0 +1,203 @@
+//! What is swept: a scenario, which is run at each point, or a model, which is synthesized.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+
+use serde_json::Value;
+use synth::certify::{Report, Verdict};
+use synth::feasibility::{Answer, Decision};
+use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile};
+use synth::solve::{Clarabel, Observer};
+use synth::synthesis::{self, Form, Outcome, Synthesized};
+
+use super::grid::Grid;
+use super::outcome::{numbers_of, PointOutcome};
+use crate::harness::design::{certified_angle_deg, Design};
+use crate::harness::scenario::{Scenario, ScenarioFile};
+use crate::harness::simulation::simulate;
+use crate::harness::summary::{RunVerdict, Summary};
+
+/// What is swept. The file holds every default, so that what it leaves out can be varied too.
+pub enum Subject {
+    /// A scenario with its design, if it has one.
+    Scenario {
+        /// The file.
+        file: Value,
+        /// The design of its controller.
+        design: Option<Box<Design>>,
+    },
+    /// A model.
+    Model {
+        /// The file.
+        file: Value,
+    },
+}
+
+/// Conditions that block a synthesis, as many as a row names.
+const BLOCKING: usize = 3;
+
+impl Subject {
+    /// The scenario of a text, which must be valid.
+    ///
+    /// # Errors
+    /// The first field that is missing, unknown, of the wrong type or out of its range.
+    pub fn scenario(text: &str, design: Option<Box<Design>>) -> Result<Self, FileError> {
+        Scenario::from_json(text)?;
+        let file: ScenarioFile = parse(text, Kind::Scenario)?;
+        Ok(Subject::Scenario {
+            file: value_of(&file),
+            design,
+        })
+    }
+
+    /// The model of a text, which must be valid.
+    ///
+    /// # Errors
+    /// The first field that is missing, unknown, of the wrong type or out of its range.
+    pub fn model(text: &str) -> Result<Self, FileError> {
+        let file: &ModelFile = &Model::from_json(text)?.file;
+        Ok(Subject::Model {
+            file: value_of(file),
+        })
+    }
+
+    /// Whether a text is a scenario's.
+    pub fn is_scenario(text: &str) -> bool {
+        kind_of(text) == Some(Kind::Scenario)
+    }
+
+    /// The file with its defaults.
+    pub fn file(&self) -> &Value {
+        match self {
+            Subject::Scenario { file, .. } | Subject::Model { file } => file,
+        }
+    }
+
+    /// Kind of the file.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Subject::Scenario { .. } => Kind::Scenario,
+            Subject::Model { .. } => Kind::Model,
+        }
+    }
+
+    /// Runs one point. A synthesis ends early when `stop` is set; its outcome is of no use then.
+    pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
+        let row = values.to_vec();
+        let text = match grid.apply(self.file(), values) {
+            Ok(file) => file.to_string(),
+            Err(error) => return PointOutcome::invalid(row, error),
+        };
+        match self {
+            Subject::Scenario { design, .. } => run_scenario(row, &text, design.as_deref()),
+            Subject::Model { .. } => run_model(row, &text, stop),
+        }
+    }
+}
+
+/// The files' types hold numbers, texts and lists only, so they can always be written.
+fn value_of<T: serde::Serialize>(file: &T) -> Value {
+    serde_json::to_value(file).unwrap_or_default()
+}
+
+fn run_scenario(values: Vec<f64>, text: &str, design: Option<&Design>) -> PointOutcome {
+    let scenario = match Scenario::from_json(text) {
+        Ok(scenario) => scenario,
+        Err(error) => return PointOutcome::invalid(values, error),
+    };
+    match simulate(&scenario, design, false) {
+        Ok(outcome) => {
+            let summary = value_of(&outcome.summary);
+            PointOutcome {
+                values,
+                verdict: word(&summary["verdict"]),
+                reason: why_not(&outcome.summary),
+                metrics: numbers_of(&summary),
+            }
+        }
+        Err(error) => PointOutcome::invalid(values, error),
+    }
+}
+
+fn word(verdict: &Value) -> String {
+    verdict.as_str().unwrap_or_default().to_string()
+}
+
+fn why_not(summary: &Summary) -> Option<String> {
+    let missed = summary.requirements.iter().filter(|outcome| !outcome.met);
+    let missed = missed.map(|outcome| {
+        let value = outcome.value.map_or("none".to_string(), |v| v.to_string());
+        format!("{} {}: {value}", outcome.name, outcome.limit)
+    });
+    match summary.verdict {
+        RunVerdict::RequirementsMet => None,
+        RunVerdict::RequirementsMissed => Some(missed.collect::<Vec<_>>().join("; ")),
+        other => Some(other.sentence().to_string()),
+    }
+}
+
+fn run_model(values: Vec<f64>, text: &str, stop: &Arc<AtomicBool>) -> PointOutcome {
+    let model = match Model::from_json(text) {
+        Ok(model) => model,
+        Err(error) => return PointOutcome::invalid(values, error),
+    };
+    let stop = Arc::clone(stop);
+    let observer: Observer = Arc::new(move |_| !stop.load(Ordering::Relaxed));
+    let backend = Clarabel::default();
+    let outcome = synthesis::synthesize(&model, text, Form::Reduced, &backend, Some(observer));
+    match outcome {
+        Ok(Outcome::Solved(design)) => designed(values, &design),
+        Ok(Outcome::Infeasible(decision)) => {
+            let verdict = match decision.answer {
+                Answer::Infeasible(_) => "infeasible",
+                _ => "infeasible_not_proved",
+            };
+            failed(values, verdict, &decision)
+        }
+        Ok(Outcome::SolverFailed(decision)) => failed(values, "solver_failed", &decision),
+        Err(error) => PointOutcome::invalid(values, error),
+    }
+}
+
+fn designed(values: Vec<f64>, design: &Synthesized) -> PointOutcome {
+    let (part, report) = (&design.file.certificate, &design.report);
+    let proved = report.verdict == Verdict::Proved;
+    let worst = report.worst().map(|condition| condition.margin);
+    let angle = certified_angle_deg(part.certified_vector_part);
+    PointOutcome {
+        values,
+        verdict: if proved { "proved" } else { "not_proved" }.to_string(),
+        reason: (!proved).then(|| not_proved(report)),
+        metrics: [
+            ("gamma", Some(part.gamma)),
+            ("guaranteed_gain", Some(part.guaranteed_gain)),
+            ("xi", Some(part.xi)),
+            ("certified_angle_deg", angle),
+            ("worst_margin", worst),
+        ]
+        .map(|(name, value)| (name.to_string(), value))
+        .to_vec(),
+    }
+}
+
+fn not_proved(report: &Report) -> String {
+    match report.worst() {
+        Some(worst) => format!("not proved: {}, margin {:.3e}", worst.name, worst.margin),
+        None => "not proved".to_string(),
+    }
+}
+
+fn failed(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
+    let blocking = decision.blocking.iter().take(BLOCKING);
+    let names: Vec<&str> = blocking.map(|(name, _)| name.as_str()).collect();
+    let reason = match names.as_slice() {
+        [] => "no condition is known to block".to_string(),
+        names => format!("blocked by {}", names.join(", ")),
+    };
+    PointOutcome {
+        values,
+        verdict: verdict.to_string(),
+        reason: Some(reason),
+        metrics: vec![("slack".to_string(), decision.slack)],
+    }
+}
