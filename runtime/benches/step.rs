@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use runtime::attitude::{AttitudeMeasurement, Quaternion};
 use runtime::membership::{ConstantGain, Membership, RigidBodyBox};
-use runtime::nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
+use runtime::nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
-use runtime::{wu2018, xu2020};
+use runtime::{lei2022, wu2018, xu2020};
 
 const STEPS: usize = 2_000_000;
 const REPEATS: usize = 5;
@@ -35,6 +35,7 @@ fn main() {
             absolute_rad_s: 1e-6,
         }),
     );
+    report("lei2022, every sample sent", lei());
 }
 
 fn report(name: &str, mut step: impl FnMut(usize)) {
@@ -96,6 +97,45 @@ fn wu(trigger: wu2018::TriggerRule) -> impl FnMut(usize) {
         trigger,
         torque_limit: Vector3::repeat(0.2),
         unwinding: wu2018::Unwinding::AsPublished,
+    })
+    .expect("valid parameters");
+    move |index| {
+        let measurement = AttitudeMeasurement {
+            error: Quaternion::new(0.999, Vector3::new(0.04 * phase(index), 0.01, -0.02)),
+            rate_rad_s: Vector3::new(1e-3, -1e-3, 2e-3),
+        };
+        black_box(controller.step(0.01 * index as f64, black_box(&measurement)));
+    }
+}
+
+fn lei() -> impl FnMut(usize) {
+    let mut controller = lei2022::Controller::new(lei2022::Parameters {
+        law: lei2022::ControlLaw {
+            inertia: Matrix3::from_diagonal(&Vector3::new(2.8, 2.5, 1.9)),
+            performance: lei2022::PerformanceFunction {
+                initial: Vector3::repeat(0.5),
+                terminal: Vector3::repeat(5e-3),
+                midpoint_s: 50.0,
+                time_scale_s: 6.4,
+            },
+            barrier: lei2022::Barrier {
+                gain_j: 5e-5,
+                width: 1.0,
+            },
+            virtual_law: lei2022::VirtualLaw {
+                gain: 1.5,
+                rate_scale_rad_s: 0.0524,
+                slope: 13.0,
+            },
+            rate_gain: 2.6,
+            disturbance: lei2022::DisturbanceCompensation {
+                bound_nm: 1.5e-3,
+                smoothing_rad_s: 2.8e-4,
+            },
+        },
+        trigger: lei2022::TriggerRule::EverySample,
+        torque_limit: Vector3::repeat(0.05),
+        sign_hysteresis: 0.0,
     })
     .expect("valid parameters");
     move |index| {

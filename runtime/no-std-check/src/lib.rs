@@ -19,10 +19,10 @@ use runtime::error::ParameterError;
 use runtime::membership::{
     ConstantGain, GaussianRules, Membership, RigidBodyBox, RIGID_BODY_VERTICES,
 };
-use runtime::nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
+use runtime::nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::saturation::Saturation;
 use runtime::trigger::{Adaptation, ThresholdUpdate};
-use runtime::{wu2018, xu2020};
+use runtime::{lei2022, wu2018, xu2020};
 
 /// Largest torque, N m, that any controller commands over a few samples.
 pub fn exercise_controllers() -> Result<f64, ParameterError> {
@@ -40,6 +40,8 @@ pub fn exercise_controllers() -> Result<f64, ParameterError> {
         wu(wu2018::Unwinding::ShortestRotation {
             hysteresis: black_box(0.1),
         })?,
+        lei(lei2022::TriggerRule::Composite(composite_trigger()))?,
+        lei(lei2022::TriggerRule::EverySample)?,
         yang::largest_torque()?,
     ];
     Ok(torques.into_iter().fold(0.0, f64::max))
@@ -175,6 +177,58 @@ fn wu(unwinding: wu2018::Unwinding) -> Result<f64, ParameterError> {
     Ok(largest_torque(|time_s, measurement| {
         let command = controller.step(time_s, measurement);
         if command.torque.norm() > 1e3 {
+            controller.reset();
+        }
+        command
+    }))
+}
+
+fn composite_trigger() -> lei2022::CompositeTrigger {
+    lei2022::CompositeTrigger {
+        held_error_initial: 1.7e-3,
+        held_error_terminal: 1e-5,
+        longest_on_s: 0.1,
+        envelope_initial_j: 4.2e-3,
+        envelope_terminal_j: 2e-7,
+        decay_rate_per_s: 0.18,
+        buffer_j: 6e-8,
+        relative_buffer: 0.2,
+    }
+}
+
+fn lei(trigger: lei2022::TriggerRule) -> Result<f64, ParameterError> {
+    let mut controller = lei2022::Controller::new(black_box(lei2022::Parameters {
+        law: lei2022::ControlLaw {
+            inertia: Matrix3::from_diagonal(&Vector3::new(2.8, 2.5, 1.9)),
+            performance: lei2022::PerformanceFunction {
+                initial: Vector3::repeat(0.5),
+                terminal: Vector3::repeat(5e-3),
+                midpoint_s: 50.0,
+                time_scale_s: 6.4,
+            },
+            barrier: lei2022::Barrier {
+                gain_j: 5e-5,
+                width: 1.0,
+            },
+            virtual_law: lei2022::VirtualLaw {
+                gain: 1.5,
+                rate_scale_rad_s: 0.0524,
+                slope: 13.0,
+            },
+            rate_gain: 2.6,
+            disturbance: lei2022::DisturbanceCompensation {
+                bound_nm: 1.5e-3,
+                smoothing_rad_s: 2.8e-4,
+            },
+        },
+        trigger,
+        torque_limit: Vector3::repeat(0.05),
+        sign_hysteresis: 0.1,
+    }))?;
+    Ok(largest_torque(|time_s, measurement| {
+        let command = controller.step(time_s, measurement);
+        let evaluated = controller.evaluate(time_s, measurement);
+        if evaluated.is_err() || controller.switch_count().off > 1_000 {
             controller.reset();
         }
         command

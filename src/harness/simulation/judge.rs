@@ -8,8 +8,9 @@ use crate::harness::design::Design;
 use crate::harness::events::EventCount;
 use crate::harness::integrator::Method;
 use crate::harness::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
+use crate::harness::reference::Reference;
 use crate::harness::sampling::Instants;
-use crate::harness::scenario::{Scenario, XuChoice};
+use crate::harness::scenario::{Scenario, System, XuChoice};
 use crate::harness::summary::{
     CertificateOutcome, RunProvenance, RunVerdict, Scales, Summary, SUMMARY_SCHEMA_VERSION,
 };
@@ -243,6 +244,14 @@ pub(super) fn intermittent_notes(
     start: &AttitudeMeasurement,
     notes: &mut Vec<String>,
 ) {
+    if let System::RigidBody(body) = &scenario.system {
+        if !matches!(body.reference, Reference::Fixed(_)) {
+            notes.push(
+                "The reference moves; the law is made for a fixed one and does not feed its rate forward."
+                    .to_string(),
+            );
+        }
+    }
     let Some(trigger) = parameters.trigger.composite() else {
         return;
     };
