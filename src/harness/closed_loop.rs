@@ -187,7 +187,10 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             time_s: at.time,
             state: at.state.as_slice(),
             disturbance: at.walker.now().as_slice(),
-            held: *actuators.last_command(),
+            held: match &self.link {
+                None => *actuators.last_command(),
+                Some(link) => link.held_by_encoder(),
+            },
             acting,
         });
         let command = self.controller.step(at.time, &measurement);

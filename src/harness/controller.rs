@@ -16,7 +16,8 @@ pub struct Truth<'a, const M: usize> {
     pub state: &'a [f64],
     /// Disturbance, with everything that acts whatever is commanded.
     pub disturbance: &'a [f64],
-    /// What the actuators have been told last.
+    /// What the actuators have been told last, as far as the controller's end of the link knows: a lost
+    /// word makes them hold something else.
     pub held: SVector<f64, M>,
     /// What acts on the plant because of it.
     pub acting: SVector<f64, M>,

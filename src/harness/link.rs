@@ -126,6 +126,11 @@ impl<const M: usize> Link<M> {
         received.held
     }
 
+    /// What the actuators hold if every word has arrived, N m.
+    pub fn held_by_encoder(&self) -> SVector<f64, M> {
+        self.encoder.held()
+    }
+
     /// What the last sample's words say of each axis: zero without a word, or when it only repeats what
     /// is held. A step counts positive upwards: 1 is the lowest level, or any step in an encoding without
     /// levels.

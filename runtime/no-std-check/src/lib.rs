@@ -5,6 +5,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod yang;
+
 use core::hint::black_box;
 
 use runtime::attitude::{skew, AttitudeMeasurement, Quaternion};
@@ -40,6 +42,7 @@ pub fn exercise_controllers() -> Result<f64, ParameterError> {
         })?,
         lei(lei2022::TriggerRule::Composite(composite_trigger()))?,
         lei(lei2022::TriggerRule::EverySample)?,
+        yang::largest_torque()?,
     ];
     Ok(torques.into_iter().fold(0.0, f64::max))
 }

@@ -3,6 +3,7 @@
 mod figures;
 mod intermittent;
 mod page;
+mod prescribed;
 mod series;
 
 pub use figures::{Figure, FigureError};

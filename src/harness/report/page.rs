@@ -416,6 +416,7 @@ fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     } else {
         out.extend(state_figures(trajectory, &collect, &figure));
     }
+    out.extend(super::prescribed::figures(summary, trajectory, &times));
     if let Some(sent) = trajectory.column("sent") {
         let events = times.iter().zip(&sent).filter(|(_, &sent)| sent > 0.5);
         let events: Vec<f64> = events.map(|(&time, _)| time).collect();
