@@ -314,3 +314,53 @@ fn the_report_shows_envelopes_faults_and_steps() {
         assert!(page.contains(title), "{title}");
     }
 }
+
+#[test]
+fn a_bad_parameter_is_refused_with_its_field_and_what_is_allowed() {
+    let file = include_str!("../models/yang2025.json");
+    let cases = [
+        (
+            "\"surface_exponent\": 1.6666666666666667",
+            "\"surface_exponent\": 0.6",
+            "'controller.yang2025.gains.surface_exponent': the value 0.6 is not allowed; it must be \
+             in (1, 2)",
+        ),
+        (
+            "\"adhesion\": { \"width\": 3,",
+            "\"adhesion\": { \"width\": 0.2,",
+            "'controller.yang2025.envelope.adhesion.width': the value 0.2",
+        ),
+        (
+            "\"appointed_time_s\": [40, 30, 60]",
+            "\"appointed_time_s\": [40, 0, 60]",
+            "'controller.yang2025.envelope.performance.appointed_time.appointed_time_s'",
+        ),
+        (
+            "\"actuator_matrix\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]",
+            "\"actuator_matrix\": [[1, 0, 0], [0, 1, 0], [0, 1, 0]]",
+            "'controller.yang2025.actuator_matrix': the value 0 is not allowed; it must be a matrix \
+             that reaches every axis",
+        ),
+        (
+            "\"nominal_inertia_kg_m2\": [[89, 0.2, 1.5]",
+            "\"nominal_inertia_kg_m2\": [[89, 0.3, 1.5]",
+            "'controller.yang2025.nominal_inertia_kg_m2'",
+        ),
+        (
+            "\"frequency_rad_s\": 0.35, \"decay_per_s\": 0.03",
+            "\"frequency_rad_s\": -0.35, \"decay_per_s\": 0.03",
+            "'system.rigid_body.faults[2].additive_wave.frequency_rad_s': the value -0.35",
+        ),
+        (
+            "\"fault_estimation\": { \"perfect\": {} }",
+            "\"fault_estimation\": { \"observer\": { \"bandwidth_rad_s\": 0 } }",
+            "'controller.yang2025.fault_estimation.observer.bandwidth_rad_s': the value 0",
+        ),
+    ];
+    for (good, bad, expected) in cases {
+        assert!(file.contains(good), "{good}");
+        let refusal = Scenario::from_json(&file.replace(good, bad)).unwrap_err();
+        let refusal = refusal.to_string();
+        assert!(refusal.contains(expected), "{refusal}");
+    }
+}

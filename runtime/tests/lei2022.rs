@@ -316,7 +316,7 @@ fn actuators_start_off_and_turn_on_where_v2_meets_the_envelope_less_its_buffer()
     let sample = measurement([0.0; 3], [0.3, -0.2, 0.1]);
     let command = with_envelope(1.002, &sample).step(0.0, &sample);
     assert_eq!(command.torque, Vector3::zeros());
-    assert!(!command.sent && command.bits == 0);
+    assert!(!command.sent && command.bytes() == 0);
 
     let mut controller = with_envelope(1.0005, &sample);
     let command = controller.step(0.0, &sample);

@@ -93,6 +93,7 @@ impl Envelope {
         let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
         let not_negative =
             |name, value| require(Field::scalar(name), value, AllowedRange::NON_NEGATIVE);
+        let performance = PerformanceFunction::new(parameters.performance)?;
         positive("shape", parameters.shape)?;
         if let Some(adhesion) = &parameters.adhesion {
             let allowed = AllowedRange::half_open(1.0, f64::INFINITY);
@@ -109,7 +110,7 @@ impl Envelope {
             not_negative("toward_width", resilience.toward_width)?;
         }
         Ok(Self {
-            performance: PerformanceFunction::new(parameters.performance)?,
+            performance,
             parameters,
         })
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::harness::report::short;
 use crate::harness::scenario::FaultFile;
 
 /// A named set of actuator faults.
@@ -26,7 +27,7 @@ pub fn standard_faults(duration_s: f64, limit: &Vector3<f64>) -> Vec<StandardFau
         additive_nm: share * limit[usize::from(axis)],
         additive_wave: None,
     };
-    let from = |share: f64| format!("{:.4} s", share * duration_s);
+    let from = |share: f64| format!("{} s", short(share * duration_s));
     let quarter = from(0.25);
     let lasting = (0.25, 1.0);
     vec![
@@ -57,7 +58,7 @@ pub fn standard_faults(duration_s: f64, limit: &Vector3<f64>) -> Vec<StandardFau
         StandardFault {
             name: "beyond_limit",
             description: format!(
-                "one and a half times the limit acts on axis 1, against it, from {} to {}",
+                "one and a half times the limit acts on axis 1 from {} to {}",
                 from(0.5),
                 from(0.51)
             ),

@@ -266,7 +266,10 @@ fn figures(comparison: &Comparison, curves: &[Curves]) -> Vec<Figure> {
                 errors,
             )
         },
-        figure("Messages sent", "messages", messages),
+        Figure {
+            logarithmic: true,
+            ..figure("Messages sent", "messages", messages)
+        },
         figure("Impulse spent", "impulse (N m s)", efforts),
     ]
 }
