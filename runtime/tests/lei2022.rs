@@ -316,12 +316,12 @@ fn actuators_start_off_and_turn_on_where_v2_meets_the_envelope_less_its_buffer()
     let sample = measurement([0.0; 3], [0.3, -0.2, 0.1]);
     let command = with_envelope(1.002, &sample).step(0.0, &sample);
     assert_eq!(command.torque, Vector3::zeros());
-    assert!(!command.sent && command.bytes == 0);
+    assert!(!command.sent && command.bytes() == 0);
 
     let mut controller = with_envelope(1.0005, &sample);
     let command = controller.step(0.0, &sample);
     assert!(command.sent && controller.is_on());
-    assert_eq!(command.bytes, MESSAGE_BYTES);
+    assert_eq!(command.bytes(), MESSAGE_BYTES);
     let wanted = controller.evaluate(0.0, &sample).unwrap().torque;
     assert_eq!(
         command.torque,
@@ -468,7 +468,7 @@ fn an_unusable_sample_holds_the_torque_and_leaves_the_controller_as_it_was() {
     let held = |reason| Command {
         torque,
         sent: false,
-        bytes: 0,
+        bits: 0,
         status: Status::Held(reason),
     };
     let early = HoldReason::TimeNotIncreasing {
