@@ -48,11 +48,7 @@ fn trigger(scenario: &mut Scenario) -> &mut CompositeTrigger {
 }
 
 fn undisturbed(mut scenario: Scenario) -> Scenario {
-    body(&mut scenario).disturbance = Disturbance {
-        bias: Vector3::zeros(),
-        harmonics: Vec::new(),
-        table: None,
-    };
+    body(&mut scenario).disturbance = Disturbance::none();
     scenario
 }
 

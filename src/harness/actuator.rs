@@ -122,7 +122,7 @@ impl<'a, const M: usize> Actuators<'a, M> {
         });
         for fault in &data.faults {
             if (fault.from_s..fault.until_s).contains(&time_s) {
-                torque[fault.axis] = fault.effectiveness * torque[fault.axis];
+                torque[fault.axis] *= fault.effectiveness;
             }
         }
         data.matrix * torque

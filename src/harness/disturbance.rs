@@ -126,7 +126,7 @@ impl<const D: usize> Disturbance<D> {
                 times_s: table.times_s.clone(),
                 values: table.values.iter().map(resize).collect(),
             }),
-            pulses: self.pulses.iter().map(|pulse| resized(pulse)).collect(),
+            pulses: self.pulses.iter().map(resized).collect(),
         }
     }
 
