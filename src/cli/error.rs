@@ -23,6 +23,9 @@ pub enum CliError {
         /// Why.
         reason: String,
     },
+    /// A result cannot be written.
+    #[error(transparent)]
+    Output(#[from] crate::harness::output::OutputError),
     /// An argument that is not what it should be.
     #[error("argument {argument}: {reason}")]
     Argument {
