@@ -347,3 +347,79 @@ fn the_bounds_on_the_virtual_law_hold_on_samples() {
         "{worst:?} {bounds:?}"
     );
 }
+
+/// (58) to (60) and (69), with the constants that the paper leaves open taken as found.
+fn time_on(case: &Case, bounds: &Bounds, transient: f64) -> f64 {
+    let (least, most) = bounds.inertia_kg_m2;
+    let law = &case.law;
+    let gain = law.rate_gain + law.disturbance.bound_nm / law.disturbance.smoothing_rad_s;
+    let rate = bounds.rate_rad_s;
+    let r1 = most * rate * (1.0 / least) + rate + gain / least;
+    let bc = (1.0 + 3f64.sqrt()) * law.disturbance.bound_nm
+        + most * bounds.virtual_acceleration_rad_s2
+        + bounds.compensation_nm;
+    let r2 = gain * bounds.virtual_acceleration_rad_s2
+        + most * bounds.virtual_jerk_rad_s3
+        + bc * most * rate / least
+        + bc * rate
+        + bc * gain / least
+        + bounds.compensation_rate_nm_s;
+    let q1 = r1 * law.rate_gain + 2.0 * r1 + 1.0;
+    let q2 = 2.0 / least * r1 * law.rate_gain;
+    let q3 = r2 * r2;
+    let g2 = bounds.second_layer_residual_j;
+    let g1 = case.trigger.envelope_initial_j - g2;
+    let (s, m) = (
+        case.trigger.held_error_initial,
+        case.trigger.held_error_terminal,
+    );
+    let (m1, m2) = (q1 * s + q2 * g1, q1 * m + q2 * g2 + q3);
+    (transient + m) / (transient * case.trigger.decay_rate_per_s + m1 + m2)
+}
+
+#[test]
+fn the_times_between_events_are_those_of_the_papers_formulas() {
+    for case in [gentle(), working()] {
+        let bounds = Bounds::new(&case);
+        let all = conditions(&case);
+        let found: Vec<f64> = all
+            .iter()
+            .filter(|one| one.place == "(69)")
+            .filter_map(|one| one.left)
+            .collect();
+        let start = time_on(&case, &bounds, case.trigger.held_error_initial);
+        let end = time_on(&case, &bounds, 0.0);
+        assert!((found[0] / start - 1.0).abs() < 1e-9, "{found:?} {start}");
+        assert!((found[1] / end - 1.0).abs() < 1e-9, "{found:?} {end}");
+        // beta times the time is far below 1, so 1 - e^(-x) is x.
+        let gap = case.trigger.envelope_terminal_j - bounds.second_layer_residual_j;
+        let gain = gap * case.trigger.decay_rate_per_s * end;
+        let left = find(&case, "N_k > delta_m").left.unwrap();
+        assert!((left / gain - 1.0).abs() < 1e-6, "{left} {gain}");
+    }
+}
+
+#[test]
+fn the_time_off_solves_80() {
+    let case = gentle();
+    let bounds = Bounds::new(&case);
+    let condition = find(&case, "N_k > delta_m");
+    let words: Vec<&str> = condition.note.split(' ').collect();
+    let time: f64 = words[words.len() - 2].parse().unwrap();
+    let (trigger, nk) = (&case.trigger, condition.left.unwrap());
+    let a0 = bounds.drift_rate;
+    let slope =
+        trigger.decay_rate_per_s * (trigger.envelope_initial_j - trigger.envelope_terminal_j);
+    let w1 = 2.0 / a0 * (trigger.envelope_initial_j - nk).sqrt();
+    let terms = 0.25 * a0 * a0 * time * time + (slope + 0.5 * a0 * a0 * w1) * time;
+    assert!(
+        (terms / (nk - trigger.buffer_j) - 1.0).abs() < 1e-3,
+        "{terms} {nk}"
+    );
+}
+
+#[test]
+fn the_rate_is_bounded_by_the_virtual_rate_and_the_envelope() {
+    // 0.054597 + sqrt(2 * 4.2e-3 / 1.9)
+    assert!((Bounds::new(&working()).rate_rad_s - 0.121_088).abs() < 1e-6);
+}

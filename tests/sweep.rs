@@ -295,6 +295,36 @@ fn an_axis_of_another_form_is_refused() {
 }
 
 #[test]
+fn a_scenario_without_the_design_that_it_needs_is_refused_before_any_run() {
+    let message = refusal(&shipped("xu2020-closed-loop.json"), &["duration_s=10,20"]);
+    assert!(message.contains("no design is given"), "{message}");
+    let folder = folder();
+    let out = folder.path().join("out");
+    let design = xu2020_design().display().to_string();
+    let file = shipped("xu2020-closed-loop.json");
+    sweep(&file, &["duration_s=5,10"], &out, &["--design", &design]).ends_with(0);
+    assert_eq!(Rows::read(&out).rows.len(), 2);
+    let more = ["--design", design.as_str()];
+    let run = sweep(&shipped("wu2018.json"), &["duration_s=5"], &out, &more);
+    assert!(run
+        .ends_with(1)
+        .stderr
+        .contains("the controller is not 'design'"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named_once() {
+    let folder = folder();
+    let file = write(folder.path(), "file", "");
+    let message = sweep(&scenario(folder.path()), &["relative=0.5"], &file, &[]).refusal();
+    assert_eq!(
+        message.matches(&file.display().to_string()).count(),
+        1,
+        "{message}"
+    );
+}
+
+#[test]
 fn a_logarithmic_range_has_equal_ratios() {
     let folder = folder();
     let out = folder.path().join("out");

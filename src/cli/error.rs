@@ -26,6 +26,9 @@ pub enum CliError {
     /// Scenarios cannot be compared.
     #[error("{0}")]
     Comparison(String),
+    /// A result cannot be written.
+    #[error(transparent)]
+    Output(#[from] crate::harness::output::OutputError),
     /// An argument that is not what it should be.
     #[error("argument {argument}: {reason}")]
     Argument {

@@ -13,6 +13,7 @@ use super::simulate::design_of;
 use super::{print, CliError};
 use crate::harness::output::{create_folder, write};
 use crate::harness::scenario::Scenario;
+use crate::harness::simulation::check_design;
 use crate::harness::sweep::axis::Axis;
 use crate::harness::sweep::grid::Grid;
 use crate::harness::sweep::outcome::PointOutcome;
@@ -63,14 +64,13 @@ pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
     let subject = subject(args, &text)?;
     let grid = Grid::new(subject.file(), &axes)
         .map_err(|error| CliError::unsuitable(&args.file, error))?;
-    let unsuitable = |error| CliError::unsuitable(&args.output, error);
-    create_folder(&args.output).map_err(unsuitable)?;
+    create_folder(&args.output)?;
     let outcomes = swept(&subject, &grid, args.jobs)?;
     let csv = table::to_csv(&grid, &outcomes)
         .map_err(|error| CliError::unsuitable(&args.output, error))?;
-    write(&args.output.join(TABLE_FILE), &csv).map_err(unsuitable)?;
+    write(&args.output.join(TABLE_FILE), &csv)?;
     let provenance = provenance(args, &text, &subject, &grid);
-    write(&args.output.join(PROVENANCE_FILE), &provenance).map_err(unsuitable)?;
+    write(&args.output.join(PROVENANCE_FILE), &provenance)?;
     tell(args, &grid, &outcomes);
     Ok(ExitCode::SUCCESS)
 }
@@ -80,6 +80,8 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
     if Subject::is_scenario(text) {
         let scenario = Scenario::from_json(text).map_err(failed)?;
         let design = design_of(&scenario, &args.file, args.design.as_deref())?;
+        check_design(&scenario, design.as_ref())
+            .map_err(|error| CliError::unsuitable(&args.file, error))?;
         return Subject::scenario(text, design.map(Box::new)).map_err(failed);
     }
     match &args.design {

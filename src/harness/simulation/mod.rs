@@ -83,21 +83,26 @@ pub fn simulate(
     design: Option<&Design>,
     trajectory: bool,
 ) -> Result<Outcome, SimulateError> {
-    let design = match (&scenario.controller, design) {
-        (ControllerChoice::Design(_), None) => return Err(SimulateError::NoDesign),
-        (ControllerChoice::Design(_), Some(design)) => {
-            design.check_fit(&scenario.system)?;
-            Some(design)
-        }
-        (_, Some(_)) => return Err(SimulateError::UnusedDesign),
-        (_, None) => None,
-    };
+    check_design(scenario, design)?;
     match &scenario.system {
         System::RigidBody(body) => rigid_body::run(scenario, body, design, trajectory),
         System::TakagiSugeno(model) => {
             let design = design.ok_or(SimulateError::NoDesign)?;
             takagi_sugeno::run(scenario, model, design, trajectory)
         }
+    }
+}
+
+/// Checks that the scenario has the design that it needs, and none that it does not use.
+///
+/// # Errors
+/// A design that is missing, not asked for or does not fit.
+pub fn check_design(scenario: &Scenario, design: Option<&Design>) -> Result<(), SimulateError> {
+    match (&scenario.controller, design) {
+        (ControllerChoice::Design(_), None) => Err(SimulateError::NoDesign),
+        (ControllerChoice::Design(_), Some(design)) => Ok(design.check_fit(&scenario.system)?),
+        (_, Some(_)) => Err(SimulateError::UnusedDesign),
+        (_, None) => Ok(()),
     }
 }
 

@@ -29,7 +29,10 @@ const PEAK_OVER_MEAN: f64 = 2.1;
 const MATCHING: f64 = 0.97;
 /// Least disturbance that m allows for, as a share of the torque limit.
 const LEAST_DISTURBANCE: f64 = 0.01;
-/// Integration step over the time unit (a sixtieth of the settling time).
+/// Frequency of the faster wave of the disturbance over that of the slower.
+const FAST_WAVE: f64 = 4.0;
+/// Integration step over the time unit (a sixtieth of the settling time), and its largest phase of the
+/// disturbance, rad.
 const STEP: f64 = 0.05;
 /// Width of the interval in which an event is found, over the time unit.
 const RESOLUTION: f64 = 1e-7;
@@ -227,7 +230,7 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
         controller: ControllerFile::Lei2022(Box::new(controller(requirements, shape, start))),
         link: None,
         integrator: IntegratorFile::RungeKutta4(StepFile {
-            step_s: STEP * unit,
+            step_s: STEP * unit.min((FAST_WAVE * file.disturbance.frequency_rad_s).recip()),
         }),
         metrics: MetricsFile {
             settle_tolerance_deg: None,
@@ -297,7 +300,7 @@ fn torque(requirements: &Requirements) -> TorqueFile {
         bias_nm: part(0.4, [-1.0, 1.0, 1.0]),
         sines: vec![
             wave(1.0, part(0.3, [1.0, -0.5, 1.0]), [0.0; 3]),
-            wave(4.0, [0.0; 3], part(0.3, [0.5, 1.0, -1.0])),
+            wave(FAST_WAVE, [0.0; 3], part(0.3, [0.5, 1.0, -1.0])),
         ],
         table: Vec::new(),
     }
