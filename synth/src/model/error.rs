@@ -81,7 +81,7 @@ pub enum FileError {
         reason: String,
     },
     /// The file is of another kind.
-    #[error("this is a {found} file; a {expected} file is expected here")]
+    #[error("this is {} {found} file; {} {expected} file is expected here", article(*found), article(*expected))]
     WrongKind {
         /// What it is.
         found: Kind,
@@ -247,6 +247,14 @@ impl ModelError {
             },
             ModelError::SchemaVersion { .. } => self,
         }
+    }
+}
+
+/// The article before the name of a kind.
+fn article(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Infeasibility => "an",
+        Kind::Model | Kind::Design | Kind::Scenario => "a",
     }
 }
 
