@@ -17,10 +17,7 @@ fn every_shipped_file_is_valid() {
     for file in files {
         let report = check(&file).ends_with(0).json();
         assert_eq!(report["valid"], true, "{}", file.display());
-        let expected = match json(&file).get("duration_s") {
-            Some(_) => "scenario",
-            None => "model",
-        };
+        let expected = kind_by_keys(&json(&file));
         assert_eq!(report["kind"], expected, "{}", file.display());
     }
 }

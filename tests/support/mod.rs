@@ -92,6 +92,15 @@ pub fn all_shipped() -> Vec<PathBuf> {
     names.iter().map(|name| shipped(name)).collect()
 }
 
+/// The kind of a shipped file, by a key that only its kind has.
+pub fn kind_by_keys(file: &Value) -> &'static str {
+    match file {
+        file if file.get("duration_s").is_some() => "scenario",
+        file if file.get("plant").is_some() => "model",
+        _ => "gains",
+    }
+}
+
 /// An empty folder that goes away with the test.
 pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")

@@ -196,50 +196,30 @@ pub fn analyse(
     run.search()
 }
 
+/// What the attempts in all units came to.
+#[derive(Default)]
+struct Found {
+    /// The best proved design.
+    best: Option<Box<Synthesized>>,
+    /// A design that is not proved.
+    unproved: Option<Box<Synthesized>>,
+    /// How often the solver called the problem infeasible.
+    infeasible: u32,
+}
+
 impl Run<'_> {
-    /// Tries units one after the other until a design is proved.
     fn search(mut self) -> Result<Outcome, SynthesisError> {
-        let mut unproved: Option<Box<Synthesized>> = None;
-        let mut infeasible = 0;
         let weights: &[f64] = match self.model.file.specs.must_contain.is_empty() {
             true => &CONTAINMENT_WEIGHTS[..1],
             false => &CONTAINMENT_WEIGHTS,
         };
-        let mut best: Option<Box<Synthesized>> = None;
+        let mut found = Found::default();
         for &containment_weight in weights {
-            let mut tried: Vec<f64> = Vec::new();
-            let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().collect();
-            while let Some(state_fraction) = next.pop() {
-                if tried.iter().any(|&other| same_unit(other, state_fraction)) {
-                    continue;
-                }
-                tried.push(state_fraction);
-                let units = ProblemUnits {
-                    state_fraction,
-                    containment_weight,
-                };
-                match self.attempt(units)? {
-                    Attempt::Designed(design) => {
-                        best = Some(better(best, design));
-                        break;
-                    }
-                    Attempt::Unproved(design, wanted) => {
-                        unproved = Some(design);
-                        next.push(wanted);
-                    }
-                    Attempt::Infeasible => {
-                        // A second opinion in other units, then no more.
-                        infeasible += 1;
-                        if infeasible > 1 {
-                            break;
-                        }
-                    }
-                    Attempt::Stuck => {}
-                }
-            }
+            let first = self.unit_of_constant_gain(containment_weight)?;
+            self.try_units(containment_weight, first, &mut found)?;
         }
         let seconds: f64 = self.runs.iter().map(|run| run.seconds).sum();
-        if let Some(mut design) = best.or(unproved) {
+        if let Some(mut design) = found.best.or(found.unproved) {
             design.solve_seconds = seconds;
             design.file.provenance.solver_runs = self.runs;
             return Ok(Outcome::Solved(design));
@@ -247,10 +227,68 @@ impl Run<'_> {
         let failure = self.explain()?;
         Ok(match failure.slack {
             Some(slack) if slack > 0.0 => Outcome::Infeasible(failure),
-            None if infeasible > 0 => Outcome::Infeasible(failure),
+            None if found.infeasible > 0 => Outcome::Infeasible(failure),
             // The solver contradicts itself, or never got anywhere.
             _ => Outcome::SolverFailed(failure),
         })
+    }
+
+    /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that says
+    /// how large the certified set will be.
+    fn unit_of_constant_gain(&mut self, weight: f64) -> Result<Option<f64>, SynthesisError> {
+        if self.task.gains.count == 1 || self.task.gains.given.is_some() {
+            return Ok(None);
+        }
+        let scheduled = std::mem::replace(&mut self.task.gains, GainPlan::constant());
+        let mut found = Found::default();
+        let outcome = self.try_units(weight, None, &mut found);
+        self.task.gains = scheduled;
+        outcome?;
+        let proved = found.best.map(|design| design.file.provenance.problem);
+        Ok(proved.map(|units| units.state_fraction))
+    }
+
+    /// Tries units one after the other until a design is proved.
+    fn try_units(
+        &mut self,
+        containment_weight: f64,
+        first: Option<f64>,
+        found: &mut Found,
+    ) -> Result<(), SynthesisError> {
+        let mut tried: Vec<f64> = Vec::new();
+        let first = std::env::var("SFUNIT")
+            .ok()
+            .and_then(|u| u.parse().ok())
+        let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
+        while let Some(state_fraction) = next.pop() {
+            if tried.iter().any(|&other| same_unit(other, state_fraction)) {
+                continue;
+            }
+            tried.push(state_fraction);
+            let units = ProblemUnits {
+                state_fraction,
+                containment_weight,
+            };
+            match self.attempt(units)? {
+                Attempt::Designed(design) => {
+                    found.best = Some(better(found.best.take(), design));
+                    return Ok(());
+                }
+                Attempt::Unproved(design, wanted) => {
+                    found.unproved = Some(design);
+                    next.push(wanted);
+                }
+                Attempt::Infeasible => {
+                    // A second opinion in other units, then no more.
+                    found.infeasible += 1;
+                    if found.infeasible > 1 {
+                        return Ok(());
+                    }
+                }
+                Attempt::Stuck => {}
+            }
+        }
+        Ok(())
     }
 }
 
