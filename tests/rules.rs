@@ -144,7 +144,7 @@ fn memberships_that_leave_a_point_without_a_rule_are_refused_with_the_point() {
     let left = "/plant/rules/rules/1/if/0/is/triangular/left";
     set(&mut model, left, json!(0.25));
     let message = refusal(&model);
-    assert!(message.contains("at the state [-0.5, -2.0]"), "{message}");
+    assert!(message.contains("at the state [-0.5, 0.0]"), "{message}");
     assert!(message.contains("every rule has weight 0"), "{message}");
 }
 
