@@ -254,7 +254,7 @@ impl ModelError {
 fn article(kind: Kind) -> &'static str {
     match kind {
         Kind::Infeasibility => "an",
-        Kind::Model | Kind::Design | Kind::Scenario => "a",
+        _ => "a",
     }
 }
 

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{check_count, check_line};
-use super::{check_matrix, check_positive_definite, parse, FileError, Kind, ModelError};
+use super::{check_matrix, parse, FileError, Kind, ModelError};
 
 /// The version this program reads.
 pub const GAINS_SCHEMA_VERSION: u32 = 1;
@@ -13,7 +13,8 @@ pub const GAINS_SCHEMA_VERSION: u32 = 1;
 /// Largest number of gains.
 const MAX_GAINS: usize = 64;
 
-/// Given gains, to be analysed on a model. n states, m inputs.
+/// Given gains, to be analysed on a model. n states, m inputs. The trigger weight is not given: the
+/// analysis chooses the best one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GainsFile {
@@ -27,9 +28,6 @@ pub struct GainsFile {
     /// The gains F_j, each m x n: one for a constant gain; as many as the model has rules for gains
     /// scheduled by its memberships; any other number is analysed for every mixture of them.
     pub gains: Vec<Vec<Vec<f64>>>,
-    /// The trigger weight Upsilon, n x n, symmetric positive definite. Chosen anew when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub trigger_weight: Option<Vec<Vec<f64>>>,
 }
 
 /// Checked gains.
@@ -39,8 +37,6 @@ pub struct Gains {
     pub file: GainsFile,
     /// F_j, m x n each.
     pub gains: Vec<DMatrix<f64>>,
-    /// Upsilon.
-    pub trigger_weight: Option<DMatrix<f64>>,
 }
 
 impl Gains {
@@ -73,20 +69,7 @@ impl Gains {
             size = (Some(gain.nrows()), Some(gain.ncols()));
             gains.push(gain);
         }
-        let trigger_weight = match &file.trigger_weight {
-            None => None,
-            Some(rows) => {
-                let field = "trigger_weight";
-                let weight = check_matrix(field, rows, (size.1, size.1))?;
-                check_positive_definite(field, &weight)?;
-                Some(weight)
-            }
-        };
-        Ok(Gains {
-            file,
-            gains,
-            trigger_weight,
-        })
+        Ok(Gains { file, gains })
     }
 
     /// Refuses gains that are not of the size m x n of a model.

@@ -164,45 +164,25 @@ pub fn analyse(
     Run { subject, search }.search()
 }
 
+/// What the attempts in all units came to.
+#[derive(Default)]
+struct Found {
+    /// The best proved design.
+    best: Option<Box<Synthesized>>,
+    /// A design that is not proved.
+    unproved: Option<Box<Synthesized>>,
+    /// How often the solver called the problem infeasible.
+    infeasible: u32,
+}
+
 impl Run<'_> {
-    /// Tries units one after the other until a design is proved.
     fn search(mut self) -> Result<Outcome, SynthesisError> {
-        let mut unproved: Option<Box<Synthesized>> = None;
-        let mut infeasible = 0;
-        let mut best: Option<Box<Synthesized>> = None;
+        let mut found = Found::default();
         for &containment_weight in containment_weights(self.subject.model) {
-            let mut tried: Vec<f64> = Vec::new();
-            let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().collect();
-            while let Some(state_fraction) = next.pop() {
-                if tried.iter().any(|&other| same_unit(other, state_fraction)) {
-                    continue;
-                }
-                tried.push(state_fraction);
-                let units = ProblemUnits {
-                    state_fraction,
-                    containment_weight,
-                };
-                match self.attempt(units)? {
-                    Attempt::Designed(design) => {
-                        best = Some(better(best, design));
-                        break;
-                    }
-                    Attempt::Unproved(design, wanted) => {
-                        unproved = Some(design);
-                        next.push(wanted);
-                    }
-                    Attempt::Infeasible => {
-                        // A second opinion in other units, then no more.
-                        infeasible += 1;
-                        if infeasible > 1 {
-                            break;
-                        }
-                    }
-                    Attempt::Stuck => {}
-                }
-            }
+            let first = self.unit_of_constant_gain(containment_weight)?;
+            self.try_units(containment_weight, first, &mut found)?;
         }
-        if let Some(design) = best.or(unproved) {
+        if let Some(design) = found.best.or(found.unproved) {
             return Ok(Outcome::Solved(self.closed(design)));
         }
         let decision = feasibility::decide_after(self.subject, &mut self.search)?;
@@ -211,12 +191,75 @@ impl Run<'_> {
             Answer::Infeasible(_) => Outcome::Infeasible(decision),
             // The point is a design too, if not one with a small gain.
             Answer::Feasible(design) => Outcome::Solved(self.closed(design)),
-            Answer::Unknown if slack.map_or(infeasible > 0, |slack| slack > 0.0) => {
+            Answer::Unknown if slack.map_or(found.infeasible > 0, |slack| slack > 0.0) => {
                 Outcome::Infeasible(decision)
             }
             // The solver contradicts itself, or never got anywhere.
             Answer::Unknown => Outcome::SolverFailed(decision),
         })
+    }
+
+    /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that says
+    /// how large the certified set will be.
+    fn unit_of_constant_gain(&mut self, weight: f64) -> Result<Option<f64>, SynthesisError> {
+        if self.subject.task.gains.count == 1 || self.subject.task.gains.given.is_some() {
+            return Ok(None);
+        }
+        let mut task = self.subject.task.clone();
+        task.gains = GainPlan::constant();
+        let mut constant = Run {
+            subject: Subject {
+                task: &task,
+                ..self.subject
+            },
+            search: self.search.fresh(self.subject.form),
+        };
+        let mut found = Found::default();
+        let outcome = constant.try_units(weight, None, &mut found);
+        self.search.runs.append(&mut constant.search.runs);
+        outcome?;
+        let proved = found.best.map(|design| design.file.provenance.problem);
+        Ok(proved.map(|units| units.state_fraction))
+    }
+
+    /// Tries units one after the other until a design is proved.
+    fn try_units(
+        &mut self,
+        containment_weight: f64,
+        first: Option<f64>,
+        found: &mut Found,
+    ) -> Result<(), SynthesisError> {
+        let mut tried: Vec<f64> = Vec::new();
+        let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
+        while let Some(state_fraction) = next.pop() {
+            if tried.iter().any(|&other| same_unit(other, state_fraction)) {
+                continue;
+            }
+            tried.push(state_fraction);
+            let units = ProblemUnits {
+                state_fraction,
+                containment_weight,
+            };
+            match self.attempt(units)? {
+                Attempt::Designed(design) => {
+                    found.best = Some(better(found.best.take(), design));
+                    return Ok(());
+                }
+                Attempt::Unproved(design, wanted) => {
+                    found.unproved = Some(design);
+                    next.push(wanted);
+                }
+                Attempt::Infeasible => {
+                    // A second opinion in other units, then no more.
+                    found.infeasible += 1;
+                    if found.infeasible > 1 {
+                        return Ok(());
+                    }
+                }
+                Attempt::Stuck => {}
+            }
+        }
+        Ok(())
     }
 }
 
