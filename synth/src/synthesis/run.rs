@@ -256,10 +256,6 @@ impl Run<'_> {
         found: &mut Found,
     ) -> Result<(), SynthesisError> {
         let mut tried: Vec<f64> = Vec::new();
-        let first = std::env::var("SFUNIT")
-            .ok()
-            .and_then(|u| u.parse().ok())
-        let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
         while let Some(state_fraction) = next.pop() {
             if tried.iter().any(|&other| same_unit(other, state_fraction)) {
                 continue;
