@@ -256,6 +256,7 @@ impl Run<'_> {
         found: &mut Found,
     ) -> Result<(), SynthesisError> {
         let mut tried: Vec<f64> = Vec::new();
+        let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
         while let Some(state_fraction) = next.pop() {
             if tried.iter().any(|&other| same_unit(other, state_fraction)) {
                 continue;
