@@ -13,6 +13,7 @@ use std::path::Path;
 use exact::Stream;
 use random::Sizes;
 use synth::feasibility::{decide, Answer, Decision, Requirement};
+use synth::lmi::Semidefinite;
 use synth::model::Model;
 use synth::solve::Clarabel;
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
@@ -64,12 +65,32 @@ fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model>
     at(0.5 * (low + high) + NEAR * stream.signed_unit())
 }
 
+/// The problem without the unknowns that occur nowhere (gamma), which CSDP refuses.
+fn without_idle_unknowns(mut problem: Semidefinite) -> Semidefinite {
+    let mut used = vec![false; problem.cost.len()];
+    for (unknown, _) in problem.cones.iter().flat_map(|cone| &cone.coefficients) {
+        used[*unknown] = true;
+    }
+    let number = |unknown: usize| used[..unknown].iter().filter(|used| **used).count();
+    for (unknown, _) in problem
+        .cones
+        .iter_mut()
+        .flat_map(|cone| &mut cone.coefficients)
+    {
+        *unknown = number(*unknown);
+    }
+    let kept = problem.cost.iter().zip(&used).filter(|(_, used)| **used);
+    problem.cost = kept.map(|(cost, _)| *cost).collect();
+    problem
+}
+
 /// The smallest slack that CSDP finds in the units tried first.
 fn slack_of_csdp(model: &Model) -> Option<f64> {
     let (_, task) = scaled_task(model, FIRST_UNITS);
     let problem = assemble(&task, Form::Reduced, Goal::SmallestSlack)
         .problem
         .lower();
+    let problem = without_idle_unknowns(problem);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("slack.dat-s");
     std::fs::write(&path, problem.to_sdpa("smallest slack")).expect("a file");

@@ -18,6 +18,9 @@ const MOST_UNKNOWNS: usize = 3000;
 /// works.
 const PUSHES: [f64; 2] = [1e-4, 1e-2];
 
+/// How many times the push may grow tenfold where the solver's matrix is indefinite.
+const PUSH_DECADES: i32 = 12;
+
 /// Steps at most.
 const STEPS: usize = 40;
 
@@ -81,10 +84,12 @@ fn pushed_inside(
     let full = sides.zip(duals).map(|(side, dual)| {
         let at = |r: usize, c: usize| dual[svec_index(r.min(c), r.max(c))];
         let matrix = DMatrix::from_fn(side, side, at);
-        let lowest = matrix.clone().symmetric_eigenvalues().min().min(0.0);
-        matrix + (push - lowest) * DMatrix::identity(side, side)
+        // Each push makes up for a negative eigenvalue that is ten times larger.
+        let pushes = (0..PUSH_DECADES).map(|decade| push * 10_f64.powi(decade));
+        let mut pushed = pushes.map(|push| &matrix + push * DMatrix::identity(side, side));
+        pushed.find(|pushed| pushed.clone().cholesky().is_some())
     });
-    Some(full.collect())
+    full.collect()
 }
 
 /// The largest of 1, 0.7, 0.49, ... that keeps 30 % of every distance to the edge; `None` when all

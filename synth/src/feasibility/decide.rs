@@ -184,15 +184,13 @@ fn attempt(
         return Ok(Part::Open);
     }
     let problem = assembled.problem.lower();
-    let Some(duals) = centred(&problem, &solution.duals, -(margin + KEPT * excess)) else {
-        return Ok(Part::Open);
-    };
+    let centre = centred(&problem, &solution.duals, -(margin + KEPT * excess));
     let source = Source {
         model: subject.model,
         scaling: &scaling,
         task: &task,
         assembled: &assembled,
-        duals: &duals,
+        duals: centre.as_ref().unwrap_or(&solution.duals),
         size: KEPT * excess,
     };
     if let Some((file, weights)) = as_read(&source) {
