@@ -297,7 +297,7 @@ fn an_axis_of_another_form_is_refused() {
 #[test]
 fn a_scenario_without_the_design_that_it_needs_is_refused_before_any_run() {
     let message = refusal(&shipped("xu2020-closed-loop.json"), &["duration_s=10,20"]);
-    assert!(message.contains("no design is given"), "{message}");
+    assert!(message.contains("no design file is given"), "{message}");
     let folder = folder();
     let out = folder.path().join("out");
     let design = xu2020_design().display().to_string();
