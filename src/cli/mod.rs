@@ -8,6 +8,8 @@ mod progress;
 mod report;
 mod schema;
 mod simulate;
+mod solve;
+mod solver;
 mod synthesize;
 mod verify;
 
@@ -51,6 +53,8 @@ enum Verb {
     Schema(schema::SchemaArgs),
     /// Write the semidefinite program of a model or design for other solvers
     Export(export::ExportArgs),
+    /// Solve a semidefinite program given as SDPA sparse text
+    Solve(solve::SolveArgs),
 }
 
 /// Runs the command line and returns its exit status: 0 done; 1 bad usage or input; 2 the answer is
@@ -72,6 +76,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),
         Verb::Export(args) => export::run(args),
+        Verb::Solve(args) => solve::run(args),
     };
     outcome.unwrap_or_else(|error| {
         complain(&error.to_string());

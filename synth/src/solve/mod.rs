@@ -5,12 +5,16 @@
 
 mod clarabel;
 pub mod lapack;
+mod residuals;
+mod structured;
 
 pub use clarabel::{Clarabel, Padding};
+pub use residuals::{residuals, Residuals};
+pub use structured::Structured;
 
 use std::sync::Arc;
 
-use crate::lmi::Semidefinite;
+use crate::lmi::{Cone, Semidefinite};
 
 /// How a solver ended, in its own opinion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,4 +110,22 @@ pub trait Backend {
         accuracy: Accuracy,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError>;
+}
+
+/// Refuses a problem with a number that is not finite.
+fn check_finite(backend: &'static str, problem: &Semidefinite) -> Result<(), SolveError> {
+    let finite = |cone: &Cone| {
+        let coefficients = cone.coefficients.iter().flat_map(|(_, entries)| entries);
+        cone.constant
+            .iter()
+            .chain(coefficients)
+            .all(|entry| entry.value.is_finite())
+    };
+    match problem.cones.iter().find(|cone| !finite(cone)) {
+        None => Ok(()),
+        Some(cone) => Err(SolveError::NotFinite {
+            backend,
+            condition: cone.name.clone(),
+        }),
+    }
 }

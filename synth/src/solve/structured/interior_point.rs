@@ -1,0 +1,433 @@
+//! The iterations: an infeasible-start primal-dual interior-point method with the HKM direction (Helmberg, Rendl,
+//! Vanderbei, Wolkowicz 1996; Kojima, Shindoh, Hara 1997; Monteiro 1997) and Mehrotra's predictor and corrector.
+
+use super::dense::dot;
+use super::iterate::{longest_step, sandwich, Factors, Point, StepWork};
+use super::layout::Layout;
+use super::ray;
+use super::schur::SchurPlan;
+use super::system::System;
+use super::warm::Trail;
+
+/// Most iterations.
+const ITERATIONS: u32 = 200;
+
+/// Relative size of the residuals of both feasibilities at which a point counts as feasible.
+pub const FEASIBLE: f64 = 1e-8;
+
+/// The same for reduced accuracy.
+const NEARLY_FEASIBLE: f64 = 1e-6;
+
+/// Relative gap of reduced accuracy.
+const NEARLY_CLOSED: f64 = 1e-5;
+
+/// Iterations without progress after which the best point is returned.
+const PATIENCE: u32 = 12;
+
+/// Steps shorter than this, twice in a row, are a stall.
+const SHORTEST_STEP: f64 = 1e-5;
+
+/// What is known of a point.
+#[derive(Debug, Clone, Copy)]
+pub struct Measures {
+    /// `c'y`, in balanced units.
+    pub objective: f64,
+    /// `-<constant, Z>`, in balanced units.
+    pub dual_objective: f64,
+    /// Their distance, relative to the larger one or to the unit of the accuracy.
+    pub relative_gap: f64,
+    /// Residual of the inequalities' slack, relative.
+    pub slack_residual: f64,
+    /// Residual of `<A_i, Z> = c_i`, relative.
+    pub dual_residual: f64,
+}
+
+impl Measures {
+    /// How far from the goal: 1 or less is there.
+    fn distance(&self, gap: f64) -> f64 {
+        let gap = self.relative_gap / gap;
+        let worst = gap.max(self.slack_residual / FEASIBLE).max(self.dual_residual / FEASIBLE);
+        if worst.is_nan() { f64::INFINITY } else { worst }
+    }
+
+    fn nearly_there(&self, gap: f64) -> bool {
+        self.relative_gap <= gap.max(NEARLY_CLOSED)
+            && self.slack_residual <= NEARLY_FEASIBLE
+            && self.dual_residual <= NEARLY_FEASIBLE
+    }
+}
+
+/// How the iterations ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// To the accuracy asked for.
+    Solved,
+    /// To reduced accuracy.
+    Reduced,
+    /// No point satisfies the inequalities; the point's Z is the ray.
+    Infeasible,
+    /// The objective has no lower bound; the point's y is the ray.
+    Unbounded,
+    /// No further progress: why.
+    Stalled(&'static str),
+    /// Stopped by the observer.
+    Cancelled,
+}
+
+/// The last or the best point.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// How it ended.
+    pub end: End,
+    /// The point, or the ray.
+    pub point: Point,
+    /// What is known of it.
+    pub measures: Measures,
+    /// Iterations done.
+    pub iterations: u32,
+    /// Time [s] spent on the Schur complement, on its factor and solves, and on the rest.
+    pub seconds: [f64; 3],
+}
+
+/// What the iterations are asked for.
+pub struct Task<'a> {
+    /// The problem.
+    pub layout: &'a Layout,
+    /// Relative gap asked for.
+    pub relative_gap: f64,
+    /// Smallest size the gap is relative to, in balanced units.
+    pub objective_unit: f64,
+    /// Threads that may be used.
+    pub threads: usize,
+    /// Called between iterations; `false` stops.
+    pub observer: &'a dyn Fn(u32, &Measures) -> bool,
+}
+
+struct Run<'a> {
+    task: &'a Task<'a>,
+    plan: SchurPlan,
+    system: System,
+    second: Vec<f64>,
+    factors: Factors,
+    steps: StepWork,
+    work: Vec<f64>,
+    /// `constant + A(y) - S`, zero once `feasible`.
+    residual: Vec<f64>,
+    feasible: bool,
+    constant_norm: f64,
+    cost_norm: f64,
+    seconds: [f64; 3],
+}
+
+/// A search direction.
+#[derive(Debug, Clone)]
+struct Direction {
+    y: Vec<f64>,
+    s: Vec<f64>,
+    z: Vec<f64>,
+}
+
+/// The start of CSDP (Borchers 1999): multiples of the identity, large against the data.
+pub fn cold_start(layout: &Layout) -> Point {
+    let norms = layout.coefficient_norms();
+    let n = layout.order as f64;
+    let ratios = layout.cost.iter().zip(&norms).map(|(c, norm)| (1.0 + c.abs()) / (1.0 + norm));
+    let multiplier = 10.0 * n * ratios.fold(0.0, f64::max);
+    let largest = norms.iter().fold(layout.constant_norm(), |max, &norm| max.max(norm));
+    let slack = 10.0 * (1.0 + largest.max(layout.constant_norm()));
+    let mut point = Point {
+        y: vec![0.0; layout.cost.len()],
+        s: vec![0.0; layout.length],
+        z: vec![0.0; layout.length],
+    };
+    for block in &layout.blocks {
+        for k in 0..block.side {
+            let at = block.offset + k * block.side + k;
+            point.s[at] = slack;
+            point.z[at] = multiplier;
+        }
+    }
+    point
+}
+
+/// Iterates from `start`; points on the way that another solve may start from go to `trail`.
+pub fn solve(task: &Task<'_>, start: Point, trail: &mut Trail) -> Outcome {
+    let layout = task.layout;
+    let mut run = Run {
+        task,
+        plan: SchurPlan::new(layout),
+        system: System::default(),
+        second: Vec::new(),
+        factors: Factors::new(layout),
+        steps: StepWork::default(),
+        work: Vec::new(),
+        residual: vec![0.0; layout.length],
+        feasible: false,
+        constant_norm: layout.constant_norm(),
+        cost_norm: dot(&layout.cost, &layout.cost).sqrt(),
+        seconds: [0.0; 3],
+    };
+    let begin = std::time::Instant::now();
+    let mut outcome = run.iterate(start, trail);
+    outcome.seconds = run.seconds;
+    outcome.seconds[2] = begin.elapsed().as_secs_f64() - run.seconds[0] - run.seconds[1];
+    outcome
+}
+
+impl Run<'_> {
+    fn iterate(&mut self, mut point: Point, trail: &mut Trail) -> Outcome {
+        let layout = self.task.layout;
+        let mut best: Option<(f64, Point, Measures)> = None;
+        let mut since_best = 0;
+        let mut short_steps = 0;
+        let mut stalled = "iteration limit";
+        let mut iteration = 0;
+        while iteration < ITERATIONS {
+            self.refresh_slack(&mut point);
+            if !self.factors.update(layout, &point) {
+                stalled = "a matrix lost its definiteness";
+                break;
+            }
+            let measures = self.measure(&point);
+            let distance = measures.distance(self.task.relative_gap);
+            let outcome = |end: End, point: &Point| Outcome {
+                end,
+                point: point.clone(),
+                measures,
+                iterations: iteration,
+                seconds: [0.0; 3],
+            };
+            if !(self.task.observer)(iteration, &measures) {
+                return outcome(End::Cancelled, &point);
+            }
+            if std::env::var_os("SDP_TRACE").is_some() {
+                eprintln!("{iteration:3} {measures:?} feas {} shift {:.0e}", self.feasible, self.system.shift);
+            }
+            if distance <= 1.0 {
+                return outcome(End::Solved, &point);
+            }
+            match &best {
+                Some((least, ..)) if distance >= 0.9 * *least => since_best += 1,
+                _ => since_best = 0,
+            }
+            if best.as_ref().is_none_or(|(least, ..)| distance < *least) {
+                best = Some((distance, point.clone(), measures));
+            }
+            if since_best > PATIENCE && self.feasible {
+                stalled = "no progress";
+                break;
+            }
+            trail.record(&point, &measures);
+            if !self.build_system(&point) {
+                stalled = "the linear system lost its definiteness";
+                break;
+            }
+            if !self.feasible && measures.dual_objective > 0.0 {
+                if let Some(ray) = ray::dual(layout, &self.system, &self.factors, &point.z) {
+                    point.z = ray;
+                    return outcome(End::Infeasible, &point);
+                }
+            }
+            if measures.objective < 0.0 && measures.dual_residual > FEASIBLE {
+                if let Some(ray) = ray::primal(layout, &point.y) {
+                    point.y = ray;
+                    return outcome(End::Unbounded, &point);
+                }
+            }
+            let Some(steps) = self.advance(&mut point) else {
+                stalled = "the direction is not finite";
+                break;
+            };
+            short_steps = if steps.0.max(steps.1) < SHORTEST_STEP { short_steps + 1 } else { 0 };
+            iteration += 1;
+            if short_steps >= 2 {
+                stalled = "the steps became too short";
+                break;
+            }
+        }
+        self.conclude(best, point, iteration, stalled)
+    }
+
+    /// The best point so far, with the most that can be said of it.
+    fn conclude(
+        &self,
+        best: Option<(f64, Point, Measures)>,
+        last: Point,
+        iterations: u32,
+        stalled: &'static str,
+    ) -> Outcome {
+        let gap = self.task.relative_gap;
+        let Some((_, point, measures)) = best else {
+            let measures = self.measure(&last);
+            let end = End::Stalled(stalled);
+            return Outcome { end, point: last, measures, iterations, seconds: [0.0; 3] };
+        };
+        let end = match measures.nearly_there(gap) {
+            true => End::Reduced,
+            false => End::Stalled(stalled),
+        };
+        Outcome { end, point, measures, iterations, seconds: [0.0; 3] }
+    }
+
+    /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
+    fn refresh_slack(&mut self, point: &mut Point) {
+        let layout = self.task.layout;
+        layout.evaluate(1.0, &point.y, &mut self.residual);
+        if self.feasible {
+            point.s.copy_from_slice(&self.residual);
+            self.residual.fill(0.0);
+            return;
+        }
+        for (r, s) in self.residual.iter_mut().zip(&point.s) {
+            *r -= s;
+        }
+        let size = dot(&self.residual, &self.residual).sqrt();
+        if size <= 1e-6 * (1.0 + self.constant_norm) {
+            // Close enough when the slack from y is positive definite without much change.
+            let mut shifted = point.s.clone();
+            for (s, r) in shifted.iter_mut().zip(&self.residual) {
+                *s += 2.0 * r;
+            }
+            if super::iterate::positive_definite(layout, &shifted) {
+                self.feasible = true;
+                for (s, r) in point.s.iter_mut().zip(&mut self.residual) {
+                    *s += *r;
+                    *r = 0.0;
+                }
+            }
+        }
+    }
+
+    fn measure(&self, point: &Point) -> Measures {
+        let layout = self.task.layout;
+        let objective = dot(&layout.cost, &point.y);
+        let dual_objective = -layout.against_constant(&point.z);
+        let mut products = vec![0.0; layout.cost.len()];
+        layout.adjoint(&point.z, &mut products);
+        let squares = products.iter().zip(&layout.cost).map(|(a, c)| (a - c) * (a - c));
+        let dual_residual = squares.sum::<f64>().sqrt() / (1.0 + self.cost_norm);
+        let size = objective.abs().max(dual_objective.abs()).max(self.task.objective_unit);
+        Measures {
+            objective,
+            dual_objective,
+            relative_gap: (objective - dual_objective).abs() / size,
+            slack_residual: dot(&self.residual, &self.residual).sqrt() / (1.0 + self.constant_norm),
+            dual_residual,
+        }
+    }
+
+    fn build_system(&mut self, point: &Point) -> bool {
+        let layout = self.task.layout;
+        let begin = std::time::Instant::now();
+        self.plan.assemble(
+            layout,
+            &point.z,
+            &self.factors.s_inverse,
+            self.task.threads,
+            &mut self.system.matrix,
+            &mut self.second,
+        );
+        self.seconds[0] += begin.elapsed().as_secs_f64();
+        let begin = std::time::Instant::now();
+        let factored = self.system.factor(layout.cost.len());
+        self.seconds[1] += begin.elapsed().as_secs_f64();
+        factored
+    }
+
+    /// Predictor, corrector, step. `None` when a direction is not finite.
+    fn advance(&mut self, point: &mut Point) -> Option<(f64, f64)> {
+        let layout = self.task.layout;
+        let order = layout.order as f64;
+        let complementarity = dot(&point.s, &point.z) / order;
+        // What the residual of the slack asks of Z.
+        let mut base = vec![0.0; layout.length];
+        if !self.feasible {
+            let inverse = &self.factors.s_inverse;
+            sandwich(layout, &point.z, &self.residual, inverse, &mut self.work, &mut base);
+            base.iter_mut().for_each(|entry| *entry = -*entry);
+        }
+        let predictor = self.direction(point, &base)?;
+        let (s_step, z_step) = self.step_lengths(&predictor, 1.0);
+        let mut after = 0.0;
+        for k in 0..layout.length {
+            after += (point.s[k] + s_step * predictor.s[k]) * (point.z[k] + z_step * predictor.z[k]);
+        }
+        let ratio = (after / order / complementarity).clamp(0.0, 1.0);
+        let step = s_step.min(z_step);
+        let exponent = if step < 0.577 { 1.0 } else { (3.0 * step * step).max(1.0) };
+        let centring = ratio.powf(exponent).clamp(1e-6, 0.95);
+        // The corrector: second-order term of the predictor.
+        let mut target = vec![0.0; layout.length];
+        let inverse = &self.factors.s_inverse;
+        sandwich(layout, &predictor.z, &predictor.s, inverse, &mut self.work, &mut target);
+        let aim = centring * complementarity;
+        for k in 0..layout.length {
+            target[k] = aim * inverse[k] + base[k] - target[k];
+        }
+        let mut direction = self.direction(point, &target)?;
+        let damping = 0.9 + 0.09 * step.min(1.0);
+        let (mut s_step, mut z_step) = self.step_lengths(&direction, damping);
+        if s_step.min(z_step) < 0.1 {
+            // The second-order term misled: a centring step without it.
+            let inverse = &self.factors.s_inverse;
+            for k in 0..layout.length {
+                target[k] = 0.5 * complementarity * inverse[k] + base[k];
+            }
+            let centred = self.direction(point, &target)?;
+            let (s_centred, z_centred) = self.step_lengths(&centred, damping);
+            if s_centred.min(z_centred) > s_step.min(z_step) {
+                (direction, s_step, z_step) = (centred, s_centred, z_centred);
+            }
+        }
+        for (y, d) in point.y.iter_mut().zip(&direction.y) {
+            *y += s_step * d;
+        }
+        for (s, d) in point.s.iter_mut().zip(&direction.s) {
+            *s += s_step * d;
+        }
+        for (z, d) in point.z.iter_mut().zip(&direction.z) {
+            *z += z_step * d;
+        }
+        Some((s_step, z_step))
+    }
+
+    /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z`.
+    fn direction(&mut self, point: &Point, target: &[f64]) -> Option<Direction> {
+        let layout = self.task.layout;
+        let begin = std::time::Instant::now();
+        let mut rhs = vec![0.0; layout.cost.len()];
+        layout.adjoint(target, &mut rhs);
+        rhs.iter_mut().zip(&layout.cost).for_each(|(r, c)| *r -= c);
+        let mut y = vec![0.0; rhs.len()];
+        self.system.solve(&rhs, &mut y);
+        self.seconds[1] += begin.elapsed().as_secs_f64();
+        if !y.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        let mut s = vec![0.0; layout.length];
+        layout.evaluate(0.0, &y, &mut s);
+        let mut z = vec![0.0; layout.length];
+        sandwich(layout, &point.z, &s, &self.factors.s_inverse, &mut self.work, &mut z);
+        for k in 0..layout.length {
+            z[k] = target[k] - point.z[k] - z[k];
+        }
+        if !self.feasible {
+            s.iter_mut().zip(&self.residual).for_each(|(s, r)| *s += r);
+        }
+        Some(Direction { y, s, z })
+    }
+
+    /// Steps for S and for Z: `damping` of the way to the boundary, at most 1.
+    fn step_lengths(&mut self, direction: &Direction, damping: f64) -> (f64, f64) {
+        let layout = self.task.layout;
+        let enough = 1.0 / damping;
+        let mut step = |root: &[f64], along: &[f64]| {
+            let longest = longest_step(layout, root, along, enough, &mut self.steps);
+            (damping * longest).min(1.0)
+        };
+        (
+            step(&self.factors.s_root_inverse, &direction.s),
+            step(&self.factors.z_root_inverse, &direction.z),
+        )
+    }
+}
