@@ -66,9 +66,6 @@ fn source(args: &ExportArgs) -> Result<(Model, ProblemUnits, Form), CliError> {
         return Ok((model, FIRST_UNITS, Form::Reduced));
     }
     let (design, model) = files::design(&args.file)?;
-    let form = match design.provenance.form == Form::Full.name() {
-        true => Form::Full,
-        false => Form::Reduced,
-    };
+    let form = Form::named(&design.provenance.form).unwrap_or(Form::Reduced);
     Ok((model, design.provenance.problem, form))
 }

@@ -14,7 +14,7 @@ use super::solver::SolverArg;
 use super::{print, CliError, EXIT_NO, EXIT_SOLVER};
 
 /// Relative gap asked for.
-const RELATIVE_GAP: f64 = 1e-8;
+const RELATIVE_GAP: f64 = 1e-7;
 
 /// Arguments of `solve`.
 #[derive(clap::Args)]

@@ -45,6 +45,8 @@ pub enum ObjectiveArg {
 pub enum FormArg {
     /// Small cones, exactly equivalent
     Reduced,
+    /// Few unknowns, exactly equivalent
+    Slack,
     /// Large cones, as published
     Full,
 }
@@ -53,6 +55,7 @@ impl From<FormArg> for synthesis::Form {
     fn from(form: FormArg) -> Self {
         match form {
             FormArg::Reduced => synthesis::Form::Reduced,
+            FormArg::Slack => synthesis::Form::Slack,
             FormArg::Full => synthesis::Form::Full,
         }
     }
@@ -85,7 +88,7 @@ fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, Cl
     let observer = Some(progress.observer());
     // Padding makes the full form faster but costs it digits, and it is there for comparison.
     let backend = match args.form {
-        FormArg::Reduced => Clarabel::default(),
+        FormArg::Reduced | FormArg::Slack => Clarabel::default(),
         FormArg::Full => Clarabel {
             padding: Padding::None,
         },

@@ -13,6 +13,15 @@ use crate::conditions::xu2020::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Condition, Unknowns};
 
+/// Whether the condition with the vertex slack is split into its cliques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cliques {
+    /// Small cones and a free matrix for each separator: for solvers whose work grows with the side of a cone.
+    Split,
+    /// One cone for each end of the interval: for solvers whose work grows with the number of unknowns.
+    Whole,
+}
+
 /// (18) for the chosen vertices and both ends of the sampling interval, reduced.
 pub fn decrease_conditions(
     task: &Task,
@@ -20,6 +29,7 @@ pub fn decrease_conditions(
     unknowns: &mut Unknowns,
     design: &DesignUnknowns,
     strictness: &Strictness,
+    cliques: Cliques,
 ) -> Vec<Condition> {
-    vertex_slack::conditions(task, chosen, unknowns, design, strictness)
+    vertex_slack::conditions(task, chosen, unknowns, design, strictness, cliques)
 }

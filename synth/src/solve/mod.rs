@@ -10,7 +10,7 @@ mod structured;
 
 pub use clarabel::{Clarabel, Padding};
 pub use residuals::{residuals, Residuals};
-pub use structured::Structured;
+pub use structured::{Structured, Timings};
 
 use std::sync::Arc;
 
@@ -121,6 +121,12 @@ fn check_finite(backend: &'static str, problem: &Semidefinite) -> Result<(), Sol
             .chain(coefficients)
             .all(|entry| entry.value.is_finite())
     };
+    if !(problem.offset.is_finite() && problem.cost.iter().all(|cost| cost.is_finite())) {
+        return Err(SolveError::NotFinite {
+            backend,
+            condition: "objective".to_string(),
+        });
+    }
     match problem.cones.iter().find(|cone| !finite(cone)) {
         None => Ok(()),
         Some(cone) => Err(SolveError::NotFinite {

@@ -8,12 +8,16 @@ use super::ray;
 use super::schur::SchurPlan;
 use super::system::System;
 use super::warm::Trail;
+use crate::lmi::Semidefinite;
 
 /// Most iterations.
-const ITERATIONS: u32 = 200;
+pub const ITERATIONS: u32 = 200;
 
 /// Relative size of the residuals of both feasibilities at which a point counts as feasible.
 pub const FEASIBLE: f64 = 1e-8;
+
+/// Relative residual of `<A_i, Z> = c_i` that is small enough: the inequalities themselves do not depend on it.
+const DUAL_FEASIBLE: f64 = 1e-7;
 
 /// The same for reduced accuracy.
 const NEARLY_FEASIBLE: f64 = 1e-6;
@@ -23,6 +27,17 @@ const NEARLY_CLOSED: f64 = 1e-5;
 
 /// Iterations without progress after which the best point is returned.
 const PATIENCE: u32 = 12;
+
+/// Most solves for one direction, each for what the one before left of the residual.
+const REFINEMENTS: usize = 4;
+
+/// Residual of `<A_i, Z + dZ> = c_i`, relative, at which a direction is good enough.
+const REFINED: f64 = 1e-10;
+
+/// The start's slack and multipliers, relative to the size of the data.
+const START_SLACK: f64 = 1.0;
+/// See above.
+const START_MULTIPLIER: f64 = 0.01;
 
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
@@ -46,7 +61,7 @@ impl Measures {
     /// How far from the goal: 1 or less is there.
     fn distance(&self, gap: f64) -> f64 {
         let gap = self.relative_gap / gap;
-        let worst = gap.max(self.slack_residual / FEASIBLE).max(self.dual_residual / FEASIBLE);
+        let worst = gap.max(self.slack_residual / FEASIBLE).max(self.dual_residual / DUAL_FEASIBLE);
         if worst.is_nan() { f64::INFINITY } else { worst }
     }
 
@@ -83,6 +98,8 @@ pub struct Outcome {
     pub point: Point,
     /// What is known of it.
     pub measures: Measures,
+    /// Whether y itself satisfies the inequalities.
+    pub feasible: bool,
     /// Iterations done.
     pub iterations: u32,
     /// Time [s] spent on the Schur complement, on its factor and solves, and on the rest.
@@ -93,8 +110,12 @@ pub struct Outcome {
 pub struct Task<'a> {
     /// The problem.
     pub layout: &'a Layout,
+    /// The problem as it was given.
+    pub problem: &'a Semidefinite,
     /// Relative gap asked for.
     pub relative_gap: f64,
+    /// Most iterations.
+    pub iterations: u32,
     /// Smallest size the gap is relative to, in balanced units.
     pub objective_unit: f64,
     /// Threads that may be used.
@@ -111,6 +132,7 @@ struct Run<'a> {
     factors: Factors,
     steps: StepWork,
     work: Vec<f64>,
+    product: Vec<f64>,
     /// `constant + A(y) - S`, zero once `feasible`.
     residual: Vec<f64>,
     feasible: bool,
@@ -132,9 +154,9 @@ pub fn cold_start(layout: &Layout) -> Point {
     let norms = layout.coefficient_norms();
     let n = layout.order as f64;
     let ratios = layout.cost.iter().zip(&norms).map(|(c, norm)| (1.0 + c.abs()) / (1.0 + norm));
-    let multiplier = 10.0 * n * ratios.fold(0.0, f64::max);
+    let multiplier = START_MULTIPLIER * n * ratios.fold(0.0, f64::max);
     let largest = norms.iter().fold(layout.constant_norm(), |max, &norm| max.max(norm));
-    let slack = 10.0 * (1.0 + largest.max(layout.constant_norm()));
+    let slack = START_SLACK * (1.0 + largest.max(layout.constant_norm()));
     let mut point = Point {
         y: vec![0.0; layout.cost.len()],
         s: vec![0.0; layout.length],
@@ -151,7 +173,7 @@ pub fn cold_start(layout: &Layout) -> Point {
 }
 
 /// Iterates from `start`; points on the way that another solve may start from go to `trail`.
-pub fn solve(task: &Task<'_>, start: Point, trail: &mut Trail) -> Outcome {
+pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcome {
     let layout = task.layout;
     let mut run = Run {
         task,
@@ -161,6 +183,7 @@ pub fn solve(task: &Task<'_>, start: Point, trail: &mut Trail) -> Outcome {
         factors: Factors::new(layout),
         steps: StepWork::default(),
         work: Vec::new(),
+        product: vec![0.0; layout.length],
         residual: vec![0.0; layout.length],
         feasible: false,
         constant_norm: layout.constant_norm(),
@@ -175,14 +198,15 @@ pub fn solve(task: &Task<'_>, start: Point, trail: &mut Trail) -> Outcome {
 }
 
 impl Run<'_> {
-    fn iterate(&mut self, mut point: Point, trail: &mut Trail) -> Outcome {
+    fn iterate(&mut self, mut point: Point, mut trail: Option<&mut Trail>) -> Outcome {
         let layout = self.task.layout;
         let mut best: Option<(f64, Point, Measures)> = None;
         let mut since_best = 0;
+        let mut least_complementarity = f64::INFINITY;
         let mut short_steps = 0;
         let mut stalled = "iteration limit";
         let mut iteration = 0;
-        while iteration < ITERATIONS {
+        while iteration < self.task.iterations {
             self.refresh_slack(&mut point);
             if !self.factors.update(layout, &point) {
                 stalled = "a matrix lost its definiteness";
@@ -190,10 +214,12 @@ impl Run<'_> {
             }
             let measures = self.measure(&point);
             let distance = measures.distance(self.task.relative_gap);
+            let feasible = self.feasible;
             let outcome = |end: End, point: &Point| Outcome {
                 end,
                 point: point.clone(),
                 measures,
+                feasible,
                 iterations: iteration,
                 seconds: [0.0; 3],
             };
@@ -201,23 +227,29 @@ impl Run<'_> {
                 return outcome(End::Cancelled, &point);
             }
             if std::env::var_os("SDP_TRACE").is_some() {
-                eprintln!("{iteration:3} {measures:?} feas {} shift {:.0e}", self.feasible, self.system.shift);
+                eprintln!("{iteration:3} p {:.6e} d {:.6e} gap {:.1e} sres {:.1e} dres {:.1e} feas {} shift {:.0e}", measures.objective, measures.dual_objective, measures.relative_gap, measures.slack_residual, measures.dual_residual, self.feasible, self.system.shift);
             }
             if distance <= 1.0 {
                 return outcome(End::Solved, &point);
             }
-            match &best {
-                Some((least, ..)) if distance >= 0.9 * *least => since_best += 1,
-                _ => since_best = 0,
-            }
+            let complementarity = dot(&point.s, &point.z);
+            let nearer = best.as_ref().is_none_or(|(least, ..)| distance < 0.9 * least);
+            let progress = nearer || complementarity < 0.9 * least_complementarity;
+            since_best = if progress { 0 } else { since_best + 1 };
+            least_complementarity = complementarity.min(least_complementarity);
             if best.as_ref().is_none_or(|(least, ..)| distance < *least) {
                 best = Some((distance, point.clone(), measures));
             }
-            if since_best > PATIENCE && self.feasible {
+            let lost = best.as_ref().is_some_and(|(least, _, at)| {
+                at.nearly_there(self.task.relative_gap) && distance > 100.0 * least
+            });
+            if since_best > PATIENCE || lost {
                 stalled = "no progress";
                 break;
             }
-            trail.record(&point, &measures);
+            if let (true, Some(trail)) = (self.feasible, trail.as_deref_mut()) {
+                trail.record(layout, self.task.problem, &point);
+            }
             if !self.build_system(&point) {
                 stalled = "the linear system lost its definiteness";
                 break;
@@ -260,13 +292,13 @@ impl Run<'_> {
         let Some((_, point, measures)) = best else {
             let measures = self.measure(&last);
             let end = End::Stalled(stalled);
-            return Outcome { end, point: last, measures, iterations, seconds: [0.0; 3] };
+            return Outcome { end, point: last, measures, feasible: self.feasible, iterations, seconds: [0.0; 3] };
         };
         let end = match measures.nearly_there(gap) {
             true => End::Reduced,
             false => End::Stalled(stalled),
         };
-        Outcome { end, point, measures, iterations, seconds: [0.0; 3] }
+        Outcome { end, point, measures, feasible: self.feasible, iterations, seconds: [0.0; 3] }
     }
 
     /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
@@ -354,7 +386,7 @@ impl Run<'_> {
         }
         let ratio = (after / order / complementarity).clamp(0.0, 1.0);
         let step = s_step.min(z_step);
-        let exponent = if step < 0.577 { 1.0 } else { (3.0 * step * step).max(1.0) };
+        let exponent = (3.0 * step * step).max(2.0);
         let centring = ratio.powf(exponent).clamp(1e-6, 0.95);
         // The corrector: second-order term of the predictor.
         let mut target = vec![0.0; layout.length];
@@ -379,6 +411,9 @@ impl Run<'_> {
                 (direction, s_step, z_step) = (centred, s_centred, z_centred);
             }
         }
+        if std::env::var_os("SDP_TRACE").is_some() {
+            eprintln!("     mu {complementarity:.2e} pred {:?} ratio {ratio:.2e} sigma {centring:.2e} steps {:?}", self.step_lengths(&predictor, 1.0), (s_step, z_step));
+        }
         for (y, d) in point.y.iter_mut().zip(&direction.y) {
             *y += s_step * d;
         }
@@ -391,26 +426,38 @@ impl Run<'_> {
         Some((s_step, z_step))
     }
 
-    /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z`.
+    /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z` and `<A_i, Z + dZ> = c_i`.
     fn direction(&mut self, point: &Point, target: &[f64]) -> Option<Direction> {
         let layout = self.task.layout;
-        let begin = std::time::Instant::now();
-        let mut rhs = vec![0.0; layout.cost.len()];
-        layout.adjoint(target, &mut rhs);
-        rhs.iter_mut().zip(&layout.cost).for_each(|(r, c)| *r -= c);
-        let mut y = vec![0.0; rhs.len()];
-        self.system.solve(&rhs, &mut y);
-        self.seconds[1] += begin.elapsed().as_secs_f64();
-        if !y.iter().all(|value| value.is_finite()) {
-            return None;
-        }
+        let unknowns = layout.cost.len();
+        let mut rhs = vec![0.0; unknowns];
+        let mut correction = vec![0.0; unknowns];
+        let mut y = vec![0.0; unknowns];
         let mut s = vec![0.0; layout.length];
-        layout.evaluate(0.0, &y, &mut s);
-        let mut z = vec![0.0; layout.length];
-        sandwich(layout, &point.z, &s, &self.factors.s_inverse, &mut self.work, &mut z);
-        for k in 0..layout.length {
-            z[k] = target[k] - point.z[k] - z[k];
+        // Z + dZ, which is the target before anything is subtracted.
+        let mut z = target.to_vec();
+        let mut before = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            layout.adjoint(&z, &mut rhs);
+            rhs.iter_mut().zip(&layout.cost).for_each(|(r, c)| *r -= c);
+            let size = dot(&rhs, &rhs).sqrt();
+            if size <= REFINED * (1.0 + self.cost_norm) || size > 0.5 * before {
+                break;
+            }
+            before = size;
+            let begin = std::time::Instant::now();
+            self.system.solve(&rhs, &mut correction);
+            self.seconds[1] += begin.elapsed().as_secs_f64();
+            if !correction.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            y.iter_mut().zip(&correction).for_each(|(y, d)| *y += d);
+            layout.evaluate(0.0, &y, &mut s);
+            z.copy_from_slice(target);
+            sandwich(layout, &point.z, &s, &self.factors.s_inverse, &mut self.work, &mut self.product);
+            z.iter_mut().zip(&self.product).for_each(|(z, p)| *z -= p);
         }
+        z.iter_mut().zip(&point.z).for_each(|(z, old)| *z -= old);
         if !self.feasible {
             s.iter_mut().zip(&self.residual).for_each(|(s, r)| *s += r);
         }

@@ -1,5 +1,6 @@
 //! The problem as the iterations see it: rows and unknowns that matter, in balanced units, packed.
 
+use super::iterate::Point;
 use crate::lmi::{self, Entry, Semidefinite};
 
 /// Passes of the balancing.
@@ -229,6 +230,60 @@ impl Layout {
                 }
             }
         }
+        out
+    }
+
+    /// The point of the balanced problem that belongs to values and duals of the problem; its slack is
+    /// computed from the values.
+    pub fn point(&self, values: &[f64], duals: &[Vec<f64>]) -> Point {
+        let cost_unit = self.objective_unit / self.constant_unit;
+        let kept = self.unknown_source.iter().zip(&self.unknown_unit);
+        let y = kept.map(|(&source, unit)| values[source] / (unit * self.constant_unit));
+        let mut point = Point {
+            y: y.collect(),
+            s: vec![0.0; self.length],
+            z: vec![0.0; self.length],
+        };
+        for block in &self.blocks {
+            let packed = &mut point.z[block.range()];
+            for (j, &column) in block.rows.iter().enumerate() {
+                for (i, &row) in block.rows.iter().enumerate() {
+                    let at = lmi::svec_index(row.min(column), row.max(column));
+                    let unit = cost_unit * block.scale[i] * block.scale[j];
+                    packed[j * block.side + i] = duals[block.source][at] / unit;
+                }
+            }
+        }
+        self.evaluate(1.0, &point.y, &mut point.s);
+        point
+    }
+
+    /// The problem of the smallest t with `constant + A(y) + t I >= 0`, t >= -1: it always has an interior, and
+    /// where its optimum is above zero its multipliers prove that this problem has no solution. Not for
+    /// [`values`](Layout::values).
+    pub fn smallest_shift(&self) -> Layout {
+        let mut out = self.clone();
+        let shift = out.cost.len();
+        out.cost.iter_mut().for_each(|cost| *cost = 0.0);
+        out.cost.push(1.0);
+        for block in &mut out.blocks {
+            block.unknowns.push(shift);
+            block.entries.extend((0..block.side).map(|k| place_of(k, k, 1.0, block.side)));
+            block.starts.push(block.entries.len());
+        }
+        out.blocks.push(Block {
+            side: 1,
+            offset: out.length,
+            constant: vec![place_of(0, 0, 1.0, 1)],
+            unknowns: vec![shift],
+            starts: vec![0, 1],
+            entries: vec![place_of(0, 0, 1.0, 1)],
+            source: 0,
+            rows: Vec::new(),
+            scale: Vec::new(),
+        });
+        out.length += 1;
+        out.order += 1;
         out
     }
 

@@ -28,21 +28,21 @@ pub fn dual(layout: &Layout, system: &System, factors: &Factors, z: &[f64]) -> O
         let inverse = &factors.s_inverse;
         sandwich(layout, z, &matrix, inverse, &mut work, &mut correction);
         ray.iter_mut().zip(&correction).for_each(|(z, c)| *z -= c);
-        let strength = -layout.against_constant(&ray);
-        if !(strength > 0.0 && strength.is_finite()) {
-            return None;
-        }
-        layout.adjoint(&ray, &mut residual);
-        let error: f64 = residual.iter().map(|r| r.abs()).sum();
-        if error * EXCLUDED_SIZE <= strength {
-            if !positive_definite(layout, &ray) {
-                return None;
-            }
-            ray.iter_mut().for_each(|entry| *entry /= strength);
+        if let Some(ray) = accepted(layout, &ray) {
             return Some(ray);
         }
     }
     None
+}
+
+/// A ray from multipliers that need no correction.
+pub fn accepted(layout: &Layout, z: &[f64]) -> Option<Vec<f64>> {
+    let strength = -layout.against_constant(z);
+    let mut residual = vec![0.0; layout.cost.len()];
+    layout.adjoint(z, &mut residual);
+    let error: f64 = residual.iter().map(|r| r.abs()).sum();
+    let proves = strength > 0.0 && error * EXCLUDED_SIZE <= strength && positive_definite(layout, z);
+    proves.then(|| z.iter().map(|entry| entry / strength).collect())
 }
 
 /// From a point's unknowns, a ray along which the objective falls for ever: `A(y) >= 0` to rounding and `c'y = -1`.

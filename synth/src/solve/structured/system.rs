@@ -119,7 +119,7 @@ impl System {
             } else {
                 worse += 1;
             }
-            if best <= REFINED || worse > 2 {
+            if best <= REFINED || worse > 5 {
                 break;
             }
             z.copy_from_slice(&r);
