@@ -5,9 +5,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::json;
+use synth::certify::exclusion::{exclude, Exclusion};
 use synth::lmi::Semidefinite;
 use synth::model::read_text;
-use synth::solve::{residuals, Accuracy, Residuals, Solution, SolveError, Status};
+use synth::solve::{residuals, Accuracy, Backend, Residuals, Solution, SolveError, Status, Structured, Timings};
 
 use super::progress::SolverProgress;
 use super::solver::SolverArg;
@@ -36,6 +37,8 @@ struct Told<'a> {
     problem: &'a Semidefinite,
     solution: &'a Solution,
     residuals: Residuals,
+    exclusion: Option<Exclusion>,
+    timings: Option<Timings>,
     read_seconds: f64,
 }
 
@@ -46,15 +49,24 @@ pub fn run(args: &SolveArgs) -> Result<ExitCode, CliError> {
     let problem =
         Semidefinite::from_sdpa(&text).map_err(|error| CliError::unsuitable(&args.file, error))?;
     let read_seconds = begin.elapsed().as_secs_f64();
-    let backend = args.solver.backend();
     let accuracy = Accuracy {
         relative_gap: RELATIVE_GAP,
         objective_unit: 1.0,
     };
     let progress = SolverProgress::start("starting");
-    let solved = backend.solve(&problem, accuracy, Some(progress.observer()));
+    let observer = Some(progress.observer());
+    let backend = args.solver.backend();
+    let solved: Result<_, SolveError> = match args.solver {
+        SolverArg::Structured => Structured::default()
+            .solve_timed(&problem, accuracy, observer)
+            .map(|(solution, timings)| (solution, Some(timings))),
+        SolverArg::Clarabel => {
+            let solved = backend.solve(&problem, accuracy, observer);
+            solved.map(|solution| (solution, None))
+        }
+    };
     drop(progress);
-    let solution = solved.map_err(|error: SolveError| CliError::unsuitable(&args.file, error))?;
+    let (solution, timings) = solved.map_err(|error| CliError::unsuitable(&args.file, error))?;
     if solution.status == Status::Cancelled {
         return Err(CliError::Interrupted);
     }
@@ -63,6 +75,11 @@ pub fn run(args: &SolveArgs) -> Result<ExitCode, CliError> {
         solver: backend.name(),
         problem: &problem,
         residuals: residuals(&problem, &solution),
+        exclusion: match solution.status {
+            Status::Infeasible => Some(exclude(&problem, &solution.duals)),
+            _ => None,
+        },
+        timings,
         solution: &solution,
         read_seconds,
     }
@@ -109,6 +126,9 @@ impl Told<'_> {
                     "iterations": solution.iterations,
                     "read_seconds": self.read_seconds,
                     "solve_seconds": solution.seconds,
+                    "schur_seconds": self.timings.map(|timings| timings.schur),
+                    "linear_seconds": self.timings.map(|timings| timings.linear),
+                    "excluded_radius": self.exclusion.as_ref().map(|e| e.radius.min(f64::MAX)),
                 })
                 .to_string(),
             );
@@ -123,12 +143,26 @@ impl Told<'_> {
             "{}: {} after {} iterations, {:.3} s (read in {:.3} s)",
             self.solver, solution.status_text, solution.iterations, solution.seconds, self.read_seconds
         ));
+        if let Some(timings) = self.timings {
+            print(&format!(
+                "time: {:.3} s Schur complement, {:.3} s linear systems, {:.3} s the rest",
+                timings.schur, timings.linear, timings.rest
+            ));
+        }
         if !found {
             let what = match solution.status {
                 Status::Infeasible => "no point satisfies the conditions, says the solver",
                 _ => "the objective has no lower bound, says the solver",
             };
             print(what);
+            match &self.exclusion {
+                Some(exclusion) if exclusion.radius > 0.0 => print(&format!(
+                    "proved from its dual matrices: no point with every unknown below {:.1e} in size does",
+                    exclusion.radius
+                )),
+                Some(_) => print("not proved from its dual matrices"),
+                None => {}
+            }
             return;
         }
         print(&format!("objective: {:.10e}", residuals.objective));

@@ -1,14 +1,15 @@
 //! Which solver: the option shared by the verbs.
 
 use clap::ValueEnum;
-use synth::solve::{Backend, Clarabel, Structured};
+use synth::solve::{Backend, Clarabel, Padding, Structured};
+use synth::synthesis::Form;
 
 /// A semidefinite programming solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SolverArg {
-    /// Clarabel: a general conic interior-point method
+    /// A general conic interior-point method
     Clarabel,
-    /// The structured one: interior-point on few unknowns and many small cones
+    /// An interior-point method for few unknowns and many small cones
     Structured,
 }
 
@@ -18,6 +19,33 @@ impl SolverArg {
         match self {
             SolverArg::Clarabel => Box::new(Clarabel::default()),
             SolverArg::Structured => Box::new(Structured::default()),
+        }
+    }
+
+    /// The solver with the settings that suit a form.
+    pub fn backend_for(self, form: Form) -> Box<dyn Backend> {
+        match (self, form) {
+            // Padding makes the full form faster but costs it digits, and it is there for comparison.
+            (SolverArg::Clarabel, Form::Full) => Box::new(Clarabel {
+                padding: Padding::None,
+            }),
+            _ => self.backend(),
+        }
+    }
+
+    /// The form of the decrease condition that the solver is fastest with.
+    pub fn form(self) -> Form {
+        match self {
+            SolverArg::Clarabel => Form::Reduced,
+            SolverArg::Structured => Form::Slack,
+        }
+    }
+
+    /// The other solver.
+    pub fn other(self) -> Self {
+        match self {
+            SolverArg::Clarabel => SolverArg::Structured,
+            SolverArg::Structured => SolverArg::Clarabel,
         }
     }
 }

@@ -7,10 +7,11 @@ use clap::ValueEnum;
 use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::model::Model;
-use synth::solve::{Clarabel, Padding, SolveError};
-use synth::synthesis::{self, Failure, Outcome, SynthesisError, Synthesized};
+use synth::solve::SolveError;
+use synth::synthesis::{self, Candidate, CrossCheck, Failure, Form, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
+use super::solver::SolverArg;
 use super::verify::{certified_angle_deg, describe, exit_code};
 use super::{files, print, CliError, EXIT_NO, EXIT_SOLVER};
 
@@ -25,9 +26,15 @@ pub struct SynthesizeArgs {
     /// What to optimise, in place of the model's own objective
     #[arg(long)]
     objective: Option<ObjectiveArg>,
-    /// Form of the decrease condition
-    #[arg(long, default_value = "reduced")]
-    form: FormArg,
+    /// Form of the decrease condition; by default reduced for clarabel, slack for structured
+    #[arg(long)]
+    form: Option<FormArg>,
+    /// Solver
+    #[arg(long, default_value = "clarabel")]
+    solver: SolverArg,
+    /// Minimise gamma with both solvers at the end and report the difference
+    #[arg(long)]
+    cross_check: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -61,6 +68,12 @@ impl From<FormArg> for synthesis::Form {
     }
 }
 
+impl SynthesizeArgs {
+    fn form(&self) -> Form {
+        self.form.map_or(self.solver.form(), Form::from)
+    }
+}
+
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     let (text, mut model) = files::model(&args.model)?;
@@ -86,14 +99,9 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
 fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    // Padding makes the full form faster but costs it digits, and it is there for comparison.
-    let backend = match args.form {
-        FormArg::Reduced | FormArg::Slack => Clarabel::default(),
-        FormArg::Full => Clarabel {
-            padding: Padding::None,
-        },
-    };
-    match synthesis::synthesize(model, text, args.form.into(), &backend, observer) {
+    let form = args.form();
+    let backend = args.solver.backend_for(form);
+    match synthesis::synthesize(model, text, form, backend.as_ref(), observer) {
         Err(SynthesisError::Cancelled(_)) => Err(CliError::Interrupted),
         // The numbers overflow on the way from the model to the solver.
         Err(SynthesisError::Solve(problem @ SolveError::NotFinite { .. })) => {
@@ -118,6 +126,10 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
             .verify(&model)
             .map_err(|problem| CliError::value(path, problem))?;
     }
+    let check = match args.cross_check {
+        true => Some(cross_check(args, model, &design)?),
+        false => None,
+    };
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
@@ -137,6 +149,7 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
                 "solver_runs": design.file.provenance.solver_runs,
+                "cross_check": check.as_ref().map(cross_check_json),
             })
             .to_string(),
         );
@@ -151,6 +164,9 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
             "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
             run.solver, run.goal, run.vertices, run.status, run.iterations, run.seconds
         ));
+    }
+    if let Some(check) = &check {
+        tell_cross_check(check);
     }
     print(&format!("gamma: {:.6}", part.gamma));
     print(&format!(
@@ -171,6 +187,63 @@ fn finish(args: &SynthesizeArgs, model: &Model, design: Synthesized) -> Result<E
     Ok(exit_code(report.verdict))
 }
 
+/// The smallest gamma from both solvers, each with the form it is fastest with.
+fn cross_check(
+    args: &SynthesizeArgs,
+    model: &Model,
+    design: &Synthesized,
+) -> Result<CrossCheck, CliError> {
+    let progress = SolverProgress::start("cross-check");
+    let observer = progress.observer();
+    let other = args.solver.other();
+    let backends = [
+        args.solver.backend_for(args.form()),
+        other.backend_for(other.form()),
+    ];
+    let candidates = [
+        Candidate {
+            backend: backends[0].as_ref(),
+            form: args.form(),
+        },
+        Candidate {
+            backend: backends[1].as_ref(),
+            form: other.form(),
+        },
+    ];
+    let units = design.file.provenance.problem;
+    let checked = synthesis::cross_check(model, units, candidates, Some(&observer));
+    checked.map_err(|error| CliError::from(SynthesisError::from(error)))
+}
+
+fn cross_check_json(check: &CrossCheck) -> Value {
+    let found = check.found.iter().map(|found| {
+        json!({
+            "solver": found.solver,
+            "status": found.status,
+            "gamma": found.gamma,
+            "seconds": found.seconds,
+        })
+    });
+    json!({
+        "found": found.collect::<Vec<_>>(),
+        "relative_difference": check.relative_difference,
+    })
+}
+
+fn tell_cross_check(check: &CrossCheck) {
+    for found in &check.found {
+        let gamma = found.gamma.map_or("none".to_string(), |gamma| format!("{gamma:.9}"));
+        print(&format!(
+            "cross-check: {}: smallest gamma {gamma}, {} in {:.2} s",
+            found.solver, found.status, found.seconds
+        ));
+    }
+    match check.relative_difference {
+        Some(difference) => print(&format!("cross-check: relative difference {difference:.1e}")),
+        None => print("cross-check: one of the solvers found no gamma"),
+    }
+}
+
 fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status: &str) {
     let blocking: Vec<Value> = failure
         .blocking
@@ -185,7 +258,7 @@ fn tell_failure(args: &SynthesizeArgs, model: &Model, failure: &Failure, status:
                 "gamma": null,
                 "guaranteed_gain": null,
                 "xi": null,
-                "form": synthesis::Form::from(args.form).name(),
+                "form": args.form().name(),
                 "vertices": model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,

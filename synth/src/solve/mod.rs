@@ -102,6 +102,11 @@ pub trait Backend {
     /// Name and version, for the provenance of a design.
     fn name(&self) -> String;
 
+    /// Vertices of a model that are put to this solver at once; of more, only those that matter.
+    fn vertices_at_once(&self) -> usize {
+        24
+    }
+
     /// Minimises the objective of `problem` to the accuracy asked for; the observer is called between
     /// iterations.
     fn solve(

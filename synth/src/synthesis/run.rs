@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use time::format_description::well_known::Rfc3339;
 use time::OffsetDateTime;
 
-use super::active::{self, MANY_VERTICES};
+use super::active;
 use super::{assemble_at, Assembled, Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
@@ -224,7 +224,7 @@ impl Run<'_> {
     /// solution violates are added until there are none, which makes the solution that of the whole.
     fn solve(&mut self, task: &Task, goal: Goal) -> Result<(Assembled, Solution), SynthesisError> {
         let all: Vec<usize> = (0..task.system.vertices.len()).collect();
-        if self.form == Form::Full || all.len() <= MANY_VERTICES {
+        if self.form == Form::Full || all.len() <= self.backend.vertices_at_once() {
             return self.solve_at(task, goal, &all);
         }
         if self.chosen.is_empty() {

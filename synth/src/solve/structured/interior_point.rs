@@ -28,6 +28,9 @@ const NEARLY_CLOSED: f64 = 1e-5;
 /// Iterations without progress after which the best point is returned.
 const PATIENCE: u32 = 12;
 
+/// The same once the best point has reduced accuracy.
+const LITTLE_PATIENCE: u32 = 2;
+
 /// Most solves for one direction, each for what the one before left of the residual.
 const REFINEMENTS: usize = 4;
 
@@ -77,8 +80,8 @@ impl Measures {
 pub enum End {
     /// To the accuracy asked for.
     Solved,
-    /// To reduced accuracy.
-    Reduced,
+    /// To reduced accuracy: why not further.
+    Reduced(&'static str),
     /// No point satisfies the inequalities; the point's Z is the ray.
     Infeasible,
     /// The objective has no lower bound; the point's y is the ray.
@@ -175,6 +178,17 @@ pub fn cold_start(layout: &Layout) -> Point {
 /// Iterates from `start`; points on the way that another solve may start from go to `trail`.
 pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcome {
     let layout = task.layout;
+    if layout.cost.is_empty() {
+        // Nothing is unknown, and what is known holds.
+        let measures = Measures {
+            objective: 0.0,
+            dual_objective: 0.0,
+            relative_gap: 0.0,
+            slack_residual: 0.0,
+            dual_residual: 0.0,
+        };
+        return Outcome { end: End::Solved, point: start, measures, feasible: true, iterations: 0, seconds: [0.0; 3] };
+    }
     let mut run = Run {
         task,
         plan: SchurPlan::new(layout),
@@ -202,6 +216,7 @@ impl Run<'_> {
         let layout = self.task.layout;
         let mut best: Option<(f64, Point, Measures)> = None;
         let mut since_best = 0;
+        let mut since_nearer = 0;
         let mut least_complementarity = f64::INFINITY;
         let mut short_steps = 0;
         let mut stalled = "iteration limit";
@@ -243,7 +258,9 @@ impl Run<'_> {
             let lost = best.as_ref().is_some_and(|(least, _, at)| {
                 at.nearly_there(self.task.relative_gap) && distance > 100.0 * least
             });
-            if since_best > PATIENCE || lost {
+            let near = best.as_ref().is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
+            since_nearer = if nearer { 0 } else { since_nearer + 1 };
+            if since_best > PATIENCE || lost || (near && since_nearer > LITTLE_PATIENCE) {
                 stalled = "no progress";
                 break;
             }
@@ -295,7 +312,7 @@ impl Run<'_> {
             return Outcome { end, point: last, measures, feasible: self.feasible, iterations, seconds: [0.0; 3] };
         };
         let end = match measures.nearly_there(gap) {
-            true => End::Reduced,
+            true => End::Reduced(stalled),
             false => End::Stalled(stalled),
         };
         Outcome { end, point, measures, feasible: self.feasible, iterations, seconds: [0.0; 3] }

@@ -112,7 +112,7 @@ impl Structured {
                 outcome.point.z = ray;
             }
         }
-        if layout.unbounded_unknown && matches!(outcome.end, End::Solved | End::Reduced) {
+        if layout.unbounded_unknown && matches!(outcome.end, End::Solved | End::Reduced(_)) {
             outcome.end = End::Unbounded;
         }
         let [schur, linear, rest] = outcome.seconds;
@@ -131,7 +131,7 @@ impl Structured {
             let short = Task { iterations: WARM_ITERATIONS, ..*task };
             let outcome = interior_point::solve(&short, start, Some(&mut trail));
             match outcome.end {
-                End::Solved | End::Reduced => {
+                End::Solved | End::Reduced(_) => {
                     memory.keep(shape, trail);
                     return outcome;
                 }
@@ -142,7 +142,7 @@ impl Structured {
         let mut trail = Trail::default();
         let mut outcome = interior_point::solve(task, cold_start(task.layout), Some(&mut trail));
         outcome.iterations += spent;
-        if matches!(outcome.end, End::Solved | End::Reduced) {
+        if matches!(outcome.end, End::Solved | End::Reduced(_)) {
             memory.keep(shape, trail);
         }
         outcome
@@ -152,6 +152,11 @@ impl Structured {
 impl Backend for Structured {
     fn name(&self) -> String {
         format!("{NAME} {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// All of them: another vertex adds two small cones and no unknown.
+    fn vertices_at_once(&self) -> usize {
+        usize::MAX
     }
 
     fn solve(
@@ -190,7 +195,7 @@ fn ray_of_smallest_shift(task: &Task<'_>) -> Option<Vec<f64>> {
         None,
     );
     match outcome.end {
-        End::Solved | End::Reduced | End::Stalled(_) => {
+        End::Solved | End::Reduced(_) | End::Stalled(_) => {
             ray::accepted(task.layout, &outcome.point.z[..task.layout.length])
         }
         End::Infeasible | End::Unbounded | End::Cancelled => None,
@@ -230,7 +235,7 @@ fn contradicted(
 fn solution(problem: &Semidefinite, layout: &Layout, outcome: Outcome, begin: Instant) -> Solution {
     let (status, text) = match outcome.end {
         End::Solved => (Status::Solved, "Solved".to_string()),
-        End::Reduced => (Status::Inaccurate, "ReducedAccuracy".to_string()),
+        End::Reduced(why) => (Status::Inaccurate, format!("ReducedAccuracy: {why}")),
         End::Infeasible => (Status::Infeasible, "Infeasible".to_string()),
         End::Unbounded => (Status::Unbounded, "Unbounded".to_string()),
         End::Stalled(why) => (Status::Failed, format!("Stalled: {why}")),

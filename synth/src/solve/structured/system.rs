@@ -18,7 +18,7 @@ const REFINED: f64 = 1e-14;
 const REFINEMENTS: usize = 25;
 
 /// Shifts of the unit diagonal tried one after the other.
-const SHIFTS: [f64; 6] = [0.0, 1e-15, 1e-13, 1e-11, 1e-9, 1e-7];
+const SHIFTS: [f64; 7] = [0.0, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4];
 
 /// A symmetric positive (semi)definite system with its Cholesky factor.
 #[derive(Debug, Default)]
@@ -100,6 +100,11 @@ impl System {
         let mut worse = 0;
         for _ in 0..REFINEMENTS {
             self.multiply(&direction, &mut product);
+            // A system that is only definite with a shift is solved with it: without, rounding errors would be
+            // amplified along the directions that the matrix hardly sees.
+            for k in 0..n {
+                product[k] += self.shift * direction[k];
+            }
             let curvature = dot(&direction, &product);
             if !(curvature > 0.0 && rz.is_finite()) {
                 break;
