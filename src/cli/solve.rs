@@ -8,7 +8,9 @@ use serde_json::json;
 use synth::certify::exclusion::{exclude, Exclusion};
 use synth::lmi::Semidefinite;
 use synth::model::read_text;
-use synth::solve::{residuals, Accuracy, Backend, Residuals, Solution, SolveError, Status, Structured, Timings};
+use synth::solve::{
+    residuals, Accuracy, Residuals, Solution, SolveError, Status, Structured, Timings,
+};
 
 use super::progress::SolverProgress;
 use super::solver::SolverArg;

@@ -123,7 +123,12 @@ pub fn infeasible(seed: u64) -> Semidefinite {
         let entries = cones[own].coefficients.iter_mut().find(|(u, _)| *u == unknown);
         let (_, entries) = entries.expect("every unknown occurs in its own cone");
         let corner = entries.iter_mut().find(|e| (e.row, e.column) == (0, 0));
-        corner.expect("with a corner").value -= sum / weights[own][0];
+        let corner = corner.expect("with a corner");
+        corner.value -= sum / weights[own][0];
+        if corner.value.abs() < 1e-12 {
+            // Nothing but rounding: an unknown that does nothing.
+            corner.value = 0.0;
+        }
     }
     let mut sum = 0.0;
     for (cone, weight) in cones.iter_mut().zip(&weights) {

@@ -28,7 +28,7 @@ const NEARLY_CLOSED: f64 = 1e-5;
 /// Iterations without progress after which the best point is returned.
 const PATIENCE: u32 = 12;
 
-/// The same once the best point has reduced accuracy.
+/// The same once the best point has reduced accuracy; none at all when the linear system needs a shift by then.
 const LITTLE_PATIENCE: u32 = 2;
 
 /// Most solves for one direction, each for what the one before left of the residual.
@@ -260,7 +260,8 @@ impl Run<'_> {
             });
             let near = best.as_ref().is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
             since_nearer = if nearer { 0 } else { since_nearer + 1 };
-            if since_best > PATIENCE || lost || (near && since_nearer > LITTLE_PATIENCE) {
+            let patience = if self.system.shift > 0.0 { 0 } else { LITTLE_PATIENCE };
+            if since_best > PATIENCE || lost || (near && since_nearer > patience) {
                 stalled = "no progress";
                 break;
             }

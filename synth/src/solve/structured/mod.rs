@@ -30,7 +30,7 @@ const LARGEST_SYSTEM: usize = 20_000;
 const LARGEST_BLOCKS: usize = 100_000_000;
 
 /// Iterations after which a warm start has not helped.
-const WARM_ITERATIONS: u32 = 25;
+const WARM_ITERATIONS: u32 = 16;
 
 /// The structured solver.
 #[derive(Debug, Clone)]
@@ -129,7 +129,9 @@ impl Structured {
         let mut spent = 0;
         if let Some((start, mut trail)) = known {
             let short = Task { iterations: WARM_ITERATIONS, ..*task };
+            if std::env::var_os("SDP_B").is_some() { eprintln!("warm start at mu {:.1e}", dense::dot(&start.s, &start.z) / task.layout.order as f64); }
             let outcome = interior_point::solve(&short, start, Some(&mut trail));
+            if std::env::var_os("SDP_B").is_some() { eprintln!("warm end {:?} {} {:?}", outcome.end, outcome.iterations, outcome.measures); }
             match outcome.end {
                 End::Solved | End::Reduced(_) => {
                     memory.keep(shape, trail);

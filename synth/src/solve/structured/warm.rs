@@ -15,10 +15,10 @@ use crate::lmi::Semidefinite;
 const KINDS: usize = 4;
 
 /// How far from the central path a start may lie: the smallest eigenvalue of S Z relative to their mean.
-const CENTRAL: f64 = 0.1;
+const CENTRAL: f64 = 0.03;
 
 /// A start's residual of `<A_i, Z> = c_i`, relative, may exceed its relative complementarity by this factor.
-const DUAL_ROOM: f64 = 10.0;
+const DUAL_ROOM: f64 = 100.0;
 
 /// Points on the way to a solution, in the problem's own units.
 #[derive(Debug, Clone, Default)]
