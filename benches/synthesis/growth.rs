@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use synth::model::{LinearBound, Model, ModelFile, PlantFile, VerticesPlant};
-use synth::solve::Clarabel;
+use synth::solve::{Backend, Clarabel, Structured};
 use synth::synthesis::{synthesize, Form, Outcome};
 
 use super::external::peak_memory_mb;
@@ -12,20 +12,28 @@ use super::{print_table, Row};
 /// Whole syntheses (both solves and the check) for 16, 64 and 256 vertices, and 1024 unless quick.
 pub fn run(quick: bool) {
     let parameters: &[u32] = if quick { &[4, 6] } else { &[4, 6, 8, 10] };
-    let rows: Vec<Row> = parameters
-        .iter()
-        .map(|&count| synthesis_row(count))
-        .collect();
-    print_table(
-        "growth: whole synthesis, reduced form (peak memory so far)",
-        &rows,
-    );
+    let solvers: [(&dyn Backend, Form); 2] = [
+        (&Structured::default(), Form::Slack),
+        (&Clarabel::default(), Form::Reduced),
+    ];
+    for (backend, form) in solvers {
+        let rows: Vec<Row> = parameters
+            .iter()
+            .map(|&count| synthesis_row(count, backend, form))
+            .collect();
+        let title = format!(
+            "growth: whole synthesis, {}, {} form (peak memory so far)",
+            backend.name(),
+            form.name()
+        );
+        print_table(&title, &rows);
+    }
 }
 
-fn synthesis_row(parameters: u32) -> Row {
+fn synthesis_row(parameters: u32, backend: &dyn Backend, form: Form) -> Row {
     let model = Model::new(model_file(parameters)).expect("a valid model");
     let start = Instant::now();
-    let outcome = synthesize(&model, "", Form::Reduced, &Clarabel::default(), None);
+    let outcome = synthesize(&model, "", form, backend, None);
     let seconds = start.elapsed().as_secs_f64();
     let what = format!("{} vertices", 1_u32 << parameters);
     match outcome {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde_json::json;
 use synth::certify::exclusion::{exclude, Exclusion};
 use synth::lmi::Semidefinite;
-use synth::model::read_text;
+use synth::model::read_text_up_to;
 use synth::solve::{
     residuals, Accuracy, Residuals, Solution, SolveError, Status, Structured, Timings,
 };
@@ -15,6 +15,9 @@ use synth::solve::{
 use super::progress::SolverProgress;
 use super::solver::SolverArg;
 use super::{print, CliError, EXIT_NO, EXIT_SOLVER};
+
+/// Largest file read (bytes): semidefinite programs are longer than models.
+const MAX_FILE_BYTES: u64 = 512 << 20;
 
 /// Relative gap asked for.
 const RELATIVE_GAP: f64 = 1e-7;
@@ -47,7 +50,8 @@ struct Told<'a> {
 /// Reads and solves. 0: solved; 2: infeasible or unbounded; 3: the solver failed.
 pub fn run(args: &SolveArgs) -> Result<ExitCode, CliError> {
     let begin = Instant::now();
-    let text = read_text(&args.file).map_err(|problem| CliError::file(&args.file, problem))?;
+    let text = read_text_up_to(&args.file, MAX_FILE_BYTES)
+        .map_err(|problem| CliError::file(&args.file, problem))?;
     let problem =
         Semidefinite::from_sdpa(&text).map_err(|error| CliError::unsuitable(&args.file, error))?;
     let read_seconds = begin.elapsed().as_secs_f64();
@@ -106,7 +110,10 @@ fn word(status: Status) -> &'static str {
 impl Told<'_> {
     fn tell(&self) {
         let (solution, residuals) = (self.solution, &self.residuals);
-        let found = matches!(solution.status, Status::Solved | Status::Inaccurate | Status::Failed);
+        let found = matches!(
+            solution.status,
+            Status::Solved | Status::Inaccurate | Status::Failed
+        );
         let sides = self.problem.cones.iter().map(|cone| cone.side);
         let widest = sides.max().unwrap_or(0);
         if self.args.json {
@@ -143,7 +150,11 @@ impl Told<'_> {
         ));
         print(&format!(
             "{}: {} after {} iterations, {:.3} s (read in {:.3} s)",
-            self.solver, solution.status_text, solution.iterations, solution.seconds, self.read_seconds
+            self.solver,
+            solution.status_text,
+            solution.iterations,
+            solution.seconds,
+            self.read_seconds
         ));
         if let Some(timings) = self.timings {
             print(&format!(
@@ -168,9 +179,15 @@ impl Told<'_> {
             return;
         }
         print(&format!("objective: {:.10e}", residuals.objective));
-        print(&format!("dual objective: {:.10e}", residuals.dual_objective));
+        print(&format!(
+            "dual objective: {:.10e}",
+            residuals.dual_objective
+        ));
         print(&format!("relative gap: {:.2e}", residuals.relative_gap));
-        print(&format!("violation of the conditions: {:.2e}", residuals.violation));
+        print(&format!(
+            "violation of the conditions: {:.2e}",
+            residuals.violation
+        ));
         print(&format!(
             "dual residual: {:.2e}, violation of the dual conditions: {:.2e}",
             residuals.dual_residual, residuals.dual_violation

@@ -8,7 +8,9 @@ use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::model::Model;
 use synth::solve::SolveError;
-use synth::synthesis::{self, Candidate, CrossCheck, Failure, Form, Outcome, SynthesisError, Synthesized};
+use synth::synthesis::{
+    self, Candidate, CrossCheck, Failure, Form, Outcome, SynthesisError, Synthesized,
+};
 
 use super::progress::SolverProgress;
 use super::solver::SolverArg;
@@ -232,14 +234,18 @@ fn cross_check_json(check: &CrossCheck) -> Value {
 
 fn tell_cross_check(check: &CrossCheck) {
     for found in &check.found {
-        let gamma = found.gamma.map_or("none".to_string(), |gamma| format!("{gamma:.9}"));
+        let gamma = found
+            .gamma
+            .map_or("none".to_string(), |gamma| format!("{gamma:.9}"));
         print(&format!(
             "cross-check: {}: smallest gamma {gamma}, {} in {:.2} s",
             found.solver, found.status, found.seconds
         ));
     }
     match check.relative_difference {
-        Some(difference) => print(&format!("cross-check: relative difference {difference:.1e}")),
+        Some(difference) => print(&format!(
+            "cross-check: relative difference {difference:.1e}"
+        )),
         None => print("cross-check: one of the solvers found no gamma"),
     }
 }

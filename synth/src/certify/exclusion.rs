@@ -70,7 +70,10 @@ fn proved_weight(weight: &[f64], side: usize) -> Option<Vec<f64>> {
     let touched = |&row: &usize| (0..side).any(|other| weight[at(row, other)] != 0.0);
     let rows: Vec<usize> = (0..side).filter(touched).collect();
     let mut raised = weight.to_vec();
-    let largest = rows.iter().map(|&row| weight[at(row, row)]).fold(0.0, f64::max);
+    let largest = rows
+        .iter()
+        .map(|&row| weight[at(row, row)])
+        .fold(0.0, f64::max);
     for &row in &rows {
         raised[at(row, row)] += RAISE * largest;
     }

@@ -51,7 +51,9 @@ pub enum SdpaError {
         found: usize,
     },
     /// An entry off the diagonal of a diagonal block.
-    #[error("line {line}: entry ({row}, {column}) is off the diagonal, block {block} is a diagonal one")]
+    #[error(
+        "line {line}: entry ({row}, {column}) is off the diagonal, block {block} is a diagonal one"
+    )]
     OffDiagonal {
         /// Line, from 1.
         line: usize,
@@ -93,11 +95,21 @@ impl Semidefinite {
         let mut blocks = Vec::new();
         for (index, (line, word)) in sizes.into_iter().enumerate() {
             let size: i64 = number(line, word, "the size of a block")?;
-            let side = in_range(line, "the size of a block", size.saturating_abs(), 1, LARGEST_COUNT)?;
+            let side = in_range(
+                line,
+                "the size of a block",
+                size.saturating_abs(),
+                1,
+                LARGEST_COUNT,
+            )?;
             let name = names.get(&(index + 1)).cloned();
             let name = name.unwrap_or_else(|| format!("block {}", index + 1));
             let diagonal = size < 0;
-            blocks.push(FileBlock { side, diagonal, first_cone: cones.len() });
+            blocks.push(FileBlock {
+                side,
+                diagonal,
+                first_cone: cones.len(),
+            });
             match diagonal {
                 true => cones.extend((1..=side).map(|row| (format!("{name} row {row}"), 1))),
                 false => cones.push((name, side)),
@@ -115,19 +127,30 @@ impl Semidefinite {
         Ok(Semidefinite {
             cost,
             offset,
-            cones: cones.map(|((name, side), matrices)| cone(name, side, matrices)).collect(),
+            cones: cones
+                .map(|((name, side), matrices)| cone(name, side, matrices))
+                .collect(),
         })
     }
 }
 
 fn cone(name: String, side: usize, matrices: BTreeMap<usize, Matrix>) -> Cone {
-    let mut out = Cone { name, side, constant: Vec::new(), coefficients: Vec::new() };
+    let mut out = Cone {
+        name,
+        side,
+        constant: Vec::new(),
+        coefficients: Vec::new(),
+    };
     for (matrix, entries) in matrices {
         // The format subtracts matrix 0.
         let sign = if matrix == 0 { -1.0 } else { 1.0 };
         let entries = entries.into_iter().filter(|(_, value)| *value != 0.0);
         let entries: Vec<Entry> = entries
-            .map(|((row, column), value)| Entry { row, column, value: sign * value })
+            .map(|((row, column), value)| Entry {
+                row,
+                column,
+                value: sign * value,
+            })
             .collect();
         match matrix {
             0 => out.constant = entries,
@@ -147,7 +170,10 @@ fn reader_entry(
 ) -> Result<(), SdpaError> {
     let words: Vec<&str> = split(text).collect();
     let [matrix, block, row, column, value] = words[..] else {
-        return Err(SdpaError::NotAnEntry { line, found: words.len() });
+        return Err(SdpaError::NotAnEntry {
+            line,
+            found: words.len(),
+        });
     };
     let index = |word: &str, what: &'static str, least: usize, most: usize| {
         in_range(line, what, number(line, word, "an index")?, least, most)
@@ -160,20 +186,35 @@ fn reader_entry(
     let value: f64 = number(line, value, "the value of an entry")?;
     let (cone, at) = match block.diagonal {
         true if row != column => {
-            return Err(SdpaError::OffDiagonal { line, block: number_of_block, row, column });
+            return Err(SdpaError::OffDiagonal {
+                line,
+                block: number_of_block,
+                row,
+                column,
+            });
         }
         true => (block.first_cone + row - 1, (0, 0)),
         false => (block.first_cone, (row.min(column) - 1, row.max(column) - 1)),
     };
-    *matrices[cone].entry(matrix).or_default().entry(at).or_insert(0.0) += value;
+    *matrices[cone]
+        .entry(matrix)
+        .or_default()
+        .entry(at)
+        .or_insert(0.0) += value;
     Ok(())
 }
 
 impl<'a> Reader<'a> {
     fn new(text: &'a str) -> Self {
-        let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+        let lines = text
+            .lines()
+            .enumerate()
+            .map(|(index, line)| (index + 1, line.trim()));
         let lines = lines.filter(|(_, line)| !(line.is_empty() || line.starts_with(['"', '*'])));
-        Reader { lines: lines.collect(), next: 0 }
+        Reader {
+            lines: lines.collect(),
+            next: 0,
+        }
     }
 
     fn line(&mut self) -> Option<(usize, &'a str)> {
@@ -186,7 +227,13 @@ impl<'a> Reader<'a> {
     fn count(&mut self, what: &'static str) -> Result<usize, SdpaError> {
         let (line, text) = self.line().ok_or(SdpaError::Ends { what })?;
         let word = split(text).next().unwrap_or("");
-        in_range(line, what, number(line, word, "a whole number")?, 1, LARGEST_COUNT)
+        in_range(
+            line,
+            what,
+            number(line, word, "a whole number")?,
+            1,
+            LARGEST_COUNT,
+        )
     }
 
     /// So many words, on one line or more. The rest of the last line is left out: it may be a remark.
@@ -220,7 +267,11 @@ fn split(text: &str) -> impl Iterator<Item = &str> {
 
 fn number<T: FromStr>(line: usize, word: &str, what: &'static str) -> Result<T, SdpaError> {
     let shown: String = word.chars().take(40).collect();
-    word.parse().map_err(|_| SdpaError::NotANumber { line, word: shown, what })
+    word.parse().map_err(|_| SdpaError::NotANumber {
+        line,
+        word: shown,
+        what,
+    })
 }
 
 fn in_range(
@@ -230,8 +281,16 @@ fn in_range(
     least: usize,
     most: usize,
 ) -> Result<usize, SdpaError> {
-    let fits = usize::try_from(value).ok().filter(|v| (least..=most).contains(v));
-    fits.ok_or(SdpaError::OutOfRange { line, what, value, least, most })
+    let fits = usize::try_from(value)
+        .ok()
+        .filter(|v| (least..=most).contains(v));
+    fits.ok_or(SdpaError::OutOfRange {
+        line,
+        what,
+        value,
+        least,
+        most,
+    })
 }
 
 /// The objective's constant part and the names of the blocks, from the comments.
@@ -242,9 +301,14 @@ fn comments(text: &str) -> (f64, BTreeMap<usize, String>) {
         if let Some(value) = comment.strip_prefix("objective offset ") {
             offset = value.trim().parse().unwrap_or(0.0);
         }
-        let block = comment.strip_prefix("block ").and_then(|rest| rest.split_once(": "));
+        let block = comment
+            .strip_prefix("block ")
+            .and_then(|rest| rest.split_once(": "));
         if let Some((head, name)) = block {
-            let index = head.split_whitespace().next().and_then(|word| word.parse().ok());
+            let index = head
+                .split_whitespace()
+                .next()
+                .and_then(|word| word.parse().ok());
             if let Some(index) = index {
                 names.insert(index, name.to_string());
             }

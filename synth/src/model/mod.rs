@@ -11,7 +11,7 @@ pub use file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
     ThresholdUpdate, VerticesPlant, MODEL_SCHEMA_VERSION,
 };
-pub use read::{kind_of, parse, read_text, write_atomically, MAX_FILE_BYTES};
+pub use read::{kind_of, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES};
 pub use validate::Model;
 
 pub use validate::{

@@ -36,10 +36,16 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
         }
         let sizes = cone.constant.iter().map(|entry| entry.value.abs());
         largest = sizes.fold(largest, f64::max);
-        lowest = lowest.min(smallest_eigenvalue(&slack(cone, &solution.values), cone.side));
+        lowest = lowest.min(smallest_eigenvalue(
+            &slack(cone, &solution.values),
+            cone.side,
+        ));
         dual_lowest = dual_lowest.min(smallest_eigenvalue(dual, cone.side));
     }
-    let squares = products.iter().zip(&problem.cost).map(|(a, c)| (a - c) * (a - c));
+    let squares = products
+        .iter()
+        .zip(&problem.cost)
+        .map(|(a, c)| (a - c) * (a - c));
     let largest_cost = problem.cost.iter().fold(0.0_f64, |max, c| max.max(c.abs()));
     Residuals {
         objective: objective + problem.offset,

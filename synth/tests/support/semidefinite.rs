@@ -34,7 +34,9 @@ fn definite(stream: &mut Stream, side: usize) -> Vec<f64> {
     let mut out = vec![0.0; side * (side + 1) / 2];
     for column in 0..side {
         for row in 0..=column {
-            let sum: f64 = (0..side).map(|k| root[k * side + row] * root[k * side + column]).sum();
+            let sum: f64 = (0..side)
+                .map(|k| root[k * side + row] * root[k * side + column])
+                .sum();
             out[svec_index(row, column)] = sum + if row == column { 0.3 } else { 0.0 };
         }
     }
@@ -51,7 +53,9 @@ pub fn inner(entries: &[Entry], weight: &[f64]) -> f64 {
 
 /// Random cones without constants: every unknown occurs somewhere.
 fn cones(stream: &mut Stream) -> (usize, Vec<Cone>) {
-    let sides: Vec<usize> = (0..stream.integer(1, 5)).map(|_| stream.integer(1, 8)).collect();
+    let sides: Vec<usize> = (0..stream.integer(1, 5))
+        .map(|_| stream.integer(1, 8))
+        .collect();
     let room: usize = sides.iter().map(|side| side * (side + 1) / 2).sum();
     let unknowns = stream.integer(1, 12).min(room.div_ceil(2));
     let cones = sides.iter().enumerate().map(|(index, &side)| {
@@ -65,7 +69,11 @@ fn cones(stream: &mut Stream) -> (usize, Vec<Cone>) {
             for column in 0..side {
                 for row in 0..=column {
                     if stream.unit() < 0.3 || (must && row == 0 && column == 0) {
-                        entries.push(Entry { row, column, value: stream.signed() });
+                        entries.push(Entry {
+                            row,
+                            column,
+                            value: stream.signed(),
+                        });
                     }
                 }
             }
@@ -73,14 +81,25 @@ fn cones(stream: &mut Stream) -> (usize, Vec<Cone>) {
                 coefficients.push((unknown, entries));
             }
         }
-        Cone { name: format!("cone {index}"), side, constant: Vec::new(), coefficients }
+        Cone {
+            name: format!("cone {index}"),
+            side,
+            constant: Vec::new(),
+            coefficients,
+        }
     });
     (unknowns, cones.collect())
 }
 
 fn dense(upper: &[f64], side: usize) -> Vec<Entry> {
     let places = (0..side).flat_map(|column| (0..=column).map(move |row| (row, column)));
-    places.map(|(row, column)| Entry { row, column, value: upper[svec_index(row, column)] }).collect()
+    places
+        .map(|(row, column)| Entry {
+            row,
+            column,
+            value: upper[svec_index(row, column)],
+        })
+        .collect()
 }
 
 /// Strictly feasible, as its dual is: the optimum exists on both sides.
@@ -100,15 +119,21 @@ pub fn feasible(seed: u64) -> Semidefinite {
         }
         cone.constant = dense(&constant, cone.side);
     }
-    Semidefinite { cost, offset: stream.signed(), cones }
+    Semidefinite {
+        cost,
+        offset: stream.signed(),
+        cones,
+    }
 }
 
 /// Without a solution: some positive definite weights show it.
 pub fn infeasible(seed: u64) -> Semidefinite {
     let mut stream = Stream::new(seed);
     let (unknowns, mut cones) = cones(&mut stream);
-    let weights: Vec<Vec<f64>> =
-        cones.iter().map(|cone| definite(&mut stream, cone.side)).collect();
+    let weights: Vec<Vec<f64>> = cones
+        .iter()
+        .map(|cone| definite(&mut stream, cone.side))
+        .collect();
     // Each unknown's first entry (0, 0) makes its products with the weights cancel.
     for unknown in 0..unknowns {
         let own = unknown % cones.len();
@@ -120,7 +145,10 @@ pub fn infeasible(seed: u64) -> Semidefinite {
                 entries.map(move |(_, entries)| inner(entries, weight))
             })
             .sum();
-        let entries = cones[own].coefficients.iter_mut().find(|(u, _)| *u == unknown);
+        let entries = cones[own]
+            .coefficients
+            .iter_mut()
+            .find(|(u, _)| *u == unknown);
         let (_, entries) = entries.expect("every unknown occurs in its own cone");
         let corner = entries.iter_mut().find(|e| (e.row, e.column) == (0, 0));
         let corner = corner.expect("with a corner");
@@ -137,11 +165,17 @@ pub fn infeasible(seed: u64) -> Semidefinite {
         cone.constant = dense(&constant, cone.side);
         sum += inner(&cone.constant, weight);
     }
-    let trace: f64 = (0..cones[0].side).map(|k| weights[0][svec_index(k, k)]).sum();
+    let trace: f64 = (0..cones[0].side)
+        .map(|k| weights[0][svec_index(k, k)])
+        .sum();
     let shift = (sum + 0.2 + stream.unit()) / trace;
     for entry in cones[0].constant.iter_mut().filter(|e| e.row == e.column) {
         entry.value -= shift;
     }
     let cost = (0..unknowns).map(|_| stream.signed()).collect();
-    Semidefinite { cost, offset: 0.0, cones }
+    Semidefinite {
+        cost,
+        offset: 0.0,
+        cones,
+    }
 }

@@ -54,7 +54,12 @@ fn combine(
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
+    let rest: f64 = a4
+        .remainder()
+        .iter()
+        .zip(b4.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
     for (a, b) in a4.zip(b4) {
         for lane in 0..4 {
             lanes[lane] += a[lane] * b[lane];
@@ -80,7 +85,9 @@ pub fn cholesky(a: &mut [f64], n: usize) -> bool {
         let inverse = 1.0 / root;
         column[..j].fill(0.0);
         column[j] = root;
-        column[j + 1..].iter_mut().for_each(|entry| *entry *= inverse);
+        column[j + 1..]
+            .iter_mut()
+            .for_each(|entry| *entry *= inverse);
     }
     true
 }
@@ -339,7 +346,13 @@ pub fn sum_of_pairs(basis: &[f64], count: usize, n: usize, out: &mut [f64]) {
 
 /// As [`combine`], with the rows from the first on, as many as `y` has.
 #[inline(always)]
-fn combine_top(columns: &[f64], n: usize, count: usize, weight: impl Fn(usize) -> f64, y: &mut [f64]) {
+fn combine_top(
+    columns: &[f64],
+    n: usize,
+    count: usize,
+    weight: impl Fn(usize) -> f64,
+    y: &mut [f64],
+) {
     let column = |k: usize| &columns[k * n..(k + 1) * n];
     let mut k = 0;
     while k + 4 <= count {

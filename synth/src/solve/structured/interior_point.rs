@@ -40,7 +40,7 @@ const REFINED: f64 = 1e-10;
 /// The start's slack and multipliers, relative to the size of the data.
 const START_SLACK: f64 = 1.0;
 /// See above.
-const START_MULTIPLIER: f64 = 0.01;
+const START_MULTIPLIER: f64 = 0.1;
 
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
@@ -64,8 +64,14 @@ impl Measures {
     /// How far from the goal: 1 or less is there.
     fn distance(&self, gap: f64) -> f64 {
         let gap = self.relative_gap / gap;
-        let worst = gap.max(self.slack_residual / FEASIBLE).max(self.dual_residual / DUAL_FEASIBLE);
-        if worst.is_nan() { f64::INFINITY } else { worst }
+        let worst = gap
+            .max(self.slack_residual / FEASIBLE)
+            .max(self.dual_residual / DUAL_FEASIBLE);
+        if worst.is_nan() {
+            f64::INFINITY
+        } else {
+            worst
+        }
     }
 
     fn nearly_there(&self, gap: f64) -> bool {
@@ -152,14 +158,22 @@ struct Direction {
     z: Vec<f64>,
 }
 
-/// The start of CSDP (Borchers 1999): multiples of the identity, large against the data.
-pub fn cold_start(layout: &Layout) -> Point {
+/// Multiples of the identity by the size of the data, in the manner of CSDP (Borchers 1999); `scale` makes them
+/// larger.
+pub fn cold_start(layout: &Layout, scale: f64) -> Point {
     let norms = layout.coefficient_norms();
-    let n = layout.order as f64;
-    let ratios = layout.cost.iter().zip(&norms).map(|(c, norm)| (1.0 + c.abs()) / (1.0 + norm));
-    let multiplier = START_MULTIPLIER * n * ratios.fold(0.0, f64::max);
-    let largest = norms.iter().fold(layout.constant_norm(), |max, &norm| max.max(norm));
-    let slack = START_SLACK * (1.0 + largest.max(layout.constant_norm()));
+    let sides = layout.blocks.iter().map(|block| block.side);
+    let n = sides.max().unwrap_or(1) as f64;
+    let ratios = layout
+        .cost
+        .iter()
+        .zip(&norms)
+        .map(|(c, norm)| (1.0 + c.abs()) / (1.0 + norm));
+    let multiplier = scale * START_MULTIPLIER * n * ratios.fold(0.0, f64::max);
+    let largest = norms
+        .iter()
+        .fold(layout.constant_norm(), |max, &norm| max.max(norm));
+    let slack = scale * START_SLACK * (1.0 + largest.max(layout.constant_norm()));
     let mut point = Point {
         y: vec![0.0; layout.cost.len()],
         s: vec![0.0; layout.length],
@@ -187,7 +201,14 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
             slack_residual: 0.0,
             dual_residual: 0.0,
         };
-        return Outcome { end: End::Solved, point: start, measures, feasible: true, iterations: 0, seconds: [0.0; 3] };
+        return Outcome {
+            end: End::Solved,
+            point: start,
+            measures,
+            feasible: true,
+            iterations: 0,
+            seconds: [0.0; 3],
+        };
     }
     let mut run = Run {
         task,
@@ -241,14 +262,13 @@ impl Run<'_> {
             if !(self.task.observer)(iteration, &measures) {
                 return outcome(End::Cancelled, &point);
             }
-            if std::env::var_os("SDP_TRACE").is_some() {
-                eprintln!("{iteration:3} p {:.6e} d {:.6e} gap {:.1e} sres {:.1e} dres {:.1e} feas {} shift {:.0e}", measures.objective, measures.dual_objective, measures.relative_gap, measures.slack_residual, measures.dual_residual, self.feasible, self.system.shift);
-            }
             if distance <= 1.0 {
                 return outcome(End::Solved, &point);
             }
             let complementarity = dot(&point.s, &point.z);
-            let nearer = best.as_ref().is_none_or(|(least, ..)| distance < 0.9 * least);
+            let nearer = best
+                .as_ref()
+                .is_none_or(|(least, ..)| distance < 0.9 * least);
             let progress = nearer || complementarity < 0.9 * least_complementarity;
             since_best = if progress { 0 } else { since_best + 1 };
             least_complementarity = complementarity.min(least_complementarity);
@@ -258,9 +278,15 @@ impl Run<'_> {
             let lost = best.as_ref().is_some_and(|(least, _, at)| {
                 at.nearly_there(self.task.relative_gap) && distance > 100.0 * least
             });
-            let near = best.as_ref().is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
+            let near = best
+                .as_ref()
+                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
             since_nearer = if nearer { 0 } else { since_nearer + 1 };
-            let patience = if self.system.shift > 0.0 { 0 } else { LITTLE_PATIENCE };
+            let patience = if self.system.shift > 0.0 {
+                0
+            } else {
+                LITTLE_PATIENCE
+            };
             if since_best > PATIENCE || lost || (near && since_nearer > patience) {
                 stalled = "no progress";
                 break;
@@ -288,7 +314,11 @@ impl Run<'_> {
                 stalled = "the direction is not finite";
                 break;
             };
-            short_steps = if steps.0.max(steps.1) < SHORTEST_STEP { short_steps + 1 } else { 0 };
+            short_steps = if steps.0.max(steps.1) < SHORTEST_STEP {
+                short_steps + 1
+            } else {
+                0
+            };
             iteration += 1;
             if short_steps >= 2 {
                 stalled = "the steps became too short";
@@ -310,13 +340,27 @@ impl Run<'_> {
         let Some((_, point, measures)) = best else {
             let measures = self.measure(&last);
             let end = End::Stalled(stalled);
-            return Outcome { end, point: last, measures, feasible: self.feasible, iterations, seconds: [0.0; 3] };
+            return Outcome {
+                end,
+                point: last,
+                measures,
+                feasible: self.feasible,
+                iterations,
+                seconds: [0.0; 3],
+            };
         };
         let end = match measures.nearly_there(gap) {
             true => End::Reduced(stalled),
             false => End::Stalled(stalled),
         };
-        Outcome { end, point, measures, feasible: self.feasible, iterations, seconds: [0.0; 3] }
+        Outcome {
+            end,
+            point,
+            measures,
+            feasible: self.feasible,
+            iterations,
+            seconds: [0.0; 3],
+        }
     }
 
     /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
@@ -354,9 +398,15 @@ impl Run<'_> {
         let dual_objective = -layout.against_constant(&point.z);
         let mut products = vec![0.0; layout.cost.len()];
         layout.adjoint(&point.z, &mut products);
-        let squares = products.iter().zip(&layout.cost).map(|(a, c)| (a - c) * (a - c));
+        let squares = products
+            .iter()
+            .zip(&layout.cost)
+            .map(|(a, c)| (a - c) * (a - c));
         let dual_residual = squares.sum::<f64>().sqrt() / (1.0 + self.cost_norm);
-        let size = objective.abs().max(dual_objective.abs()).max(self.task.objective_unit);
+        let size = objective
+            .abs()
+            .max(dual_objective.abs())
+            .max(self.task.objective_unit);
         Measures {
             objective,
             dual_objective,
@@ -393,14 +443,22 @@ impl Run<'_> {
         let mut base = vec![0.0; layout.length];
         if !self.feasible {
             let inverse = &self.factors.s_inverse;
-            sandwich(layout, &point.z, &self.residual, inverse, &mut self.work, &mut base);
+            sandwich(
+                layout,
+                &point.z,
+                &self.residual,
+                inverse,
+                &mut self.work,
+                &mut base,
+            );
             base.iter_mut().for_each(|entry| *entry = -*entry);
         }
         let predictor = self.direction(point, &base)?;
         let (s_step, z_step) = self.step_lengths(&predictor, 1.0);
         let mut after = 0.0;
         for k in 0..layout.length {
-            after += (point.s[k] + s_step * predictor.s[k]) * (point.z[k] + z_step * predictor.z[k]);
+            after +=
+                (point.s[k] + s_step * predictor.s[k]) * (point.z[k] + z_step * predictor.z[k]);
         }
         let ratio = (after / order / complementarity).clamp(0.0, 1.0);
         let step = s_step.min(z_step);
@@ -409,7 +467,14 @@ impl Run<'_> {
         // The corrector: second-order term of the predictor.
         let mut target = vec![0.0; layout.length];
         let inverse = &self.factors.s_inverse;
-        sandwich(layout, &predictor.z, &predictor.s, inverse, &mut self.work, &mut target);
+        sandwich(
+            layout,
+            &predictor.z,
+            &predictor.s,
+            inverse,
+            &mut self.work,
+            &mut target,
+        );
         let aim = centring * complementarity;
         for k in 0..layout.length {
             target[k] = aim * inverse[k] + base[k] - target[k];
@@ -428,9 +493,6 @@ impl Run<'_> {
             if s_centred.min(z_centred) > s_step.min(z_step) {
                 (direction, s_step, z_step) = (centred, s_centred, z_centred);
             }
-        }
-        if std::env::var_os("SDP_TRACE").is_some() {
-            eprintln!("     mu {complementarity:.2e} pred {:?} ratio {ratio:.2e} sigma {centring:.2e} steps {:?}", self.step_lengths(&predictor, 1.0), (s_step, z_step));
         }
         for (y, d) in point.y.iter_mut().zip(&direction.y) {
             *y += s_step * d;
@@ -472,7 +534,14 @@ impl Run<'_> {
             y.iter_mut().zip(&correction).for_each(|(y, d)| *y += d);
             layout.evaluate(0.0, &y, &mut s);
             z.copy_from_slice(target);
-            sandwich(layout, &point.z, &s, &self.factors.s_inverse, &mut self.work, &mut self.product);
+            sandwich(
+                layout,
+                &point.z,
+                &s,
+                &self.factors.s_inverse,
+                &mut self.work,
+                &mut self.product,
+            );
             z.iter_mut().zip(&self.product).for_each(|(z, p)| *z -= p);
         }
         z.iter_mut().zip(&point.z).for_each(|(z, old)| *z -= old);

@@ -30,7 +30,12 @@ impl Factors {
     /// Room for the problem's blocks.
     pub fn new(layout: &Layout) -> Self {
         let zeros = || vec![0.0; layout.length];
-        let largest = layout.blocks.iter().map(|block| block.side).max().unwrap_or(0);
+        let largest = layout
+            .blocks
+            .iter()
+            .map(|block| block.side)
+            .max()
+            .unwrap_or(0);
         Factors {
             s_root_inverse: zeros(),
             s_inverse: zeros(),

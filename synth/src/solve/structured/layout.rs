@@ -145,10 +145,13 @@ impl Layout {
         let rows: Vec<usize> = (0..cone.side).filter(|&row| touched[row]).collect();
         let side = rows.len();
         let mut position = vec![0; cone.side];
-        rows.iter().enumerate().for_each(|(k, &row)| position[row] = k);
+        rows.iter()
+            .enumerate()
+            .for_each(|(k, &row)| position[row] = k);
         let places = |entries: &[Entry]| -> Vec<Place> {
             let kept = entries.iter().filter(|entry| entry.value != 0.0);
-            kept.map(|e| place_of(position[e.row], position[e.column], e.value, side)).collect()
+            kept.map(|e| place_of(position[e.row], position[e.column], e.value, side))
+                .collect()
         };
         let mut block = Block {
             side,
@@ -182,19 +185,28 @@ impl Layout {
                     }
                 }
             }
-            let factors: Vec<f64> = largest.iter().map(|&size| power_of_two(1.0 / size)).collect();
+            let factors: Vec<f64> = largest
+                .iter()
+                .map(|&size| power_of_two(1.0 / size))
+                .collect();
             for block in &mut self.blocks {
                 block.scale_unknowns(&factors);
                 block.balance_rows();
             }
-            for ((unit, cost), factor) in
-                self.unknown_unit.iter_mut().zip(&mut self.cost).zip(&factors)
+            for ((unit, cost), factor) in self
+                .unknown_unit
+                .iter_mut()
+                .zip(&mut self.cost)
+                .zip(&factors)
             {
                 *unit *= factor;
                 *cost *= factor;
             }
         }
-        let largest_cost = self.cost.iter().fold(0.0_f64, |max, cost| max.max(cost.abs()));
+        let largest_cost = self
+            .cost
+            .iter()
+            .fold(0.0_f64, |max, cost| max.max(cost.abs()));
         let constants = self.blocks.iter().flat_map(|block| &block.constant);
         let largest_constant = constants.fold(0.0_f64, |max, entry| max.max(entry.value().abs()));
         let cost_unit = power_of_two(largest_cost);
@@ -268,7 +280,9 @@ impl Layout {
         out.cost.push(1.0);
         for block in &mut out.blocks {
             block.unknowns.push(shift);
-            block.entries.extend((0..block.side).map(|k| place_of(k, k, 1.0, block.side)));
+            block
+                .entries
+                .extend((0..block.side).map(|k| place_of(k, k, 1.0, block.side)));
             block.starts.push(block.entries.len());
         }
         out.blocks.push(Block {
@@ -308,7 +322,9 @@ impl Layout {
     /// `<constant, W>` with the symmetric part of W.
     pub fn against_constant(&self, w: &[f64]) -> f64 {
         let blocks = self.blocks.iter();
-        blocks.map(|block| inner(&block.constant, &w[block.range()])).sum()
+        blocks
+            .map(|block| inner(&block.constant, &w[block.range()]))
+            .sum()
     }
 
     /// Frobenius norm of the constant.
@@ -352,8 +368,10 @@ impl Block {
             largest[entry.row] = largest[entry.row].max(size);
             largest[entry.column] = largest[entry.column].max(size);
         }
-        let factors: Vec<f64> =
-            largest.iter().map(|&size| power_of_two(1.0 / size.sqrt())).collect();
+        let factors: Vec<f64> = largest
+            .iter()
+            .map(|&size| power_of_two(1.0 / size.sqrt()))
+            .collect();
         for entry in self.entries.iter_mut().chain(&mut self.constant) {
             entry.weight *= factors[entry.row] * factors[entry.column];
         }
@@ -374,7 +392,9 @@ impl Block {
         }
         for (k, &unknown) in self.unknowns.iter().enumerate() {
             let value = y[unknown];
-            self.entries_of(k).iter().for_each(|entry| add(entry, value));
+            self.entries_of(k)
+                .iter()
+                .for_each(|entry| add(entry, value));
         }
     }
 }
@@ -382,7 +402,10 @@ impl Block {
 /// `<A, W>` for the symmetric part of W.
 #[inline(always)]
 fn inner(entries: &[Place], w: &[f64]) -> f64 {
-    entries.iter().map(|e| e.weight * (w[e.at] + w[e.mirror])).sum()
+    entries
+        .iter()
+        .map(|e| e.weight * (w[e.at] + w[e.mirror]))
+        .sum()
 }
 
 fn place_of(row: usize, column: usize, value: f64, side: usize) -> Place {
@@ -406,7 +429,11 @@ fn power_of_two(x: f64) -> f64 {
 /// Zero dual matrices for all cones.
 pub fn zero_duals(problem: &Semidefinite) -> Vec<Vec<f64>> {
     let height = |cone: &lmi::Cone| cone.side * (cone.side + 1) / 2;
-    problem.cones.iter().map(|cone| vec![0.0; height(cone)]).collect()
+    problem
+        .cones
+        .iter()
+        .map(|cone| vec![0.0; height(cone)])
+        .collect()
 }
 
 /// An eigenvector of a constant cone that is clearly not semidefinite.
@@ -418,7 +445,9 @@ fn negative_direction(cone: &lmi::Cone) -> Option<Vec<f64>> {
         full[entry.row * n + entry.column] = entry.value;
     }
     let (values, vectors) = super::dense::eigen(&full, n);
-    let size = values.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
+    let size = values
+        .iter()
+        .fold(0.0_f64, |max, value| max.max(value.abs()));
     let worst = (0..n).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
     (values[worst] < -1e-12 * size).then(|| vectors[worst * n..(worst + 1) * n].to_vec())
 }

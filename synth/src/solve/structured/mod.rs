@@ -29,6 +29,9 @@ const LARGEST_SYSTEM: usize = 20_000;
 /// Most entries of all blocks together.
 const LARGEST_BLOCKS: usize = 100_000_000;
 
+/// How much larger the second cold start is.
+const LARGER_START: f64 = 100.0;
+
 /// Iterations after which a warm start has not helped.
 const WARM_ITERATIONS: u32 = 16;
 
@@ -116,22 +119,29 @@ impl Structured {
             outcome.end = End::Unbounded;
         }
         let [schur, linear, rest] = outcome.seconds;
-        let timings = Timings { schur, linear, rest };
+        let timings = Timings {
+            schur,
+            linear,
+            rest,
+        };
         Ok((solution(problem, &layout, outcome, begin), timings))
     }
 
     fn warm_or_cold(&self, task: &Task<'_>) -> Outcome {
         let Some(memory) = &self.memory else {
-            return interior_point::solve(task, cold_start(task.layout), None);
+            return cold(task, None);
         };
         let shape = warm::shape(task.problem);
-        let known = memory.recall(shape).and_then(|trail| trail.start(task.layout));
+        let known = memory
+            .recall(shape)
+            .and_then(|trail| trail.start(task.layout));
         let mut spent = 0;
         if let Some((start, mut trail)) = known {
-            let short = Task { iterations: WARM_ITERATIONS, ..*task };
-            if std::env::var_os("SDP_B").is_some() { eprintln!("warm start at mu {:.1e}", dense::dot(&start.s, &start.z) / task.layout.order as f64); }
+            let short = Task {
+                iterations: WARM_ITERATIONS,
+                ..*task
+            };
             let outcome = interior_point::solve(&short, start, Some(&mut trail));
-            if std::env::var_os("SDP_B").is_some() { eprintln!("warm end {:?} {} {:?}", outcome.end, outcome.iterations, outcome.measures); }
             match outcome.end {
                 End::Solved | End::Reduced(_) => {
                     memory.keep(shape, trail);
@@ -142,7 +152,7 @@ impl Structured {
             }
         }
         let mut trail = Trail::default();
-        let mut outcome = interior_point::solve(task, cold_start(task.layout), Some(&mut trail));
+        let mut outcome = cold(task, Some(&mut trail));
         outcome.iterations += spent;
         if matches!(outcome.end, End::Solved | End::Reduced(_)) {
             memory.keep(shape, trail);
@@ -151,14 +161,25 @@ impl Structured {
     }
 }
 
+/// From a cold start, and from a larger one when that stalls before anything feasible.
+fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
+    let start = cold_start(task.layout, 1.0);
+    let outcome = interior_point::solve(task, start, trail.as_deref_mut());
+    if !matches!(outcome.end, End::Stalled(_)) {
+        return outcome;
+    }
+    let start = cold_start(task.layout, LARGER_START);
+    let mut second = interior_point::solve(task, start, trail);
+    second.iterations += outcome.iterations;
+    match second.end {
+        End::Stalled(_) if outcome.feasible => outcome,
+        _ => second,
+    }
+}
+
 impl Backend for Structured {
     fn name(&self) -> String {
         format!("{NAME} {}", env!("CARGO_PKG_VERSION"))
-    }
-
-    /// All of them: another vertex adds two small cones and no unknown.
-    fn vertices_at_once(&self) -> usize {
-        usize::MAX
     }
 
     fn solve(
@@ -174,11 +195,19 @@ impl Backend for Structured {
 
 fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
     let unknowns = problem.cost.len();
-    let entries = problem.cones.iter().map(|cone| cone.side.saturating_mul(cone.side));
+    let entries = problem
+        .cones
+        .iter()
+        .map(|cone| cone.side.saturating_mul(cone.side));
     let entries = entries.fold(0_usize, usize::saturating_add);
-    let refused = |reason: String| SolveError::Refused { backend: NAME, reason };
+    let refused = |reason: String| SolveError::Refused {
+        backend: NAME,
+        reason,
+    };
     if unknowns > LARGEST_SYSTEM {
-        return Err(refused(format!("{unknowns} unknowns, at most {LARGEST_SYSTEM} fit")));
+        return Err(refused(format!(
+            "{unknowns} unknowns, at most {LARGEST_SYSTEM} fit"
+        )));
     }
     if entries > LARGEST_BLOCKS {
         let reason = format!("its cones have {entries} entries, at most {LARGEST_BLOCKS} fit");
@@ -192,8 +221,13 @@ fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
 fn ray_of_smallest_shift(task: &Task<'_>) -> Option<Vec<f64>> {
     let shifted = task.layout.smallest_shift();
     let outcome = interior_point::solve(
-        &Task { layout: &shifted, relative_gap: 1e-8, objective_unit: 1.0, ..*task },
-        cold_start(&shifted),
+        &Task {
+            layout: &shifted,
+            relative_gap: 1e-8,
+            objective_unit: 1.0,
+            ..*task
+        },
+        cold_start(&shifted, 1.0),
         None,
     );
     match outcome.end {

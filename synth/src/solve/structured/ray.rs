@@ -41,7 +41,8 @@ pub fn accepted(layout: &Layout, z: &[f64]) -> Option<Vec<f64>> {
     let mut residual = vec![0.0; layout.cost.len()];
     layout.adjoint(z, &mut residual);
     let error: f64 = residual.iter().map(|r| r.abs()).sum();
-    let proves = strength > 0.0 && error * EXCLUDED_SIZE <= strength && positive_definite(layout, z);
+    let proves =
+        strength > 0.0 && error * EXCLUDED_SIZE <= strength && positive_definite(layout, z);
     proves.then(|| z.iter().map(|entry| entry / strength).collect())
 }
 

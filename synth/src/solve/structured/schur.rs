@@ -68,7 +68,14 @@ impl SchurPlan {
             let mut work = Work::default();
             for (plan, block) in self.blocks[part.clone()].iter().zip(&layout.blocks[part]) {
                 let range = block.range();
-                plan.add(block, &z[range.clone()], &s_inverse[range], m, &mut work, out);
+                plan.add(
+                    block,
+                    &z[range.clone()],
+                    &s_inverse[range],
+                    m,
+                    &mut work,
+                    out,
+                );
             }
         };
         match &self.parts[..] {
@@ -167,7 +174,11 @@ fn dense_column(
             if entry.column == column {
                 add_scaled(entry.value(), &z[entry.row * n..(entry.row + 1) * n], p);
             } else if entry.row == column {
-                add_scaled(entry.value(), &z[entry.column * n..(entry.column + 1) * n], p);
+                add_scaled(
+                    entry.value(),
+                    &z[entry.column * n..(entry.column + 1) * n],
+                    p,
+                );
             }
         }
     }

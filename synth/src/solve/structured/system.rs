@@ -44,7 +44,11 @@ impl System {
             if !diagonal.is_finite() {
                 return false;
             }
-            self.scale.push(if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 1.0 });
+            self.scale.push(if diagonal > 0.0 {
+                1.0 / diagonal.sqrt()
+            } else {
+                1.0
+            });
         }
         for j in 0..n {
             let factor = self.scale[j];

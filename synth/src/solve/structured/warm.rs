@@ -68,7 +68,10 @@ fn is_central(layout: &Layout, point: &Point) -> bool {
     }
     let mut products = vec![0.0; layout.cost.len()];
     layout.adjoint(&point.z, &mut products);
-    let squares = products.iter().zip(&layout.cost).map(|(a, c)| (a - c) * (a - c));
+    let squares = products
+        .iter()
+        .zip(&layout.cost)
+        .map(|(a, c)| (a - c) * (a - c));
     let residual = squares.sum::<f64>().sqrt();
     let objective = dense::dot(&layout.cost, &point.y).abs();
     if residual > DUAL_ROOM * complementarity / objective.max(1e-3) {
@@ -106,7 +109,10 @@ impl Memory {
     /// The trail of the last problem of this shape.
     pub fn recall(&self, shape: u64) -> Option<Trail> {
         let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
-        trails.iter().find(|(known, _)| *known == shape).map(|(_, trail)| trail.clone())
+        trails
+            .iter()
+            .find(|(known, _)| *known == shape)
+            .map(|(_, trail)| trail.clone())
     }
 
     /// Keeps a trail in the place of the one of the same shape, or of the oldest.
