@@ -1,5 +1,4 @@
-//! Side by side, in one run: the reduced and the full form with Clarabel, csdp and sdpa on the
-//! exports of both, and cvxpy + Clarabel on the full form, for models/xu2020.json; then growth with
+//! Side by side, in one run: Clarabel and the structured solver, csdp and sdpa on the exports of all forms, and cvxpy + Clarabel on the full form, for models/xu2020.json; then growth with
 //! the number of vertices. Other solvers are left out, and named, when they are not installed.
 //!
 //! `cargo bench --bench synthesis` runs everything; `-- --quick` leaves out what takes minutes;
@@ -16,7 +15,7 @@ use std::time::Instant;
 
 use synth::lmi::Semidefinite;
 use synth::model::Model;
-use synth::solve::{Accuracy, Backend, Clarabel, Padding, Solution};
+use synth::solve::{Accuracy, Backend, Clarabel, Padding, Solution, Structured};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
 /// One line of the table.
@@ -58,9 +57,12 @@ fn problem(form: Form) -> (Semidefinite, Accuracy) {
     (problem, Goal::SmallestGain.accuracy(&task))
 }
 
-fn solve((problem, accuracy): &(Semidefinite, Accuracy), padding: Padding) -> (Solution, f64) {
+fn clarabel(padding: Padding) -> Clarabel {
+    Clarabel { padding }
+}
+
+fn solve((problem, accuracy): &(Semidefinite, Accuracy), backend: &dyn Backend) -> (Solution, f64) {
     let start = Instant::now();
-    let backend = Clarabel { padding };
     let solution = backend
         .solve(problem, *accuracy, None)
         .expect("the backend accepts the problem");
@@ -68,16 +70,12 @@ fn solve((problem, accuracy): &(Semidefinite, Accuracy), padding: Padding) -> (S
 }
 
 fn child(form: &str, padding: &str) {
-    let form = if form == "full" {
-        Form::Full
-    } else {
-        Form::Reduced
+    let form = Form::named(form).unwrap_or(Form::Reduced);
+    let (solution, seconds) = match padding {
+        "padded" => solve(&problem(form), &clarabel(Padding::default())),
+        "unpadded" => solve(&problem(form), &clarabel(Padding::None)),
+        _ => solve(&problem(form), &Structured::default()),
     };
-    let padding = match padding {
-        "padded" => Padding::default(),
-        _ => Padding::None,
-    };
-    let (solution, seconds) = solve(&problem(form), padding);
     println!(
         "{seconds} {} {} {}",
         solution.objective,
@@ -86,7 +84,7 @@ fn child(form: &str, padding: &str) {
     );
 }
 
-fn clarabel_row(form: &str, padding: &str) -> Row {
+fn own_row(form: &str, padding: &str) -> Row {
     let program = std::env::current_exe().expect("this program's path");
     let output = Command::new(program)
         .args(["--child", form, padding])
@@ -96,7 +94,10 @@ fn clarabel_row(form: &str, padding: &str) -> Row {
     let words: Vec<&str> = text.split_whitespace().collect();
     let number = |index: usize| words.get(index).and_then(|word| word.parse().ok());
     Row {
-        what: format!("Clarabel, {form}, {padding}"),
+        what: match padding {
+            "structured" => format!("structured, {form}"),
+            _ => format!("Clarabel, {form}, {padding}"),
+        },
         seconds: number(0),
         gamma: number(1),
         note: format!(
@@ -109,14 +110,17 @@ fn clarabel_row(form: &str, padding: &str) -> Row {
 
 fn side_by_side(folder: &Path, quick: bool) -> Vec<Row> {
     let mut rows = vec![
-        clarabel_row("reduced", "padded"),
-        clarabel_row("reduced", "unpadded"),
+        own_row("reduced", "padded"),
+        own_row("reduced", "unpadded"),
+        own_row("slack", "structured"),
+        own_row("reduced", "structured"),
     ];
     if !quick {
-        rows.push(clarabel_row("full", "unpadded"));
-        rows.push(clarabel_row("full", "padded"));
+        rows.push(own_row("full", "unpadded"));
+        rows.push(own_row("full", "padded"));
     }
-    for (name, form) in [("reduced", Form::Reduced), ("full", Form::Full)] {
+    for form in [Form::Reduced, Form::Slack, Form::Full] {
+        let name = form.name();
         let file = folder.join(format!("{name}.dat-s"));
         std::fs::write(&file, problem(form).0.to_sdpa(name)).expect("a writable temporary folder");
         rows.push(external::csdp(&file, name));

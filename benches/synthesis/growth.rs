@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use synth::model::{LinearBound, Model, ModelFile, PlantFile, VerticesPlant};
-use synth::solve::Clarabel;
+use synth::solve::{Backend, Clarabel, Structured};
 use synth::synthesis::{synthesize, Form, Outcome};
 
 use super::external::peak_memory_mb;
@@ -15,27 +15,35 @@ pub fn run(quick: bool) {
     print_rows(parameters);
 }
 
-/// One whole synthesis, for a number of vertices that is a power of two from 16 on.
+/// One whole synthesis with each solver, for a number of vertices that is a power of two from 16 on.
 pub fn run_one(vertices: u32) {
     assert!(vertices.is_power_of_two() && (16..=4096).contains(&vertices));
     print_rows(&[vertices.trailing_zeros()]);
 }
 
 fn print_rows(parameters: &[u32]) {
-    let rows: Vec<Row> = parameters
-        .iter()
-        .map(|&count| synthesis_row(count))
-        .collect();
-    print_table(
-        "growth: whole synthesis, reduced form (peak memory so far)",
-        &rows,
-    );
+    let solvers: [(&dyn Backend, Form); 2] = [
+        (&Structured::default(), Form::Slack),
+        (&Clarabel::default(), Form::Reduced),
+    ];
+    for (backend, form) in solvers {
+        let rows: Vec<Row> = parameters
+            .iter()
+            .map(|&count| synthesis_row(count, backend, form))
+            .collect();
+        let title = format!(
+            "growth: whole synthesis, {}, {} form (peak memory so far)",
+            backend.name(),
+            form.name()
+        );
+        print_table(&title, &rows);
+    }
 }
 
-fn synthesis_row(parameters: u32) -> Row {
+fn synthesis_row(parameters: u32, backend: &dyn Backend, form: Form) -> Row {
     let model = Model::new(model_file(parameters)).expect("a valid model");
     let start = Instant::now();
-    let outcome = synthesize(&model, "", Form::Reduced, &Clarabel::default(), None);
+    let outcome = synthesize(&model, "", form, backend, None);
     let seconds = start.elapsed().as_secs_f64();
     let what = format!("{} vertices", 1_u32 << parameters);
     match outcome {

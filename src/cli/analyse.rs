@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use synth::solve::Clarabel;
 use synth::synthesis;
 
 use super::progress::SolverProgress;
+use super::solver::SolverArg;
 use super::synthesize::{solver_problem, Ending};
 use super::{files, CliError};
 
@@ -21,6 +21,9 @@ pub struct AnalyseArgs {
     /// Design file to write: the gains with their proof
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Solver
+    #[arg(long, default_value = "clarabel")]
+    solver: SolverArg,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -46,7 +49,7 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         &text,
         &gains.gains,
         &gains_text,
-        &Clarabel::default(),
+        args.solver.backend().as_ref(),
         Some(progress.observer()),
     );
     let outcome = outcome.map_err(|error| solver_problem(&args.model, error))?;
@@ -57,6 +60,7 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         output: args.output.as_deref(),
         json: args.json,
         form: synthesis::Form::Reduced,
+        cross_check: None,
         what: "proof for these gains",
     };
     ending.tell(outcome)

@@ -90,9 +90,6 @@ fn problem_program(
 
 fn of_design(args: &ExportArgs, text: &str) -> Result<(Model, ProblemUnits, Form), CliError> {
     let (design, model) = files::design_of(&args.file, text)?;
-    let form = match design.provenance.form == Form::Full.name() {
-        true => Form::Full,
-        false => Form::Reduced,
-    };
+    let form = Form::named(&design.provenance.form).unwrap_or(Form::Reduced);
     Ok((model, design.provenance.problem, form))
 }

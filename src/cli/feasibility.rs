@@ -8,9 +8,10 @@ use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::feasibility::{decide, relaxations, Answer, Decision, Relaxation};
 use synth::model::Model;
-use synth::solve::Clarabel;
+use synth::solve::Backend;
 
 use super::progress::SolverProgress;
+use super::solver::SolverArg;
 use super::synthesize::solver_problem;
 use super::verify::exit_code;
 use super::{files, print, CliError, EXIT_NO};
@@ -26,6 +27,9 @@ pub struct FeasibilityArgs {
     /// Do not search for the requirement whose relaxation makes an infeasible model feasible
     #[arg(long)]
     no_relaxations: bool,
+    /// Solver
+    #[arg(long, default_value = "clarabel")]
+    solver: SolverArg,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -38,10 +42,11 @@ pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    let backend = Clarabel::default();
+    let backend = args.solver.backend();
+    let backend = backend.as_ref();
     let start = Instant::now();
     let progress = SolverProgress::start("assembling the conditions");
-    let found = decide(&model, &text, &backend, Some(progress.observer()));
+    let found = decide(&model, &text, backend, Some(progress.observer()));
     drop(progress);
     let decision = found.map_err(|error| solver_problem(&args.model, error))?;
     let seconds = start.elapsed().as_secs_f64();
@@ -56,7 +61,7 @@ pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
     }
     let wanted = matches!(decision.answer, Answer::Infeasible(_)) && !args.no_relaxations;
     let relaxed = match wanted {
-        true => Some(relax(args, &model, &backend)?),
+        true => Some(relax(args, &model, backend)?),
         false => None,
     };
     if args.json {
@@ -73,7 +78,7 @@ pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
 fn relax(
     args: &FeasibilityArgs,
     model: &Model,
-    backend: &Clarabel,
+    backend: &dyn Backend,
 ) -> Result<Vec<Relaxation>, CliError> {
     let progress = SolverProgress::start("relaxing one requirement after the other");
     let found = relaxations(model, backend, Some(progress.observer()));

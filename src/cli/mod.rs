@@ -3,6 +3,7 @@
 mod analyse;
 mod check;
 mod compare;
+mod cross_check;
 mod error;
 mod export;
 mod feasibility;
@@ -12,6 +13,8 @@ mod progress;
 mod report;
 mod schema;
 mod simulate;
+mod solve;
+mod solver;
 mod sweep;
 mod synthesize;
 mod tune;
@@ -67,6 +70,8 @@ enum Verb {
     Schema(schema::SchemaArgs),
     /// Write the semidefinite program of a model or design for other solvers
     Export(export::ExportArgs),
+    /// Solve a semidefinite program given as SDPA sparse text
+    Solve(solve::SolveArgs),
 }
 
 /// Runs the command line and returns its exit status: 0 done; 1 bad usage or input; 2 the answer is
@@ -93,6 +98,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Check(args) => check::run(args),
         Verb::Schema(args) => schema::run(args),
         Verb::Export(args) => export::run(args),
+        Verb::Solve(args) => solve::run(args),
     };
     outcome.unwrap_or_else(|error| {
         complain(&error.to_string());

@@ -8,7 +8,6 @@ use synth::certify::{Report, Verdict};
 use synth::problem::{
     self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
-use synth::solve::Clarabel;
 
 use super::progress::SolverProgress;
 use super::synthesize::{describe_run, print_end, solver_problem, SynthesizeArgs};
@@ -44,7 +43,7 @@ pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<ExitCode, CliErro
 fn solve(args: &SynthesizeArgs, problem: &Problem, text: &str) -> Result<ProblemOutcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    let found = problem::synthesize(problem, text, &Clarabel::default(), observer);
+    let found = problem::synthesize(problem, text, args.solver.backend().as_ref(), observer);
     found.map_err(|error| solver_problem(&args.model, error))
 }
 

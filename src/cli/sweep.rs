@@ -10,6 +10,7 @@ use synth::model::read_text;
 
 use super::progress::PartsProgress;
 use super::simulate::design_of;
+use super::solver::SolverArg;
 use super::{print, CliError};
 use crate::harness::output::{create_folder, write};
 use crate::harness::scenario::Scenario;
@@ -44,6 +45,9 @@ pub struct SweepArgs {
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
+    /// Solver, for models
+    #[arg(long, default_value = "clarabel")]
+    solver: SolverArg,
     /// Threads; one for each processor when left out
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     jobs: usize,
@@ -85,7 +89,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         return Subject::scenario(text, design.map(Box::new)).map_err(failed);
     }
     match &args.design {
-        None => Subject::model(text).map_err(failed),
+        None => Subject::model(text, args.solver.choice()).map_err(failed),
         Some(_) => Err(CliError::Argument {
             argument: "--design",
             reason: "a design goes with a scenario; this file is none".to_string(),

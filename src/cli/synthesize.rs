@@ -9,12 +9,13 @@ use synth::certify::Verdict;
 use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision};
 use synth::model::{kind_of, Kind, Model};
-use synth::solve::{Clarabel, Padding, SolveError};
-use synth::synthesis::{self, Outcome, SynthesisError, Synthesized};
+use synth::solve::SolveError;
+use synth::synthesis::{self, Form, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
+use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
-use super::{feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
+use super::{cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
 use crate::harness::design::certified_angle_deg;
 
 /// Arguments of `synthesize`.
@@ -28,25 +29,32 @@ pub struct SynthesizeArgs {
     /// What to optimise, in place of the model's own objective
     #[arg(long)]
     objective: Option<ObjectiveArg>,
-    /// Form of the decrease condition; reduced when left out
+    /// Form of the decrease condition; by default reduced for clarabel, slack for structured
     #[arg(long)]
     form: Option<FormArg>,
+    /// Solver
+    #[arg(long, default_value = "clarabel")]
+    pub(super) solver: SolverArg,
+    /// Minimise gamma with both solvers at the end and report the difference
+    #[arg(long)]
+    cross_check: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
 impl SynthesizeArgs {
-    fn form(&self) -> FormArg {
-        self.form.unwrap_or(FormArg::Reduced)
+    fn form(&self) -> Form {
+        self.form.map_or(self.solver.form(), Form::from)
     }
 
     /// An option given that says nothing about a problem file.
     pub(super) fn option_without_use(&self) -> Option<&'static str> {
-        match (self.form, self.objective) {
-            (Some(_), _) => Some("--form"),
-            (None, Some(_)) => Some("--objective"),
-            (None, None) => None,
+        match (self.form, self.objective, self.cross_check) {
+            (Some(_), _, _) => Some("--form"),
+            (None, Some(_), _) => Some("--objective"),
+            (None, None, true) => Some("--cross-check"),
+            (None, None, false) => None,
         }
     }
 }
@@ -63,6 +71,8 @@ pub enum ObjectiveArg {
 pub enum FormArg {
     /// Small cones, exactly equivalent
     Reduced,
+    /// Few unknowns, exactly equivalent
+    Slack,
     /// Large cones, as published
     Full,
 }
@@ -71,6 +81,7 @@ impl From<FormArg> for synthesis::Form {
     fn from(form: FormArg) -> Self {
         match form {
             FormArg::Reduced => synthesis::Form::Reduced,
+            FormArg::Slack => synthesis::Form::Slack,
             FormArg::Full => synthesis::Form::Full,
         }
     }
@@ -95,7 +106,8 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         model: &model,
         output: args.output.as_deref(),
         json: args.json,
-        form: args.form().into(),
+        form: args.form(),
+        cross_check: args.cross_check.then_some(args.solver),
         what: "design",
     };
     ending.tell(outcome)
@@ -113,6 +125,8 @@ pub struct Ending<'a> {
     pub json: bool,
     /// Form of the decrease condition.
     pub form: synthesis::Form,
+    /// The solver used, when the other is to be asked too.
+    pub cross_check: Option<SolverArg>,
     /// What was sought: a design, or a proof for given gains.
     pub what: &'static str,
 }
@@ -137,14 +151,9 @@ impl Ending<'_> {
 fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    // Padding makes the full form faster but costs it digits, and it is there for comparison.
-    let backend = match args.form() {
-        FormArg::Reduced => Clarabel::default(),
-        FormArg::Full => Clarabel {
-            padding: Padding::None,
-        },
-    };
-    let found = synthesis::synthesize(model, text, args.form().into(), &backend, observer);
+    let form = args.form();
+    let backend = args.solver.backend_for(form);
+    let found = synthesis::synthesize(model, text, form, backend.as_ref(), observer);
     found.map_err(|error| solver_problem(&args.model, error))
 }
 
@@ -173,6 +182,9 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
             .verify(&model)
             .map_err(|problem| CliError::value(path, problem))?;
     }
+    let check = args.cross_check;
+    let check = check.map(|solver| cross_check::run(solver, args, &design));
+    let check = check.transpose()?;
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
@@ -192,6 +204,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
                 "solver_runs": design.file.provenance.solver_runs,
+                "cross_check": check.as_ref().map(cross_check::json),
             })
             .to_string(),
         );
@@ -203,6 +216,9 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     ));
     for run in &design.file.provenance.solver_runs {
         print(&describe_run(run));
+    }
+    if let Some(check) = &check {
+        cross_check::tell(check);
     }
     print(&format!("gamma: {:.6}", part.gamma));
     print(&format!(

@@ -2,12 +2,14 @@
 
 mod active;
 mod assemble;
+mod cross_check;
 mod run;
 mod search;
 mod solver;
 mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
+pub use cross_check::{cross_check, Candidate, CrossCheck, Found};
 pub use run::{
     analyse, scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
 };

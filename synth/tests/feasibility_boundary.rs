@@ -5,6 +5,7 @@
 mod exact;
 #[path = "support/random.rs"]
 mod random;
+#[allow(dead_code)] // One of the two solvers is used.
 #[path = "../../tests/support/solvers.rs"]
 mod solvers;
 

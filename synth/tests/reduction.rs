@@ -15,8 +15,8 @@ use synth::conditions::Task;
 use synth::lmi::{Affine, Condition, Unknowns};
 use synth::model::Model;
 use synth::reduce::cliques::{split, NotChordal, Split};
-use synth::reduce::decrease_conditions;
 use synth::reduce::vertex_slack::{block_sizes, coordinates};
+use synth::reduce::{decrease_conditions, Cliques};
 use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
@@ -134,6 +134,7 @@ fn reduced(task: &Task, mut point: Point, margin: f64) -> Reduced {
         &mut point.unknowns,
         &point.design,
         &Strictness::fixed(margin),
+        Cliques::Split,
     );
     point.values.resize(point.unknowns.count(), 0.0);
     Reduced { conditions, point }

@@ -7,7 +7,7 @@ use serde_json::Value;
 use synth::certify::{Report, Verdict};
 use synth::feasibility::{Answer, Decision};
 use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile};
-use synth::solve::{Clarabel, Observer};
+use synth::solve::{Backend, Observer};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
 use super::grid::Grid;
@@ -30,7 +30,18 @@ pub enum Subject {
     Model {
         /// The file.
         file: Value,
+        /// The solver.
+        solver: SolverChoice,
     },
+}
+
+/// A solver and the form of the problems it is given.
+#[derive(Debug, Clone, Copy)]
+pub struct SolverChoice {
+    /// Makes a solver.
+    pub backend: fn() -> Box<dyn Backend>,
+    /// The form of the decrease condition.
+    pub form: Form,
 }
 
 /// Conditions that block a synthesis, as many as a row names.
@@ -54,10 +65,11 @@ impl Subject {
     ///
     /// # Errors
     /// The first field that is missing, unknown, of the wrong type or out of its range.
-    pub fn model(text: &str) -> Result<Self, FileError> {
+    pub fn model(text: &str, solver: SolverChoice) -> Result<Self, FileError> {
         let file: &ModelFile = &Model::from_json(text)?.file;
         Ok(Subject::Model {
             file: value_of(file),
+            solver,
         })
     }
 
@@ -69,7 +81,7 @@ impl Subject {
     /// The file with its defaults.
     pub fn file(&self) -> &Value {
         match self {
-            Subject::Scenario { file, .. } | Subject::Model { file } => file,
+            Subject::Scenario { file, .. } | Subject::Model { file, .. } => file,
         }
     }
 
@@ -90,7 +102,7 @@ impl Subject {
         };
         match self {
             Subject::Scenario { design, .. } => run_scenario(row, &text, design.as_deref()),
-            Subject::Model { .. } => run_model(row, &text, stop),
+            Subject::Model { solver, .. } => run_model(row, &text, *solver, stop),
         }
     }
 }
@@ -136,15 +148,21 @@ fn why_not(summary: &Summary) -> Option<String> {
     }
 }
 
-fn run_model(values: Vec<f64>, text: &str, stop: &Arc<AtomicBool>) -> PointOutcome {
+fn run_model(
+    values: Vec<f64>,
+    text: &str,
+    solver: SolverChoice,
+    stop: &Arc<AtomicBool>,
+) -> PointOutcome {
     let model = match Model::from_json(text) {
         Ok(model) => model,
         Err(error) => return PointOutcome::invalid(values, error),
     };
     let stop = Arc::clone(stop);
     let observer: Observer = Arc::new(move |_| !stop.load(Ordering::Relaxed));
-    let backend = Clarabel::default();
-    let outcome = synthesis::synthesize(&model, text, Form::Reduced, &backend, Some(observer));
+    let backend = (solver.backend)();
+    let outcome =
+        synthesis::synthesize(&model, text, solver.form, backend.as_ref(), Some(observer));
     match outcome {
         Ok(Outcome::Solved(design)) => designed(values, &design),
         Ok(Outcome::Infeasible(decision)) => {

@@ -4,6 +4,7 @@
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
 
 pub mod definite;
+pub mod exclusion;
 pub mod infeasible;
 pub mod interval;
 pub mod matrix;

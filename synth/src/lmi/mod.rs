@@ -31,11 +31,13 @@ mod affine;
 mod blocks;
 mod condition;
 mod sdpa;
+mod sdpa_read;
 mod semidefinite;
 mod unknowns;
 
 pub use affine::Affine;
 pub use blocks::SymmetricBlocks;
 pub use condition::{Condition, Problem};
+pub use sdpa_read::SdpaError;
 pub use semidefinite::{svec_index, Cone, Entry, Semidefinite};
 pub use unknowns::Unknowns;

@@ -16,7 +16,7 @@ pub use file::{
     MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
-pub use read::{kind_of, parse, read_text, write_atomically, MAX_FILE_BYTES};
+pub use read::{kind_of, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES};
 pub use validate::{Model, MAX_SCHEDULED_RULES};
 
 pub use validate::{

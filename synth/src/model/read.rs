@@ -15,6 +15,11 @@ pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
 /// Reads a whole text file of at most [`MAX_FILE_BYTES`].
 pub fn read_text(path: &Path) -> Result<String, FileError> {
+    read_text_up_to(path, MAX_FILE_BYTES)
+}
+
+/// Reads a whole text file of at most `limit` bytes.
+pub fn read_text_up_to(path: &Path, limit: u64) -> Result<String, FileError> {
     let failed = |source| FileError::Io {
         action: "cannot be read",
         source,
@@ -24,20 +29,17 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     if information.is_dir() {
         return Err(failed(std::io::ErrorKind::IsADirectory.into()));
     }
-    let too_large = |bytes| FileError::TooLarge {
-        bytes,
-        limit: MAX_FILE_BYTES,
-    };
-    if information.len() > MAX_FILE_BYTES {
+    let too_large = |bytes| FileError::TooLarge { bytes, limit };
+    if information.len() > limit {
         return Err(too_large(information.len()));
     }
     // A pipe or a device does not say its length.
     let mut bytes = Vec::new();
-    file.take(MAX_FILE_BYTES + 1)
+    file.take(limit + 1)
         .read_to_end(&mut bytes)
         .map_err(failed)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(too_large(MAX_FILE_BYTES + 1));
+    if bytes.len() as u64 > limit {
+        return Err(too_large(limit + 1));
     }
     String::from_utf8(bytes).map_err(|error| FileError::NotText {
         position: error.utf8_error().valid_up_to(),

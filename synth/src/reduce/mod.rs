@@ -18,6 +18,15 @@ use crate::conditions::xu2020::{gain_suffix, DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Condition, Unknowns};
 
+/// Whether the condition with the vertex slack is split into its cliques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cliques {
+    /// Small cones and a free matrix for each separator: for solvers whose work grows with the side of a cone.
+    Split,
+    /// One cone for each end of the interval: for solvers whose work grows with the number of unknowns.
+    Whole,
+}
+
 /// (18) for the chosen vertices and both ends of the sampling interval, reduced.
 pub fn decrease_conditions(
     task: &Task,
@@ -25,6 +34,7 @@ pub fn decrease_conditions(
     unknowns: &mut Unknowns,
     design: &DesignUnknowns,
     strictness: &Strictness,
+    cliques: Cliques,
 ) -> Vec<Condition> {
     if task.gains.matched().is_some() {
         return rule_slack::conditions(task, unknowns, design, strictness);
@@ -33,8 +43,9 @@ pub fn decrease_conditions(
     for rule in 0..design.gain_count() {
         let at_rule = design.with_rule(rule);
         let suffix = gain_suffix(design.gain_count(), rule);
+        let how = (suffix.as_str(), cliques);
         out.extend(vertex_slack::conditions(
-            task, chosen, unknowns, &at_rule, strictness, &suffix,
+            task, chosen, unknowns, &at_rule, strictness, how,
         ));
     }
     out

@@ -8,6 +8,7 @@
 use nalgebra::DMatrix;
 
 use super::cliques::{self, Split};
+use super::Cliques;
 use crate::conditions::xu2020::{
     condition_name, decrease_form, Coordinates, DesignUnknowns, Interval, Strictness,
     DEAD_ZONE_UNIT,
@@ -124,7 +125,7 @@ pub fn conditions(
     unknowns: &mut Unknowns,
     design: &DesignUnknowns,
     strictness: &Strictness,
-    suffix: &str,
+    (suffix, cliques): (&str, Cliques),
 ) -> Vec<Condition> {
     let n = task.system.states();
     let mut out = Vec::new();
@@ -136,7 +137,10 @@ pub fn conditions(
         lhs.add_block(0, 0, &slack);
         let strict = strictness.positive_against("", -lhs, &margin_weight(&at));
         let sizes = block_sizes(task, design, interval);
-        let order = splits(design, interval);
+        let order = match cliques {
+            Cliques::Split => splits(design, interval),
+            Cliques::Whole => Vec::new(),
+        };
         let parts = cliques::split(strict.expression(), &sizes, &order, unknowns)
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {

@@ -61,7 +61,7 @@ impl Backend for Clarabel {
         accuracy: Accuracy,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError> {
-        check_finite(problem)?;
+        super::check_finite(NAME, problem)?;
         super::lapack::link();
         let (matrix, rhs, cones) = conic_form(problem, self.padding);
         let unknowns = problem.cost.len();
@@ -113,23 +113,6 @@ fn refused(error: impl std::fmt::Display) -> SolveError {
     SolveError::Refused {
         backend: NAME,
         reason: error.to_string(),
-    }
-}
-
-fn check_finite(problem: &Semidefinite) -> Result<(), SolveError> {
-    let finite = |cone: &Cone| {
-        let coefficients = cone.coefficients.iter().flat_map(|(_, entries)| entries);
-        cone.constant
-            .iter()
-            .chain(coefficients)
-            .all(|entry| entry.value.is_finite())
-    };
-    match problem.cones.iter().find(|cone| !finite(cone)) {
-        None => Ok(()),
-        Some(cone) => Err(SolveError::NotFinite {
-            backend: NAME,
-            condition: cone.name.clone(),
-        }),
     }
 }
 

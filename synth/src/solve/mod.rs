@@ -5,12 +5,16 @@
 
 mod clarabel;
 pub mod lapack;
+mod residuals;
+mod structured;
 
 pub use clarabel::{Clarabel, Padding};
+pub use residuals::{residuals, Residuals};
+pub use structured::{Structured, Timings};
 
 use std::sync::Arc;
 
-use crate::lmi::Semidefinite;
+use crate::lmi::{Cone, Semidefinite};
 
 /// How a solver ended, in its own opinion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,6 +102,11 @@ pub trait Backend {
     /// Name and version, for the provenance of a design.
     fn name(&self) -> String;
 
+    /// Vertices of a model that are put to this solver at once; of more, only those that matter.
+    fn vertices_at_once(&self) -> usize {
+        24
+    }
+
     /// Minimises the objective of `problem` to the accuracy asked for; the observer is called between
     /// iterations.
     fn solve(
@@ -106,4 +115,28 @@ pub trait Backend {
         accuracy: Accuracy,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError>;
+}
+
+/// Refuses a problem with a number that is not finite.
+fn check_finite(backend: &'static str, problem: &Semidefinite) -> Result<(), SolveError> {
+    let finite = |cone: &Cone| {
+        let coefficients = cone.coefficients.iter().flat_map(|(_, entries)| entries);
+        cone.constant
+            .iter()
+            .chain(coefficients)
+            .all(|entry| entry.value.is_finite())
+    };
+    if !(problem.offset.is_finite() && problem.cost.iter().all(|cost| cost.is_finite())) {
+        return Err(SolveError::NotFinite {
+            backend,
+            condition: "objective".to_string(),
+        });
+    }
+    match problem.cones.iter().find(|cone| !finite(cone)) {
+        None => Ok(()),
+        Some(cone) => Err(SolveError::NotFinite {
+            backend,
+            condition: cone.name.clone(),
+        }),
+    }
 }

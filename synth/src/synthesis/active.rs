@@ -8,9 +8,6 @@ use crate::conditions::xu2020::{decrease, vertex_term, Interval};
 use crate::conditions::Task;
 use crate::solve::Solution;
 
-/// Up to this many vertices all are used at once.
-pub(super) const MANY_VERTICES: usize = 24;
-
 /// Vertices chosen before anything is known.
 const FIRST_CHOICE: usize = 8;
 

@@ -3,14 +3,16 @@
 use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, Problem, Unknowns};
-use crate::reduce;
+use crate::reduce::{self, Cliques};
 use crate::solve::Accuracy;
 
-/// How the decrease condition (18) is put to the solver; both have the same solutions.
+/// How the decrease condition (18) is put to the solver; all have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// No sector unknowns, vertex slack and cliques: many small cones.
     Reduced,
+    /// No sector unknowns, vertex slack, cliques not split: few unknowns.
+    Slack,
     /// One large cone for each vertex and each end of the sampling interval, as published.
     Full,
 }
@@ -20,8 +22,15 @@ impl Form {
     pub fn name(self) -> &'static str {
         match self {
             Form::Reduced => "reduced",
+            Form::Slack => "slack",
             Form::Full => "full",
         }
+    }
+
+    /// The form of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Form::Reduced, Form::Slack, Form::Full];
+        all.into_iter().find(|form| form.name() == name)
     }
 }
 
@@ -98,7 +107,7 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
     let mut unknowns = Unknowns::new();
     let sector = match (form, &task.gains.given) {
         // Only gains that may be chosen need no sector unknowns.
-        (Form::Reduced, None) => Sector::Unsaturated,
+        (Form::Reduced | Form::Slack, None) => Sector::Unsaturated,
         _ => Sector::Unknown,
     };
     let mut design = DesignUnknowns::new(&mut unknowns, task, sector);
@@ -123,10 +132,12 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
     if let Goal::LargestMargin { .. } = goal {
         conditions.push(bounded_trigger_weight(&design));
     }
+    let mut reduced = |cliques| {
+        reduce::decrease_conditions(task, chosen, &mut unknowns, &design, &strictness, cliques)
+    };
     conditions.extend(match form {
-        Form::Reduced => {
-            reduce::decrease_conditions(task, chosen, &mut unknowns, &design, &strictness)
-        }
+        Form::Reduced => reduced(Cliques::Split),
+        Form::Slack => reduced(Cliques::Whole),
         Form::Full => full_decrease(task, chosen, &design, &strictness),
     });
     Assembled {

@@ -1,6 +1,6 @@
 //! Runs of a solver for one model.
 
-use super::active::{self, MANY_VERTICES};
+use super::active;
 use super::run::SynthesisError;
 use super::solver::{run_solver, Sought};
 use super::{assemble_at, Assembled, Form, Goal};
@@ -48,7 +48,7 @@ impl<'a> Search<'a> {
         goal: Goal,
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let all: Vec<usize> = (0..task.system.vertices.len()).collect();
-        let few = all.len() <= MANY_VERTICES || task.gains.count > 1;
+        let few = all.len() <= self.backend.vertices_at_once() || task.gains.count > 1;
         if self.form == Form::Full || few {
             return self.solve_at(task, goal, &all);
         }

@@ -1,0 +1,64 @@
+//! Which solver: the option shared by the verbs.
+
+use clap::ValueEnum;
+use synth::solve::{Backend, Clarabel, Padding, Structured};
+use synth::synthesis::Form;
+
+use crate::harness::sweep::subject::SolverChoice;
+
+/// A semidefinite programming solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SolverArg {
+    /// A general conic interior-point method
+    Clarabel,
+    /// An interior-point method for few unknowns and many small cones
+    Structured,
+}
+
+impl SolverArg {
+    /// The solver with its usual settings.
+    pub fn backend(self) -> Box<dyn Backend> {
+        match self {
+            SolverArg::Clarabel => Box::new(Clarabel::default()),
+            SolverArg::Structured => Box::new(Structured::default()),
+        }
+    }
+
+    /// The solver with the settings that suit a form.
+    pub fn backend_for(self, form: Form) -> Box<dyn Backend> {
+        match (self, form) {
+            // Padding makes the full form faster but costs it digits, and it is there for comparison.
+            (SolverArg::Clarabel, Form::Full) => Box::new(Clarabel {
+                padding: Padding::None,
+            }),
+            _ => self.backend(),
+        }
+    }
+
+    /// The solver with its form, for many problems.
+    pub fn choice(self) -> SolverChoice {
+        SolverChoice {
+            backend: match self {
+                SolverArg::Clarabel => || Box::new(Clarabel::default()),
+                SolverArg::Structured => || Box::new(Structured::default()),
+            },
+            form: self.form(),
+        }
+    }
+
+    /// The form of the decrease condition that the solver is fastest with.
+    pub fn form(self) -> Form {
+        match self {
+            SolverArg::Clarabel => Form::Reduced,
+            SolverArg::Structured => Form::Slack,
+        }
+    }
+
+    /// The other solver.
+    pub fn other(self) -> Self {
+        match self {
+            SolverArg::Clarabel => SolverArg::Structured,
+            SolverArg::Structured => SolverArg::Clarabel,
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! Kernels for small dense matrices, column-major, side n in slices of n * n.
+//!
+//! Plain loops over columns: the blocks have sides of about 6 to 36, where calling a general library costs more
+//! than the arithmetic. The order of every sum is fixed, so results do not depend on the machine's
+//! vector width.
+
+/// `y += a x`.
+#[inline(always)]
+fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
+/// `y += a0 x0 + a1 x1 + a2 x2 + a3 x3`, all of the same length.
+#[inline(always)]
+fn axpy4(a: [f64; 4], x: [&[f64]; 4], y: &mut [f64]) {
+    let n = y.len();
+    let (x0, x1, x2, x3) = (&x[0][..n], &x[1][..n], &x[2][..n], &x[3][..n]);
+    for i in 0..n {
+        y[i] += (a[0] * x0[i] + a[1] * x1[i]) + (a[2] * x2[i] + a[3] * x3[i]);
+    }
+}
+
+/// `y += sum_k weight(k) column(k)` for k in the range; `columns` is column-major with n rows, of which
+/// those from `top` on count.
+#[inline(always)]
+fn combine(
+    columns: &[f64],
+    n: usize,
+    top: usize,
+    range: std::ops::Range<usize>,
+    weight: impl Fn(usize) -> f64,
+    y: &mut [f64],
+) {
+    let column = |k: usize| &columns[k * n + top..(k + 1) * n];
+    let mut k = range.start;
+    while k + 4 <= range.end {
+        axpy4(
+            [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)],
+            [column(k), column(k + 1), column(k + 2), column(k + 3)],
+            y,
+        );
+        k += 4;
+    }
+    while k < range.end {
+        axpy(weight(k), column(k), y);
+        k += 1;
+    }
+}
+
+/// The sum of the entrywise products, summed in four lanes.
+#[inline(always)]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a4
+        .remainder()
+        .iter()
+        .zip(b4.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
+    for (a, b) in a4.zip(b4) {
+        for lane in 0..4 {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
+}
+
+/// Factors `A = L L'` in place: the lower triangle becomes L, the upper one zero. `false` when a pivot is
+/// not positive and finite.
+#[must_use]
+#[inline(always)]
+pub fn cholesky(a: &mut [f64], n: usize) -> bool {
+    for j in 0..n {
+        let (factor, rest) = a.split_at_mut(j * n);
+        let column = &mut rest[..n];
+        combine(factor, n, j, 0..j, |k| -factor[k * n + j], &mut column[j..]);
+        let pivot = column[j];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        let root = pivot.sqrt();
+        let inverse = 1.0 / root;
+        column[..j].fill(0.0);
+        column[j] = root;
+        column[j + 1..]
+            .iter_mut()
+            .for_each(|entry| *entry *= inverse);
+    }
+    true
+}
+
+/// `out = L^-1`, lower triangular.
+#[inline(always)]
+pub fn invert_lower(l: &[f64], out: &mut [f64], n: usize) {
+    // Column j of the inverse solves L x = e_j: forward substitution by columns.
+    out.fill(0.0);
+    for j in 0..n {
+        let x = &mut out[j * n..(j + 1) * n];
+        x[j] = 1.0;
+        for k in j..n {
+            let value = x[k] / l[k * n + k];
+            x[k] = value;
+            axpy(-value, &l[k * n + k + 1..(k + 1) * n], &mut x[k + 1..]);
+        }
+    }
+}
+
+/// `out = A' A` for a lower triangular A: the inverse of `L L'` from A = L^-1.
+#[inline(always)]
+pub fn gram_of_lower(a: &[f64], out: &mut [f64], n: usize) {
+    for j in 0..n {
+        for i in 0..=j {
+            // Column j of a lower triangle begins at row j, which is not above row i.
+            let value = dot(&a[i * n + j..(i + 1) * n], &a[j * n + j..(j + 1) * n]);
+            out[j * n + i] = value;
+            out[i * n + j] = value;
+        }
+    }
+}
+
+/// `out = A B`.
+#[inline(always)]
+pub fn product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
+    for j in 0..n {
+        let column = &mut out[j * n..(j + 1) * n];
+        column.fill(0.0);
+        let weights = &b[j * n..(j + 1) * n];
+        combine(a, n, 0, 0..n, |k| weights[k], column);
+    }
+}
+
+/// `out = L A L'` for a lower triangular L and a symmetric A; `work` has n * n entries.
+#[inline(always)]
+pub fn congruence_by_lower(l: &[f64], a: &[f64], work: &mut [f64], out: &mut [f64], n: usize) {
+    // work = L A: only columns 0..=i of L reach row i, so column k adds from row k on.
+    for j in 0..n {
+        let column = &mut work[j * n..(j + 1) * n];
+        column.fill(0.0);
+        for k in 0..n {
+            axpy(a[j * n + k], &l[k * n + k..(k + 1) * n], &mut column[k..]);
+        }
+    }
+    // out = work L': column j of it is the sum over k <= j of work's column k times L[j, k].
+    for j in 0..n {
+        let column = &mut out[j * n + j..(j + 1) * n];
+        column.fill(0.0);
+        combine(work, n, j, 0..j + 1, |k| l[k * n + j], column);
+    }
+    mirror_lower(out, n);
+}
+
+/// Copies the lower triangle onto the upper one.
+#[inline(always)]
+pub fn mirror_lower(a: &mut [f64], n: usize) {
+    for j in 0..n {
+        for i in 0..j {
+            a[j * n + i] = a[i * n + j];
+        }
+    }
+}
+
+/// `A <- (A + A') / 2`.
+#[inline(always)]
+pub fn symmetrise(a: &mut [f64], n: usize) {
+    for j in 0..n {
+        for i in 0..j {
+            let mean = 0.5 * (a[j * n + i] + a[i * n + j]);
+            a[j * n + i] = mean;
+            a[i * n + j] = mean;
+        }
+    }
+}
+
+/// Reduces a symmetric A (destroyed; its lower triangle is read) to tridiagonal form with the same eigenvalues, by
+/// Householder reflections. `off[0]` is unused; `off[k]` couples k - 1 and k.
+#[inline(always)]
+pub fn tridiagonalise(a: &mut [f64], n: usize, diagonal: &mut [f64], off: &mut [f64]) {
+    let mut product = vec![0.0; n];
+    let mut reflector = vec![0.0; n];
+    for k in 0..n.saturating_sub(2) {
+        diagonal[k] = a[k * n + k];
+        let below = &a[k * n + k + 1..(k + 1) * n];
+        let tail: f64 = dot(&below[1..], &below[1..]);
+        let head = below[0];
+        if tail == 0.0 {
+            off[k + 1] = head;
+            continue;
+        }
+        let norm = (head * head + tail).sqrt();
+        let alpha = if head > 0.0 { -norm } else { norm };
+        off[k + 1] = alpha;
+        let v = &mut reflector[k + 1..n];
+        v.copy_from_slice(below);
+        v[0] -= alpha;
+        // H = I - beta v v' with beta = 2 / v'v.
+        let beta = 2.0 / dot(v, v);
+        let p = &mut product[k + 1..n];
+        symmetric_product(a, n, k + 1, v, p);
+        p.iter_mut().for_each(|entry| *entry *= beta);
+        let shift = 0.5 * beta * dot(p, v);
+        axpy(-shift, v, p);
+        for j in k + 1..n {
+            let (vj, pj) = (v[j - k - 1], p[j - k - 1]);
+            let column = &mut a[j * n + j..(j + 1) * n];
+            let (v_rest, p_rest) = (&v[j - k - 1..], &p[j - k - 1..]);
+            for ((entry, &vi), &pi) in column.iter_mut().zip(v_rest).zip(p_rest) {
+                *entry -= vi * pj + pi * vj;
+            }
+        }
+    }
+    if n >= 2 {
+        diagonal[n - 2] = a[(n - 2) * n + n - 2];
+        off[n - 1] = a[(n - 2) * n + n - 1];
+    }
+    if n >= 1 {
+        diagonal[n - 1] = a[(n - 1) * n + n - 1];
+    }
+}
+
+/// `out = A[top.., top..] v` from the lower triangle of A.
+#[inline(always)]
+fn symmetric_product(a: &[f64], n: usize, top: usize, v: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    for j in top..n {
+        let column = &a[j * n + j..(j + 1) * n];
+        let at = j - top;
+        out[at] += dot(column, &v[at..]);
+        axpy(v[at], &column[1..], &mut out[at + 1..]);
+    }
+}
+
+/// How many eigenvalues of a tridiagonal matrix are below x (Sturm's sequence).
+#[inline(always)]
+fn count_below(diagonal: &[f64], off: &[f64], x: f64) -> usize {
+    let mut count = 0;
+    let mut pivot = 1.0_f64;
+    for (k, d) in diagonal.iter().enumerate() {
+        let coupling = if k == 0 { 0.0 } else { off[k] * off[k] };
+        pivot = d - x - coupling / pivot;
+        if pivot == 0.0 {
+            pivot = f64::MIN_POSITIVE;
+        }
+        if pivot < 0.0 {
+            count += 1;
+        }
+    }
+    count
+}
+
+/// A lower bound of the smallest eigenvalue of a tridiagonal matrix, tight to 1e-3 of its size, or `enough` when
+/// no eigenvalue lies below that.
+#[inline(always)]
+pub fn smallest_eigenvalue(diagonal: &[f64], off: &[f64], enough: f64) -> f64 {
+    if count_below(diagonal, off, enough) == 0 {
+        return enough;
+    }
+    let radius = |k: usize| {
+        let left = if k == 0 { 0.0 } else { off[k].abs() };
+        left + off.get(k + 1).map_or(0.0, |value| value.abs())
+    };
+    let bounds = diagonal.iter().enumerate().map(|(k, d)| d - radius(k));
+    let mut low = bounds.fold(f64::INFINITY, f64::min);
+    let mut high = enough;
+    if !low.is_finite() {
+        return f64::NEG_INFINITY;
+    }
+    low -= 1e-12 * low.abs();
+    for _ in 0..60 {
+        if high - low <= 1e-3 * low.abs().max(high.abs()) {
+            break;
+        }
+        let middle = 0.5 * (low + high);
+        if count_below(diagonal, off, middle) == 0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// Eigenvalues and eigenvectors (columns of the result) of a symmetric A by cyclic Jacobi rotations: slow and
+/// accurate, for use outside of the iterations.
+pub fn eigen(a: &[f64], n: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut a = a.to_vec();
+    let mut vectors = vec![0.0; n * n];
+    (0..n).for_each(|k| vectors[k * n + k] = 1.0);
+    let total: f64 = dot(&a, &a);
+    for _ in 0..60 {
+        let off: f64 = (0..n)
+            .flat_map(|j| (0..j).map(move |i| (i, j)))
+            .map(|(i, j)| a[j * n + i] * a[j * n + i])
+            .sum();
+        if !(off > 1e-32 * total) {
+            break;
+        }
+        for q in 1..n {
+            for p in 0..q {
+                rotate(&mut a, &mut vectors, n, p, q);
+            }
+        }
+    }
+    ((0..n).map(|k| a[k * n + k]).collect(), vectors)
+}
+
+/// One Jacobi rotation that makes entry (p, q) zero.
+fn rotate(a: &mut [f64], vectors: &mut [f64], n: usize, p: usize, q: usize) {
+    let apq = a[q * n + p];
+    if apq == 0.0 {
+        return;
+    }
+    let theta = (a[q * n + q] - a[p * n + p]) / (2.0 * apq);
+    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+    let c = 1.0 / (t * t + 1.0).sqrt();
+    let s = t * c;
+    for k in 0..n {
+        let (kp, kq) = (a[p * n + k], a[q * n + k]);
+        a[p * n + k] = c * kp - s * kq;
+        a[q * n + k] = s * kp + c * kq;
+    }
+    for k in 0..n {
+        let (pk, qk) = (a[k * n + p], a[k * n + q]);
+        a[k * n + p] = c * pk - s * qk;
+        a[k * n + q] = s * pk + c * qk;
+    }
+    for k in 0..n {
+        let (kp, kq) = (vectors[p * n + k], vectors[q * n + k]);
+        vectors[p * n + k] = c * kp - s * kq;
+        vectors[q * n + k] = s * kp + c * kq;
+    }
+}
+
+/// `out = sum over pairs (p, q) of p q' + q p'` on and above the diagonal; `basis` holds the columns p0, q0, p1,
+/// q1, ..., `count` in all.
+#[inline(always)]
+pub fn sum_of_pairs(basis: &[f64], count: usize, n: usize, out: &mut [f64]) {
+    for c in 0..n {
+        let column = &mut out[c * n..c * n + c + 1];
+        column.fill(0.0);
+        combine_top(basis, n, count, |b| basis[(b ^ 1) * n + c], column);
+    }
+}
+
+/// As [`combine`], with the rows from the first on, as many as `y` has.
+#[inline(always)]
+fn combine_top(
+    columns: &[f64],
+    n: usize,
+    count: usize,
+    weight: impl Fn(usize) -> f64,
+    y: &mut [f64],
+) {
+    let column = |k: usize| &columns[k * n..(k + 1) * n];
+    let mut k = 0;
+    while k + 4 <= count {
+        axpy4(
+            [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)],
+            [column(k), column(k + 1), column(k + 2), column(k + 3)],
+            y,
+        );
+        k += 4;
+    }
+    while k < count {
+        axpy(weight(k), column(k), y);
+        k += 1;
+    }
+}

@@ -1,0 +1,567 @@
+//! The iterations: an infeasible-start primal-dual interior-point method with the HKM direction (Helmberg, Rendl,
+//! Vanderbei, Wolkowicz 1996; Kojima, Shindoh, Hara 1997; Monteiro 1997) and Mehrotra's predictor and corrector.
+
+use super::dense::dot;
+use super::iterate::{longest_step, sandwich, Factors, Point, StepWork};
+use super::layout::Layout;
+use super::ray;
+use super::schur::SchurPlan;
+use super::system::System;
+use super::warm::Trail;
+use crate::lmi::Semidefinite;
+
+/// Most iterations.
+pub const ITERATIONS: u32 = 200;
+
+/// Relative size of the residuals of both feasibilities at which a point counts as feasible.
+pub const FEASIBLE: f64 = 1e-8;
+
+/// Relative residual of `<A_i, Z> = c_i` that is small enough: the inequalities themselves do not depend on it.
+const DUAL_FEASIBLE: f64 = 1e-7;
+
+/// The same for reduced accuracy.
+const NEARLY_FEASIBLE: f64 = 1e-6;
+
+/// Relative gap of reduced accuracy.
+const NEARLY_CLOSED: f64 = 1e-5;
+
+/// Iterations without progress after which the best point is returned.
+const PATIENCE: u32 = 12;
+
+/// The same once the best point has reduced accuracy; none at all when the linear system needs a shift by then.
+const LITTLE_PATIENCE: u32 = 2;
+
+/// Most solves for one direction, each for what the one before left of the residual.
+const REFINEMENTS: usize = 4;
+
+/// Residual of `<A_i, Z + dZ> = c_i`, relative, at which a direction is good enough.
+const REFINED: f64 = 1e-10;
+
+/// The start's slack and multipliers, relative to the size of the data.
+const START_SLACK: f64 = 1.0;
+/// See above.
+const START_MULTIPLIER: f64 = 0.1;
+
+/// Steps shorter than this, twice in a row, are a stall.
+const SHORTEST_STEP: f64 = 1e-5;
+
+/// What is known of a point.
+#[derive(Debug, Clone, Copy)]
+pub struct Measures {
+    /// `c'y`, in balanced units.
+    pub objective: f64,
+    /// `-<constant, Z>`, in balanced units.
+    pub dual_objective: f64,
+    /// Their distance, relative to the larger one or to the unit of the accuracy.
+    pub relative_gap: f64,
+    /// Residual of the inequalities' slack, relative.
+    pub slack_residual: f64,
+    /// Residual of `<A_i, Z> = c_i`, relative.
+    pub dual_residual: f64,
+}
+
+impl Measures {
+    /// How far from the goal: 1 or less is there.
+    fn distance(&self, gap: f64) -> f64 {
+        let gap = self.relative_gap / gap;
+        let worst = gap
+            .max(self.slack_residual / FEASIBLE)
+            .max(self.dual_residual / DUAL_FEASIBLE);
+        if worst.is_nan() {
+            f64::INFINITY
+        } else {
+            worst
+        }
+    }
+
+    fn nearly_there(&self, gap: f64) -> bool {
+        self.relative_gap <= gap.max(NEARLY_CLOSED)
+            && self.slack_residual <= NEARLY_FEASIBLE
+            && self.dual_residual <= NEARLY_FEASIBLE
+    }
+}
+
+/// How the iterations ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// To the accuracy asked for.
+    Solved,
+    /// To reduced accuracy: why not further.
+    Reduced(&'static str),
+    /// No point satisfies the inequalities; the point's Z is the ray.
+    Infeasible,
+    /// The objective has no lower bound; the point's y is the ray.
+    Unbounded,
+    /// No further progress: why.
+    Stalled(&'static str),
+    /// Stopped by the observer.
+    Cancelled,
+}
+
+/// The last or the best point.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// How it ended.
+    pub end: End,
+    /// The point, or the ray.
+    pub point: Point,
+    /// What is known of it.
+    pub measures: Measures,
+    /// Whether y itself satisfies the inequalities.
+    pub feasible: bool,
+    /// Iterations done.
+    pub iterations: u32,
+    /// Time [s] spent on the Schur complement, on its factor and solves, and on the rest.
+    pub seconds: [f64; 3],
+}
+
+/// What the iterations are asked for.
+pub struct Task<'a> {
+    /// The problem.
+    pub layout: &'a Layout,
+    /// The problem as it was given.
+    pub problem: &'a Semidefinite,
+    /// Relative gap asked for.
+    pub relative_gap: f64,
+    /// Most iterations.
+    pub iterations: u32,
+    /// Smallest size the gap is relative to, in balanced units.
+    pub objective_unit: f64,
+    /// Threads that may be used.
+    pub threads: usize,
+    /// Called between iterations; `false` stops.
+    pub observer: &'a dyn Fn(u32, &Measures) -> bool,
+}
+
+struct Run<'a> {
+    task: &'a Task<'a>,
+    plan: SchurPlan,
+    system: System,
+    second: Vec<f64>,
+    factors: Factors,
+    steps: StepWork,
+    work: Vec<f64>,
+    product: Vec<f64>,
+    /// `constant + A(y) - S`, zero once `feasible`.
+    residual: Vec<f64>,
+    feasible: bool,
+    constant_norm: f64,
+    cost_norm: f64,
+    seconds: [f64; 3],
+}
+
+/// A search direction.
+#[derive(Debug, Clone)]
+struct Direction {
+    y: Vec<f64>,
+    s: Vec<f64>,
+    z: Vec<f64>,
+}
+
+/// Multiples of the identity by the size of the data, in the manner of CSDP (Borchers 1999); `scale` makes them
+/// larger.
+pub fn cold_start(layout: &Layout, scale: f64) -> Point {
+    let norms = layout.coefficient_norms();
+    let sides = layout.blocks.iter().map(|block| block.side);
+    let n = sides.max().unwrap_or(1) as f64;
+    let ratios = layout
+        .cost
+        .iter()
+        .zip(&norms)
+        .map(|(c, norm)| (1.0 + c.abs()) / (1.0 + norm));
+    let multiplier = scale * START_MULTIPLIER * n * ratios.fold(0.0, f64::max);
+    let largest = norms
+        .iter()
+        .fold(layout.constant_norm(), |max, &norm| max.max(norm));
+    let slack = scale * START_SLACK * (1.0 + largest.max(layout.constant_norm()));
+    let mut point = Point {
+        y: vec![0.0; layout.cost.len()],
+        s: vec![0.0; layout.length],
+        z: vec![0.0; layout.length],
+    };
+    for block in &layout.blocks {
+        for k in 0..block.side {
+            let at = block.offset + k * block.side + k;
+            point.s[at] = slack;
+            point.z[at] = multiplier;
+        }
+    }
+    point
+}
+
+/// Iterates from `start`; points on the way that another solve may start from go to `trail`.
+pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcome {
+    let layout = task.layout;
+    if layout.cost.is_empty() {
+        // Nothing is unknown, and what is known holds.
+        let measures = Measures {
+            objective: 0.0,
+            dual_objective: 0.0,
+            relative_gap: 0.0,
+            slack_residual: 0.0,
+            dual_residual: 0.0,
+        };
+        return Outcome {
+            end: End::Solved,
+            point: start,
+            measures,
+            feasible: true,
+            iterations: 0,
+            seconds: [0.0; 3],
+        };
+    }
+    let mut run = Run {
+        task,
+        plan: SchurPlan::new(layout),
+        system: System::default(),
+        second: Vec::new(),
+        factors: Factors::new(layout),
+        steps: StepWork::default(),
+        work: Vec::new(),
+        product: vec![0.0; layout.length],
+        residual: vec![0.0; layout.length],
+        feasible: false,
+        constant_norm: layout.constant_norm(),
+        cost_norm: dot(&layout.cost, &layout.cost).sqrt(),
+        seconds: [0.0; 3],
+    };
+    let begin = std::time::Instant::now();
+    let mut outcome = run.iterate(start, trail);
+    outcome.seconds = run.seconds;
+    outcome.seconds[2] = begin.elapsed().as_secs_f64() - run.seconds[0] - run.seconds[1];
+    outcome
+}
+
+impl Run<'_> {
+    fn iterate(&mut self, mut point: Point, mut trail: Option<&mut Trail>) -> Outcome {
+        let layout = self.task.layout;
+        let mut best: Option<(f64, Point, Measures)> = None;
+        let mut since_best = 0;
+        let mut since_nearer = 0;
+        let mut least_complementarity = f64::INFINITY;
+        let mut short_steps = 0;
+        let mut stalled = "iteration limit";
+        let mut iteration = 0;
+        while iteration < self.task.iterations {
+            self.refresh_slack(&mut point);
+            if !self.factors.update(layout, &point) {
+                stalled = "a matrix lost its definiteness";
+                break;
+            }
+            let measures = self.measure(&point);
+            let distance = measures.distance(self.task.relative_gap);
+            let feasible = self.feasible;
+            let outcome = |end: End, point: &Point| Outcome {
+                end,
+                point: point.clone(),
+                measures,
+                feasible,
+                iterations: iteration,
+                seconds: [0.0; 3],
+            };
+            if !(self.task.observer)(iteration, &measures) {
+                return outcome(End::Cancelled, &point);
+            }
+            if distance <= 1.0 {
+                return outcome(End::Solved, &point);
+            }
+            let complementarity = dot(&point.s, &point.z);
+            let nearer = best
+                .as_ref()
+                .is_none_or(|(least, ..)| distance < 0.9 * least);
+            let progress = nearer || complementarity < 0.9 * least_complementarity;
+            since_best = if progress { 0 } else { since_best + 1 };
+            least_complementarity = complementarity.min(least_complementarity);
+            if best.as_ref().is_none_or(|(least, ..)| distance < *least) {
+                best = Some((distance, point.clone(), measures));
+            }
+            let lost = best.as_ref().is_some_and(|(least, _, at)| {
+                at.nearly_there(self.task.relative_gap) && distance > 100.0 * least
+            });
+            let near = best
+                .as_ref()
+                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
+            since_nearer = if nearer { 0 } else { since_nearer + 1 };
+            let patience = if self.system.shift > 0.0 {
+                0
+            } else {
+                LITTLE_PATIENCE
+            };
+            if since_best > PATIENCE || lost || (near && since_nearer > patience) {
+                stalled = "no progress";
+                break;
+            }
+            if let (true, Some(trail)) = (self.feasible, trail.as_deref_mut()) {
+                trail.record(layout, self.task.problem, &point);
+            }
+            if !self.build_system(&point) {
+                stalled = "the linear system lost its definiteness";
+                break;
+            }
+            if !self.feasible && measures.dual_objective > 0.0 {
+                if let Some(ray) = ray::dual(layout, &self.system, &self.factors, &point.z) {
+                    point.z = ray;
+                    return outcome(End::Infeasible, &point);
+                }
+            }
+            if measures.objective < 0.0 && measures.dual_residual > FEASIBLE {
+                if let Some(ray) = ray::primal(layout, &point.y) {
+                    point.y = ray;
+                    return outcome(End::Unbounded, &point);
+                }
+            }
+            let Some(steps) = self.advance(&mut point) else {
+                stalled = "the direction is not finite";
+                break;
+            };
+            short_steps = if steps.0.max(steps.1) < SHORTEST_STEP {
+                short_steps + 1
+            } else {
+                0
+            };
+            iteration += 1;
+            if short_steps >= 2 {
+                stalled = "the steps became too short";
+                break;
+            }
+        }
+        self.conclude(best, point, iteration, stalled)
+    }
+
+    /// The best point so far, with the most that can be said of it.
+    fn conclude(
+        &self,
+        best: Option<(f64, Point, Measures)>,
+        last: Point,
+        iterations: u32,
+        stalled: &'static str,
+    ) -> Outcome {
+        let gap = self.task.relative_gap;
+        let Some((_, point, measures)) = best else {
+            let measures = self.measure(&last);
+            let end = End::Stalled(stalled);
+            return Outcome {
+                end,
+                point: last,
+                measures,
+                feasible: self.feasible,
+                iterations,
+                seconds: [0.0; 3],
+            };
+        };
+        let end = match measures.nearly_there(gap) {
+            true => End::Reduced(stalled),
+            false => End::Stalled(stalled),
+        };
+        Outcome {
+            end,
+            point,
+            measures,
+            feasible: self.feasible,
+            iterations,
+            seconds: [0.0; 3],
+        }
+    }
+
+    /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
+    fn refresh_slack(&mut self, point: &mut Point) {
+        let layout = self.task.layout;
+        layout.evaluate(1.0, &point.y, &mut self.residual);
+        if self.feasible {
+            point.s.copy_from_slice(&self.residual);
+            self.residual.fill(0.0);
+            return;
+        }
+        for (r, s) in self.residual.iter_mut().zip(&point.s) {
+            *r -= s;
+        }
+        let size = dot(&self.residual, &self.residual).sqrt();
+        if size <= 1e-6 * (1.0 + self.constant_norm) {
+            // Close enough when the slack from y is positive definite without much change.
+            let mut shifted = point.s.clone();
+            for (s, r) in shifted.iter_mut().zip(&self.residual) {
+                *s += 2.0 * r;
+            }
+            if super::iterate::positive_definite(layout, &shifted) {
+                self.feasible = true;
+                for (s, r) in point.s.iter_mut().zip(&mut self.residual) {
+                    *s += *r;
+                    *r = 0.0;
+                }
+            }
+        }
+    }
+
+    fn measure(&self, point: &Point) -> Measures {
+        let layout = self.task.layout;
+        let objective = dot(&layout.cost, &point.y);
+        let dual_objective = -layout.against_constant(&point.z);
+        let mut products = vec![0.0; layout.cost.len()];
+        layout.adjoint(&point.z, &mut products);
+        let squares = products
+            .iter()
+            .zip(&layout.cost)
+            .map(|(a, c)| (a - c) * (a - c));
+        let dual_residual = squares.sum::<f64>().sqrt() / (1.0 + self.cost_norm);
+        let size = objective
+            .abs()
+            .max(dual_objective.abs())
+            .max(self.task.objective_unit);
+        Measures {
+            objective,
+            dual_objective,
+            relative_gap: (objective - dual_objective).abs() / size,
+            slack_residual: dot(&self.residual, &self.residual).sqrt() / (1.0 + self.constant_norm),
+            dual_residual,
+        }
+    }
+
+    fn build_system(&mut self, point: &Point) -> bool {
+        let layout = self.task.layout;
+        let begin = std::time::Instant::now();
+        self.plan.assemble(
+            layout,
+            &point.z,
+            &self.factors.s_inverse,
+            self.task.threads,
+            &mut self.system.matrix,
+            &mut self.second,
+        );
+        self.seconds[0] += begin.elapsed().as_secs_f64();
+        let begin = std::time::Instant::now();
+        let factored = self.system.factor(layout.cost.len());
+        self.seconds[1] += begin.elapsed().as_secs_f64();
+        factored
+    }
+
+    /// Predictor, corrector, step. `None` when a direction is not finite.
+    fn advance(&mut self, point: &mut Point) -> Option<(f64, f64)> {
+        let layout = self.task.layout;
+        let order = layout.order as f64;
+        let complementarity = dot(&point.s, &point.z) / order;
+        // What the residual of the slack asks of Z.
+        let mut base = vec![0.0; layout.length];
+        if !self.feasible {
+            let inverse = &self.factors.s_inverse;
+            sandwich(
+                layout,
+                &point.z,
+                &self.residual,
+                inverse,
+                &mut self.work,
+                &mut base,
+            );
+            base.iter_mut().for_each(|entry| *entry = -*entry);
+        }
+        let predictor = self.direction(point, &base)?;
+        let (s_step, z_step) = self.step_lengths(&predictor, 1.0);
+        let mut after = 0.0;
+        for k in 0..layout.length {
+            after +=
+                (point.s[k] + s_step * predictor.s[k]) * (point.z[k] + z_step * predictor.z[k]);
+        }
+        let ratio = (after / order / complementarity).clamp(0.0, 1.0);
+        let step = s_step.min(z_step);
+        let exponent = (3.0 * step * step).max(2.0);
+        let centring = ratio.powf(exponent).clamp(1e-6, 0.95);
+        // The corrector: second-order term of the predictor.
+        let mut target = vec![0.0; layout.length];
+        let inverse = &self.factors.s_inverse;
+        sandwich(
+            layout,
+            &predictor.z,
+            &predictor.s,
+            inverse,
+            &mut self.work,
+            &mut target,
+        );
+        let aim = centring * complementarity;
+        for k in 0..layout.length {
+            target[k] = aim * inverse[k] + base[k] - target[k];
+        }
+        let mut direction = self.direction(point, &target)?;
+        let damping = 0.9 + 0.09 * step.min(1.0);
+        let (mut s_step, mut z_step) = self.step_lengths(&direction, damping);
+        if s_step.min(z_step) < 0.1 {
+            // The second-order term misled: a centring step without it.
+            let inverse = &self.factors.s_inverse;
+            for k in 0..layout.length {
+                target[k] = 0.5 * complementarity * inverse[k] + base[k];
+            }
+            let centred = self.direction(point, &target)?;
+            let (s_centred, z_centred) = self.step_lengths(&centred, damping);
+            if s_centred.min(z_centred) > s_step.min(z_step) {
+                (direction, s_step, z_step) = (centred, s_centred, z_centred);
+            }
+        }
+        for (y, d) in point.y.iter_mut().zip(&direction.y) {
+            *y += s_step * d;
+        }
+        for (s, d) in point.s.iter_mut().zip(&direction.s) {
+            *s += s_step * d;
+        }
+        for (z, d) in point.z.iter_mut().zip(&direction.z) {
+            *z += z_step * d;
+        }
+        Some((s_step, z_step))
+    }
+
+    /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z` and `<A_i, Z + dZ> = c_i`.
+    fn direction(&mut self, point: &Point, target: &[f64]) -> Option<Direction> {
+        let layout = self.task.layout;
+        let unknowns = layout.cost.len();
+        let mut rhs = vec![0.0; unknowns];
+        let mut correction = vec![0.0; unknowns];
+        let mut y = vec![0.0; unknowns];
+        let mut s = vec![0.0; layout.length];
+        // Z + dZ, which is the target before anything is subtracted.
+        let mut z = target.to_vec();
+        let mut before = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            layout.adjoint(&z, &mut rhs);
+            rhs.iter_mut().zip(&layout.cost).for_each(|(r, c)| *r -= c);
+            let size = dot(&rhs, &rhs).sqrt();
+            if size <= REFINED * (1.0 + self.cost_norm) || size > 0.5 * before {
+                break;
+            }
+            before = size;
+            let begin = std::time::Instant::now();
+            self.system.solve(&rhs, &mut correction);
+            self.seconds[1] += begin.elapsed().as_secs_f64();
+            if !correction.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            y.iter_mut().zip(&correction).for_each(|(y, d)| *y += d);
+            layout.evaluate(0.0, &y, &mut s);
+            z.copy_from_slice(target);
+            sandwich(
+                layout,
+                &point.z,
+                &s,
+                &self.factors.s_inverse,
+                &mut self.work,
+                &mut self.product,
+            );
+            z.iter_mut().zip(&self.product).for_each(|(z, p)| *z -= p);
+        }
+        z.iter_mut().zip(&point.z).for_each(|(z, old)| *z -= old);
+        if !self.feasible {
+            s.iter_mut().zip(&self.residual).for_each(|(s, r)| *s += r);
+        }
+        Some(Direction { y, s, z })
+    }
+
+    /// Steps for S and for Z: `damping` of the way to the boundary, at most 1.
+    fn step_lengths(&mut self, direction: &Direction, damping: f64) -> (f64, f64) {
+        let layout = self.task.layout;
+        let enough = 1.0 / damping;
+        let mut step = |root: &[f64], along: &[f64]| {
+            let longest = longest_step(layout, root, along, enough, &mut self.steps);
+            (damping * longest).min(1.0)
+        };
+        (
+            step(&self.factors.s_root_inverse, &direction.s),
+            step(&self.factors.z_root_inverse, &direction.z),
+        )
+    }
+}

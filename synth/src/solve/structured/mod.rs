@@ -1,0 +1,300 @@
+//! A primal-dual interior-point method on the inequality form, for few unknowns and many small cones.
+//!
+//! It solves `min c'y  s.t.  S = F0 + sum_i y_i F_i >= 0` together with its dual,
+//! `max -<F0, Z>  s.t.  <F_i, Z> = c_i, Z >= 0`, block by block. Each iteration solves one linear system whose
+//! size is the number of unknowns, whatever the number of cones; see the modules for the sources.
+
+mod dense;
+mod interior_point;
+mod iterate;
+mod layout;
+mod ray;
+mod schur;
+mod system;
+mod warm;
+
+use std::time::Instant;
+
+use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
+use crate::lmi::{svec_index, Semidefinite};
+use interior_point::{cold_start, End, Measures, Outcome, Task, ITERATIONS};
+use layout::{zero_duals, Layout};
+use warm::{Memory, Trail};
+
+const NAME: &str = "structured";
+
+/// Most unknowns: the system is a dense matrix of this side.
+const LARGEST_SYSTEM: usize = 20_000;
+
+/// Most entries of all blocks together.
+const LARGEST_BLOCKS: usize = 100_000_000;
+
+/// How much larger the second cold start is.
+const LARGER_START: f64 = 100.0;
+
+/// Iterations after which a warm start has not helped.
+const WARM_ITERATIONS: u32 = 16;
+
+/// The structured solver.
+#[derive(Debug, Clone)]
+pub struct Structured {
+    /// Threads that may be used; the result does not depend on their number.
+    pub threads: usize,
+    memory: Option<Memory>,
+}
+
+impl Default for Structured {
+    fn default() -> Self {
+        let available = std::thread::available_parallelism().map_or(1, |count| count.get());
+        Structured {
+            threads: available.min(2),
+            memory: None,
+        }
+    }
+}
+
+/// Where the time of the last solve went (s).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timings {
+    /// Building the Schur complement.
+    pub schur: f64,
+    /// Factoring it and solving with it.
+    pub linear: f64,
+    /// Everything else in the iterations.
+    pub rest: f64,
+}
+
+impl Structured {
+    /// A solver that remembers its way to the last solutions and starts from there when the next problem has the same
+    /// shape and is near enough: for sweeps and bisections. Where that does not help it starts afresh. The last
+    /// digits of a result then depend on what was solved before.
+    pub fn warm() -> Self {
+        Structured {
+            memory: Some(Memory::default()),
+            ..Structured::default()
+        }
+    }
+
+    /// As [`Backend::solve`], with timings.
+    pub fn solve_timed(
+        &self,
+        problem: &Semidefinite,
+        accuracy: Accuracy,
+        observer: Option<Observer>,
+    ) -> Result<(Solution, Timings), SolveError> {
+        let begin = Instant::now();
+        super::check_finite(NAME, problem)?;
+        check_size(problem)?;
+        let layout = Layout::new(problem);
+        if let Some((cone, direction)) = &layout.contradiction {
+            let found = contradicted(problem, *cone, direction, begin);
+            return Ok((found, Timings::default()));
+        }
+        let unit = layout.objective_unit;
+        let watch = |iteration: u32, measures: &Measures| match &observer {
+            None => true,
+            Some(observer) => observer(&Progress {
+                iteration,
+                objective: measures.objective * unit + problem.offset,
+                relative_gap: measures.relative_gap,
+            }),
+        };
+        let task = Task {
+            layout: &layout,
+            problem,
+            relative_gap: accuracy.relative_gap,
+            objective_unit: accuracy.objective_unit / unit,
+            iterations: ITERATIONS,
+            threads: self.threads,
+            observer: &watch,
+        };
+        let mut outcome = self.warm_or_cold(&task);
+        if matches!(outcome.end, End::Stalled(_)) && !outcome.feasible {
+            if let Some(ray) = ray_of_smallest_shift(&task) {
+                outcome.end = End::Infeasible;
+                outcome.point.z = ray;
+            }
+        }
+        if layout.unbounded_unknown && matches!(outcome.end, End::Solved | End::Reduced(_)) {
+            outcome.end = End::Unbounded;
+        }
+        let [schur, linear, rest] = outcome.seconds;
+        let timings = Timings {
+            schur,
+            linear,
+            rest,
+        };
+        Ok((solution(problem, &layout, outcome, begin), timings))
+    }
+
+    fn warm_or_cold(&self, task: &Task<'_>) -> Outcome {
+        let Some(memory) = &self.memory else {
+            return cold(task, None);
+        };
+        let shape = warm::shape(task.problem);
+        let known = memory
+            .recall(shape)
+            .and_then(|trail| trail.start(task.layout));
+        let mut spent = 0;
+        if let Some((start, mut trail)) = known {
+            let short = Task {
+                iterations: WARM_ITERATIONS,
+                ..*task
+            };
+            let outcome = interior_point::solve(&short, start, Some(&mut trail));
+            match outcome.end {
+                End::Solved | End::Reduced(_) => {
+                    memory.keep(shape, trail);
+                    return outcome;
+                }
+                End::Infeasible | End::Cancelled => return outcome,
+                End::Unbounded | End::Stalled(_) => spent = outcome.iterations,
+            }
+        }
+        let mut trail = Trail::default();
+        let mut outcome = cold(task, Some(&mut trail));
+        outcome.iterations += spent;
+        if matches!(outcome.end, End::Solved | End::Reduced(_)) {
+            memory.keep(shape, trail);
+        }
+        outcome
+    }
+}
+
+/// From a cold start, and from a larger one when that stalls before anything feasible.
+fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
+    let start = cold_start(task.layout, 1.0);
+    let outcome = interior_point::solve(task, start, trail.as_deref_mut());
+    if !matches!(outcome.end, End::Stalled(_)) {
+        return outcome;
+    }
+    let start = cold_start(task.layout, LARGER_START);
+    let mut second = interior_point::solve(task, start, trail);
+    second.iterations += outcome.iterations;
+    match second.end {
+        End::Stalled(_) if outcome.feasible => outcome,
+        _ => second,
+    }
+}
+
+impl Backend for Structured {
+    fn name(&self) -> String {
+        format!("{NAME} {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn solve(
+        &self,
+        problem: &Semidefinite,
+        accuracy: Accuracy,
+        observer: Option<Observer>,
+    ) -> Result<Solution, SolveError> {
+        let timed = self.solve_timed(problem, accuracy, observer);
+        timed.map(|(solution, _)| solution)
+    }
+}
+
+fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
+    let unknowns = problem.cost.len();
+    let entries = problem
+        .cones
+        .iter()
+        .map(|cone| cone.side.saturating_mul(cone.side));
+    let entries = entries.fold(0_usize, usize::saturating_add);
+    let refused = |reason: String| SolveError::Refused {
+        backend: NAME,
+        reason,
+    };
+    if unknowns > LARGEST_SYSTEM {
+        return Err(refused(format!(
+            "{unknowns} unknowns, at most {LARGEST_SYSTEM} fit"
+        )));
+    }
+    if entries > LARGEST_BLOCKS {
+        let reason = format!("its cones have {entries} entries, at most {LARGEST_BLOCKS} fit");
+        return Err(refused(reason));
+    }
+    Ok(())
+}
+
+/// When the iterations end without an answer: multipliers that prove infeasibility, from a problem that
+/// has an interior for certain.
+fn ray_of_smallest_shift(task: &Task<'_>) -> Option<Vec<f64>> {
+    let shifted = task.layout.smallest_shift();
+    let outcome = interior_point::solve(
+        &Task {
+            layout: &shifted,
+            relative_gap: 1e-8,
+            objective_unit: 1.0,
+            ..*task
+        },
+        cold_start(&shifted, 1.0),
+        None,
+    );
+    match outcome.end {
+        End::Solved | End::Reduced(_) | End::Stalled(_) => {
+            ray::accepted(task.layout, &outcome.point.z[..task.layout.length])
+        }
+        End::Infeasible | End::Unbounded | End::Cancelled => None,
+    }
+}
+
+/// A condition without unknowns that does not hold: the eigenvector makes the ray.
+fn contradicted(
+    problem: &Semidefinite,
+    cone: usize,
+    direction: &[f64],
+    begin: Instant,
+) -> Solution {
+    let mut duals = zero_duals(problem);
+    for column in 0..direction.len() {
+        for row in 0..=column {
+            duals[cone][svec_index(row, column)] = direction[row] * direction[column];
+        }
+    }
+    let form = |entry: &crate::lmi::Entry| {
+        let count = if entry.row == entry.column { 1.0 } else { 2.0 };
+        count * entry.value * duals[cone][svec_index(entry.row, entry.column)]
+    };
+    let strength = -problem.cones[cone].constant.iter().map(form).sum::<f64>();
+    duals[cone].iter_mut().for_each(|entry| *entry /= strength);
+    Solution {
+        status: Status::Infeasible,
+        status_text: "Infeasible".to_string(),
+        values: vec![0.0; problem.cost.len()],
+        duals,
+        objective: f64::NAN,
+        iterations: 0,
+        seconds: begin.elapsed().as_secs_f64(),
+    }
+}
+
+fn solution(problem: &Semidefinite, layout: &Layout, outcome: Outcome, begin: Instant) -> Solution {
+    let (status, text) = match outcome.end {
+        End::Solved => (Status::Solved, "Solved".to_string()),
+        End::Reduced(why) => (Status::Inaccurate, format!("ReducedAccuracy: {why}")),
+        End::Infeasible => (Status::Infeasible, "Infeasible".to_string()),
+        End::Unbounded => (Status::Unbounded, "Unbounded".to_string()),
+        End::Stalled(why) => (Status::Failed, format!("Stalled: {why}")),
+        End::Cancelled => (Status::Cancelled, "Cancelled".to_string()),
+    };
+    let objective = match status {
+        Status::Infeasible | Status::Unbounded => f64::NAN,
+        _ => outcome.measures.objective * layout.objective_unit + problem.offset,
+    };
+    let mut duals = layout.duals(&outcome.point.z, problem);
+    if status == Status::Infeasible {
+        // The ray's strength in the problem's own units is one.
+        let strength = layout.objective_unit;
+        let scale = |entry: &mut f64| *entry /= strength;
+        duals.iter_mut().flatten().for_each(scale);
+    }
+    Solution {
+        status,
+        status_text: text,
+        values: layout.values(&outcome.point.y, problem.cost.len()),
+        duals,
+        objective,
+        iterations: outcome.iterations,
+        seconds: begin.elapsed().as_secs_f64(),
+    }
+}
