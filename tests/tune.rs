@@ -259,7 +259,8 @@ fn the_shortest_times_are_those_of_full_torque_and_of_the_rate_limit() {
 
 #[test]
 fn requirements_that_are_not_valid_are_refused() {
-    let cases: [(&str, Value, &str); 12] = [
+    let cases: [(&str, Value, &str); 13] = [
+        ("/limits/accuracy_deg", json!(1e-12), "from 0.0001 to 10"),
         ("/unheard_of", json!(1), "unheard_of"),
         ("/schema_version", json!(2), "schema_version"),
         (

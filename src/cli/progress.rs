@@ -21,7 +21,13 @@ fn interrupted() -> Arc<AtomicBool> {
         let flag = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&flag);
         // Without a handler Ctrl-C ends the process at once, which is safe too.
-        let _ = ctrlc::set_handler(move || seen.store(true, Ordering::Relaxed));
+        let _ = ctrlc::set_handler(move || {
+            // The second time the user does not want to wait for the part in work. Files are renamed
+            // into place when they are whole, so none is left half written.
+            if seen.swap(true, Ordering::Relaxed) {
+                std::process::exit(1);
+            }
+        });
         flag
     };
     Arc::clone(INTERRUPTED.get_or_init(install))

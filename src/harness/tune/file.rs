@@ -76,7 +76,7 @@ pub struct LimitsFile {
     /// The tolerance of the components, above 0 and below 0.5; that of the accuracy when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_tolerance_component: Option<f64>,
-    /// The accuracy, above 0 and at most 10 (deg).
+    /// The accuracy, from 0.0001 to 10 (deg).
     pub accuracy_deg: f64,
 }
 
@@ -223,7 +223,9 @@ fn check_task(file: &TuneFile) -> Result<(), ModelError> {
     if let Some(component) = limits.settle_tolerance_component {
         within("limits.settle_tolerance_component", component, (0.0, 0.5))?;
     }
-    within("limits.accuracy_deg", limits.accuracy_deg, (0.0, 10.0))?;
+    let accuracy = limits.accuracy_deg;
+    let ok = (1e-4..=10.0).contains(&accuracy);
+    range("limits.accuracy_deg", accuracy, ok, "from 0.0001 to 10")?;
     if let Some(interval) = file.sampling_interval_s {
         check_positive("sampling_interval_s", interval)?;
     }
