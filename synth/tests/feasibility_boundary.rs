@@ -5,6 +5,7 @@
 mod exact;
 #[path = "support/random.rs"]
 mod random;
+#[allow(dead_code)] // Only CSDP is used here.
 #[path = "../../tests/support/solvers.rs"]
 mod solvers;
 
@@ -15,7 +16,7 @@ use random::Sizes;
 use synth::feasibility::{decide, Answer, Decision, Requirement};
 use synth::lmi::Semidefinite;
 use synth::model::Model;
-use synth::solve::Clarabel;
+use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
 /// Bisections of the logarithm of a factor in [-RANGE, RANGE].
@@ -34,6 +35,17 @@ fn decided(model: &Model) -> Decision {
     decide(model, "", &Clarabel::default(), None).expect("a decision")
 }
 
+/// The smallest slack without any proof; `None` when the solver fails.
+fn smallest_slack(model: &Model) -> Option<f64> {
+    let (_, task) = scaled_task(model, FIRST_UNITS);
+    let goal = Goal::SmallestSlack;
+    let problem = assemble(&task, Form::Reduced, goal).problem.lower();
+    let solution = Clarabel::default().solve(&problem, goal.accuracy(&task), None);
+    let solution = solution.expect("the solver starts");
+    let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
+    usable.then_some(solution.objective)
+}
+
 /// A random model whose requirement is within `NEAR` of the value at which a design ceases to exist;
 /// `None` when there is no such value in reach.
 fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model> {
@@ -44,8 +56,7 @@ fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model>
             .scaled(&model, log.exp())
             .map(|(model, _)| model)
     };
-    let feasible =
-        |log: f64| -> Option<bool> { Some(decided(&at(log)?).slack? < model.file.specs.margin) };
+    let feasible = |log: f64| Some(smallest_slack(&at(log)?)? < model.file.specs.margin);
     let (mut low, mut high) = (-RANGE, RANGE);
     if requirement == Requirement::Threshold {
         // nu stays below 1.
