@@ -20,7 +20,7 @@ use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
 /// Bisections of the logarithm of a factor in [-RANGE, RANGE].
-const BISECTIONS: usize = 8;
+const BISECTIONS: usize = 6;
 const RANGE: f64 = 4.0;
 
 /// How far from the edge the models lie, at most, as a logarithm.
@@ -49,7 +49,11 @@ fn smallest_slack(model: &Model) -> Option<f64> {
 /// A random model whose requirement is within `NEAR` of the value at which a design ceases to exist;
 /// `None` when there is no such value in reach.
 fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model> {
-    let sizes = Sizes::any(stream);
+    let sizes = Sizes {
+        states: stream.integer(2, 3) as usize,
+        inputs: stream.integer(1, 2) as usize,
+        vertices: stream.integer(2, 4) as usize,
+    };
     let model = random::model(stream, sizes, false);
     let at = |log: f64| {
         requirement
@@ -114,7 +118,6 @@ fn judge(seed: u64, count: usize) {
         Requirement::InputLimit,
         Requirement::Threshold,
         Requirement::SamplingInterval,
-        Requirement::DisturbanceWeight,
     ];
     let mut stream = Stream(seed);
     let (mut feasible, mut infeasible, mut unknown, mut compared) = (0, 0, 0, 0);
@@ -128,6 +131,7 @@ fn judge(seed: u64, count: usize) {
         };
         let decision = decided(&model);
         let slack = decision.slack.unwrap_or(f64::NAN);
+        eprintln!("round {round}: {}, slack {slack:.3e}", requirement.symbol());
         let no = match decision.answer {
             Answer::Feasible(_) => {
                 feasible += 1;
