@@ -24,8 +24,8 @@ const PUSH_DECADES: i32 = 12;
 /// Steps at most.
 const STEPS: usize = 40;
 
-/// Step lengths below this make no progress.
-const SHORTEST_STEP: f64 = 1e-3;
+/// Steps shorter than this lead nowhere.
+const SHORTEST_STEP: f64 = 0.05;
 
 /// Newton decrement, per unit of the cones' sides, at which the point is central enough.
 const CENTRAL: f64 = 0.1;
