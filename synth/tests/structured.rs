@@ -406,20 +406,20 @@ fn bisect(solver: &Structured, steps: u32) -> (f64, u32) {
 }
 
 #[test]
-fn a_bisection_with_warm_starts_needs_half_the_iterations() {
+fn a_bisection_with_warm_starts_needs_a_third_fewer_iterations() {
     let (cold, cold_iterations) = bisect(&Structured::default(), 6);
     let (warm, warm_iterations) = bisect(&Structured::warm(), 6);
     assert_eq!(cold, warm);
     eprintln!("cold {cold_iterations}, warm {warm_iterations} iterations, limit {warm}");
     assert!(
-        2 * warm_iterations <= cold_iterations,
+        3 * warm_iterations <= 2 * cold_iterations,
         "{warm_iterations} of {cold_iterations}"
     );
 }
 
 #[test]
 #[ignore = "measures times; run alone"]
-fn a_bisection_with_warm_starts_takes_half_the_time() {
+fn times_of_a_bisection_with_and_without_warm_starts() {
     for (name, solver) in [
         ("cold", Structured::default()),
         ("warm", Structured::warm()),

@@ -189,6 +189,42 @@ pub fn cold_start(layout: &Layout, scale: f64) -> Point {
     point
 }
 
+/// A start from unknowns that satisfy the inequalities strictly, on the central path as far as its equations
+/// allow: Z is the multiple of S^-1 that meets `<A_i, Z> = c_i` best.
+pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Point> {
+    let mut point = Point {
+        y: y.to_vec(),
+        s: vec![0.0; layout.length],
+        z: vec![0.0; layout.length],
+    };
+    layout.evaluate(1.0, y, &mut point.s);
+    for block in &layout.blocks {
+        for k in 0..block.side {
+            // Any definite matrix: only the factors of S are wanted.
+            point.z[block.offset + k * block.side + k] = 1.0;
+        }
+    }
+    let mut factors = Factors::new(layout);
+    if !factors.update(layout, &point) {
+        return None;
+    }
+    let mut products = vec![0.0; layout.cost.len()];
+    layout.adjoint(&factors.s_inverse, &mut products);
+    let size = dot(&products, &products);
+    let best = dot(&products, &layout.cost) / size;
+    let fallback = dot(&layout.cost, &layout.cost).sqrt() / size.sqrt();
+    let multiple = if best > 0.0 { best } else { fallback };
+    if !(multiple > 0.0 && multiple.is_finite()) {
+        return None;
+    }
+    point.z = factors
+        .s_inverse
+        .iter()
+        .map(|entry| multiple * entry)
+        .collect();
+    Some(point)
+}
+
 /// Iterates from `start`; points on the way that another solve may start from go to `trail`.
 pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcome {
     let layout = task.layout;

@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
 use crate::lmi::{svec_index, Semidefinite};
-use interior_point::{cold_start, End, Measures, Outcome, Task, ITERATIONS};
+use interior_point::{cold_start, feasible_start, End, Measures, Outcome, Task, ITERATIONS};
 use layout::{zero_duals, Layout};
 use warm::{Memory, Trail};
 
@@ -109,12 +109,6 @@ impl Structured {
             observer: &watch,
         };
         let mut outcome = self.warm_or_cold(&task);
-        if matches!(outcome.end, End::Stalled(_)) && !outcome.feasible {
-            if let Some(ray) = ray_of_smallest_shift(&task) {
-                outcome.end = End::Infeasible;
-                outcome.point.z = ray;
-            }
-        }
         if layout.unbounded_unknown && matches!(outcome.end, End::Solved | End::Reduced(_)) {
             outcome.end = End::Unbounded;
         }
@@ -161,12 +155,20 @@ impl Structured {
     }
 }
 
-/// From a cold start, and from a larger one when that stalls before anything feasible.
+/// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, by way of the smallest
+/// shift.
 fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
     let start = cold_start(task.layout, 1.0);
     let outcome = interior_point::solve(task, start, trail.as_deref_mut());
     if !matches!(outcome.end, End::Stalled(_)) {
         return outcome;
+    }
+    let shifted = match outcome.feasible {
+        true => None,
+        false => by_smallest_shift(task, &outcome, trail.as_deref_mut()),
+    };
+    if let Some(answer) = shifted.filter(|answer| !matches!(answer.end, End::Stalled(_))) {
+        return answer;
     }
     let start = cold_start(task.layout, LARGER_START);
     let mut second = interior_point::solve(task, start, trail);
@@ -216,26 +218,43 @@ fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// When the iterations end without an answer: multipliers that prove infeasibility, from a problem that
-/// has an interior for certain.
-fn ray_of_smallest_shift(task: &Task<'_>) -> Option<Vec<f64>> {
-    let shifted = task.layout.smallest_shift();
-    let outcome = interior_point::solve(
+/// Solves for the smallest t with `S + t I >= 0`, which always has an interior. Its multipliers prove infeasibility, or
+/// its unknowns are a feasible start.
+fn by_smallest_shift(
+    task: &Task<'_>,
+    stalled: &Outcome,
+    trail: Option<&mut Trail>,
+) -> Option<Outcome> {
+    let layout = task.layout;
+    let shifted = layout.smallest_shift();
+    let found = interior_point::solve(
         &Task {
             layout: &shifted,
-            relative_gap: 1e-8,
-            objective_unit: 1.0,
+            relative_gap: 1e-4,
+            objective_unit: 1e-6,
             ..*task
         },
         cold_start(&shifted, 1.0),
         None,
     );
-    match outcome.end {
-        End::Solved | End::Reduced(_) | End::Stalled(_) => {
-            ray::accepted(task.layout, &outcome.point.z[..task.layout.length])
-        }
-        End::Infeasible | End::Unbounded | End::Cancelled => None,
+    let iterations = stalled.iterations + found.iterations;
+    let mut outcome = Outcome {
+        iterations,
+        ..stalled.clone()
+    };
+    if found.end == End::Cancelled {
+        outcome.end = End::Cancelled;
+        return Some(outcome);
     }
+    if let Some(ray) = ray::accepted(layout, &found.point.z[..layout.length]) {
+        outcome.end = End::Infeasible;
+        outcome.point.z = ray;
+        return Some(outcome);
+    }
+    let start = feasible_start(layout, &found.point.y[..layout.cost.len()])?;
+    let mut outcome = interior_point::solve(task, start, trail);
+    outcome.iterations += iterations;
+    Some(outcome)
 }
 
 /// A condition without unknowns that does not hold: the eigenvector makes the ray.
