@@ -146,7 +146,7 @@ fn bad_usage_ends_with_1_and_says_why() {
         ),
         (
             &["synthesize", model, "--form", "short"],
-            "[possible values: reduced, full]",
+            "[possible values: reduced, slack, full]",
         ),
         (&["export", model, "--format", "pdf"], "invalid value 'pdf'"),
         (&["schema", "everything"], "invalid value 'everything'"),

@@ -327,20 +327,20 @@ fn a_name_that_is_not_known_is_named_with_the_known_ones() {
         ),
         (
             "/gains",
-            "unknown name `scheduled`",
-            "`constant`",
-            json!("scheduled"),
+            "unknown name `adaptive`",
+            "`constant` or `scheduled`",
+            json!("adaptive"),
         ),
         (
             "/mismatch",
-            "unknown name `kappa`",
-            "`none`",
-            json!("kappa"),
+            "unknown name `some`",
+            "`none` or `kappa`",
+            json!("some"),
         ),
         (
             "/plant",
             "unknown name `cube`",
-            "`exact` or `vertices`",
+            "`exact`, `vertices`, `rules`",
             json!({ "cube": 1 }),
         ),
     ];

@@ -154,7 +154,7 @@ fn an_infeasible_model_is_explained_in_words() {
     let folder = folder();
     let run = synthesize(&weak_spacecraft(folder.path()), &[]).ends_with(2);
     for part in [
-        "no design exists",
+        "INFEASIBLE, proved: no design",
         "smallest slack",
         "conditions that block",
         "nothing written",

@@ -281,6 +281,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
     for line in feasibility::blocking_lines(&decision.blocking) {
         print(&line);
     }
+    print("nothing written");
 }
 
 /// A solver's run in words.

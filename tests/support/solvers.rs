@@ -31,7 +31,9 @@ pub fn csdp(problem: &Path) -> Option<Optimum> {
         .output();
     let output = run.expect("csdp runs");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "csdp: {text}");
+    // 3 is "solved with reduced accuracy"; the caller judges the numbers.
+    let solved = matches!(output.status.code(), Some(0 | 3));
+    assert!(solved, "csdp: {text}");
     Some(Optimum {
         primal: value_after(&text, "Primal objective value:"),
         dual: value_after(&text, "Dual objective value:"),
