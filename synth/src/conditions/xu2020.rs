@@ -219,15 +219,26 @@ pub fn side_conditions(
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Vec<Condition> {
-    let mut out = conditions_without_gain(task, unknowns, strictness);
+    let mut out = positivity_and_anti_windup(task, unknowns, strictness);
     out.push(peak_gain::peak_gain(task, unknowns, strictness));
     out.push(peak_gain::gain_above_weight(task, unknowns, strictness));
+    out.extend(weight_region_and_start(task, unknowns, strictness));
     out
 }
 
 /// The same without the gain (20): a gamma that is large enough satisfies it whatever the rest, so
 /// that it does not decide whether a design exists.
 pub fn conditions_without_gain(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    let mut out = positivity_and_anti_windup(task, unknowns, strictness);
+    out.extend(weight_region_and_start(task, unknowns, strictness));
+    out
+}
+
+fn positivity_and_anti_windup(
     task: &Task,
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
@@ -240,7 +251,15 @@ pub fn conditions_without_gain(
     out.extend(anti_windup::sector_positive(unknowns, strictness));
     out.extend(anti_windup::anti_windup(task, unknowns, strictness));
     out.extend(mismatch::bounded(task, unknowns, strictness));
-    out.push(peak_gain::weight_bound(task, unknowns));
+    out
+}
+
+fn weight_region_and_start(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    let mut out = vec![peak_gain::weight_bound(task, unknowns)];
     out.extend(region::region(task, unknowns, strictness));
     out.extend(start::must_contain(task, unknowns));
     out
