@@ -40,9 +40,9 @@ pub fn exclude(problem: &Semidefinite, weights: &[Vec<f64>]) -> Exclusion {
             indefinite = Some(cone.name.clone());
             break;
         };
-        constant = constant + inner(&cone.constant, &raised);
+        constant += inner(&cone.constant, &raised);
         for (unknown, entries) in &cone.coefficients {
-            products[*unknown] = products[*unknown] + inner(entries, &raised);
+            products[*unknown] += inner(entries, &raised);
         }
     }
     let sizes = products.iter().map(|product| product.magnitude());

@@ -309,11 +309,14 @@ fn wrong_count(field: &str, found: usize, expected: &str) -> ModelError {
 /// Largest number of gains in a file.
 const MAX_GAINS: usize = 64;
 
+/// A gain and its anti-windup gain.
+type GainPair = (DMatrix<f64>, DMatrix<f64>);
+
 /// Each gain with its anti-windup gain.
 fn paired(
     gains: Vec<DMatrix<f64>>,
     anti_windups: Vec<DMatrix<f64>>,
-) -> Result<Vec<(DMatrix<f64>, DMatrix<f64>)>, ModelError> {
+) -> Result<Vec<GainPair>, ModelError> {
     if gains.is_empty() || gains.len() > MAX_GAINS {
         let expected = format!("1 to {MAX_GAINS}");
         return Err(wrong_count("controller.gains", gains.len(), &expected));

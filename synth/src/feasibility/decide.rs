@@ -105,7 +105,7 @@ struct Found {
 /// What one containment weight gave.
 enum Part {
     Point(Box<Synthesized>),
-    Refuted(WeightsFile, Refutation),
+    Refuted(Box<WeightsFile>, Refutation),
     Open,
 }
 
@@ -138,7 +138,7 @@ fn settle(subject: Subject, search: &mut Search) -> Result<Found, SynthesisError
                 out.answer = Answer::Feasible(design);
                 return Ok(out);
             }
-            Part::Refuted(weights, refutation) => refuted.push((weights, refutation)),
+            Part::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
             Part::Open => open = true,
         }
     }
@@ -163,7 +163,7 @@ fn attempt(
     let (scaling, task) = scaled(subject.task, units);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
     if matches!(solution.status, Status::Solved | Status::Inaccurate) {
-        let smaller = out.slack.map_or(true, |slack| solution.objective < slack);
+        let smaller = out.slack.is_none_or(|slack| solution.objective < slack);
         if smaller {
             out.slack = Some(solution.objective);
             out.blocking = blocking(&assembled.problem.conditions, &solution);
@@ -180,7 +180,7 @@ fn attempt(
     }
     let margin = task.specification.margin;
     let excess = solution.objective - margin;
-    if !(excess > 0.0) {
+    if excess.is_nan() || excess <= 0.0 {
         return Ok(Part::Open);
     }
     let problem = assembled.problem.lower();
@@ -196,7 +196,7 @@ fn attempt(
     if let Some((file, weights)) = as_read(&source) {
         let refutation = refute(subject.model, &weights);
         if refutation.proved {
-            return Ok(Part::Refuted(file, refutation));
+            return Ok(Part::Refuted(Box::new(file), refutation));
         }
     }
     Ok(Part::Open)

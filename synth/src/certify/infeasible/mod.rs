@@ -24,7 +24,7 @@ use nalgebra::DMatrix;
 
 use self::balance::{for_each_statement, Balance};
 use super::interval::Interval;
-use super::rounding::{div_down, mul_up};
+use super::rounding::{div_down, mul_up, next_down};
 use super::{judge, ConditionMargin};
 use crate::model::Model;
 
@@ -167,7 +167,7 @@ fn covered(balance: &Balance<Interval>) -> f64 {
         return f64::MAX;
     }
     // Strictly below: half of what would make the sum vanish is lost at most in the last digit.
-    let bound = div_down(-constant, mul_up(2.0, sum)).next_down();
+    let bound = next_down(div_down(-constant, mul_up(2.0, sum)));
     match bound.is_finite() && bound > 0.0 {
         true => bound,
         false => 0.0,

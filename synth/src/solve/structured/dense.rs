@@ -294,7 +294,7 @@ pub fn eigen(a: &[f64], n: usize) -> (Vec<f64>, Vec<f64>) {
             .flat_map(|j| (0..j).map(move |i| (i, j)))
             .map(|(i, j)| a[j * n + i] * a[j * n + i])
             .sum();
-        if !(off > 1e-32 * total) {
+        if off.is_nan() || off <= 1e-32 * total {
             break;
         }
         for q in 1..n {

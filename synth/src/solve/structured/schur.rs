@@ -136,9 +136,8 @@ impl BlockPlan {
     ) {
         for (k, &unknown) in block.unknowns.iter().enumerate() {
             let own = block.entries_of(k);
-            match &self.columns[k] {
-                Some(columns) => dense_column(block.side, own, columns, z, s_inverse, work),
-                None => {}
+            if let Some(columns) = &self.columns[k] {
+                dense_column(block.side, own, columns, z, s_inverse, work);
             }
             for (later, &other) in block.unknowns.iter().enumerate().skip(k) {
                 let entries = block.entries_of(later);
