@@ -34,9 +34,21 @@ pub fn exercise_controllers() -> Result<f64, ParameterError> {
     )?;
     let shapes = LocalRules::new(
         black_box([
-            [FuzzySet::Gaussian { centre: 0.0, width: 0.3 }; 6],
-            [FuzzySet::Triangular { left: -1.0, peak: 0.0, right: 1.0 }; 6],
-            [FuzzySet::Trapezoidal { left: -1.0, left_top: -0.5, right_top: 0.5, right: 1.0 }; 6],
+            [FuzzySet::Gaussian {
+                centre: 0.0,
+                width: 0.3,
+            }; 6],
+            [FuzzySet::Triangular {
+                left: -1.0,
+                peak: 0.0,
+                right: 1.0,
+            }; 6],
+            [FuzzySet::Trapezoidal {
+                left: -1.0,
+                left_top: -0.5,
+                right_top: 0.5,
+                right: 1.0,
+            }; 6],
             [FuzzySet::Any; 6],
         ]),
         black_box(Vector6::repeat(1.0)),
