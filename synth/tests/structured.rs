@@ -244,7 +244,10 @@ fn empty_blocks_rows_without_entries_and_scalar_cones_are_taken_as_they_are() {
 #[test]
 fn a_problem_without_unknowns_is_decided_by_its_constants() {
     let fine = cone(2, &[entry(0, 0, 1.0)], &[]);
-    assert_eq!(solve(&problem(&[], std::slice::from_ref(&fine))).status, Status::Solved);
+    assert_eq!(
+        solve(&problem(&[], std::slice::from_ref(&fine))).status,
+        Status::Solved
+    );
     let wrong = cone(2, &[entry(0, 1, 1.0)], &[]);
     let all = problem(&[1.0, 1.0], &[hyperbola(), fine, wrong]);
     let solution = solve(&all);
