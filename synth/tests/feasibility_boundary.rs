@@ -15,7 +15,7 @@ use exact::Stream;
 use random::Sizes;
 use synth::feasibility::{decide, Answer, Decision, Requirement};
 use synth::lmi::Semidefinite;
-use synth::model::{Model, PlantFile};
+use synth::model::{Model, ModelFile, PlantFile};
 use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
@@ -196,6 +196,27 @@ fn judge(seed: u64, count: usize) {
     assert!(round <= 3 * count, "{round} models drawn");
     assert!(unknown * 20 <= count, "{unknown} of {count} unknown");
     assert!(feasible * 5 > count && infeasible * 5 > count);
+}
+
+#[test]
+fn a_cart_that_is_too_weak_is_refuted_without_a_trigger_threshold_too() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/double-integrator.json"
+    );
+    let mut file: ModelFile = serde_json::from_str(&text(Path::new(path))).expect("a model file");
+    file.specs.nu = 0.0;
+    file.specs.nu_min = None;
+    let answer = |file: &ModelFile| decided(&Model::new(file.clone()).expect("a model")).answer;
+    assert!(matches!(answer(&file), Answer::Feasible(_)));
+    let PlantFile::Vertices(plant) = &mut file.plant else {
+        panic!("the cart has vertices")
+    };
+    plant.input_limit = vec![0.01];
+    let Answer::Infeasible(proof) = answer(&file) else {
+        panic!("not refuted")
+    };
+    assert_eq!(proof.bound, f64::MAX);
 }
 
 #[test]
