@@ -15,13 +15,18 @@ use exact::Stream;
 use random::Sizes;
 use synth::feasibility::{decide, Answer, Decision, Requirement};
 use synth::lmi::Semidefinite;
-use synth::model::Model;
+use synth::model::{Model, ModelFile, PlantFile};
 use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
-/// Bisections of the logarithm of a factor in [-RANGE, RANGE].
+/// Bisections of the logarithm of a factor in [0, RANGE].
 const BISECTIONS: usize = 6;
-const RANGE: f64 = 4.0;
+const RANGE: f64 = 4.5;
+
+/// Distance of the vertex systems from the first, relative to that of independent ones, which no
+/// common gain stabilises; and what makes most of them unstable, so that limits matter (1/s).
+const SPREAD: f64 = 0.15;
+const SHIFT: f64 = 0.1;
 
 /// How far from the edge the models lie, at most, as a logarithm.
 const NEAR: f64 = 0.1;
@@ -46,38 +51,58 @@ fn smallest_slack(model: &Model) -> Option<f64> {
     usable.then_some(solution.objective)
 }
 
-/// A random model whose requirement is within `NEAR` of the value at which a design ceases to exist;
-/// `None` when there is no such value in reach.
-fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model> {
+/// A random model that one gain can usually stabilise.
+fn random_model(stream: &mut Stream) -> Model {
     let sizes = Sizes {
         states: stream.integer(2, 3) as usize,
         inputs: stream.integer(1, 2) as usize,
         vertices: stream.integer(2, 4) as usize,
     };
-    let model = random::model(stream, sizes, false);
-    let at = |log: f64| {
-        requirement
-            .scaled(&model, log.exp())
-            .map(|(model, _)| model)
+    let mut file = random::model(stream, sizes, false).file;
+    let PlantFile::Vertices(plant) = &mut file.plant else {
+        panic!("random models have vertices")
     };
-    let feasible = |log: f64| Some(smallest_slack(&at(log)?)? < model.file.specs.margin);
-    let (mut low, mut high) = (-RANGE, RANGE);
-    if requirement == Requirement::Threshold {
-        // nu stays below 1.
-        high = (0.99 / model.file.specs.nu).ln();
-    }
-    let below = feasible(low)?;
-    if below == feasible(high)? {
-        return None;
-    }
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        match feasible(middle)? == below {
-            true => low = middle,
-            false => high = middle,
+    let first = plant.state_matrices[0].clone();
+    for matrix in &mut plant.state_matrices {
+        for (r, row) in matrix.iter_mut().enumerate() {
+            for (c, entry) in row.iter_mut().enumerate() {
+                *entry = first[r][c] + SPREAD * (*entry - first[r][c]);
+                if r == c {
+                    *entry += SHIFT;
+                }
+            }
         }
     }
-    at(0.5 * (low + high) + NEAR * stream.signed_unit())
+    Model::new(file).expect("a valid model")
+}
+
+/// A random model whose requirement is within `NEAR` of the value at which a design ceases to exist;
+/// `None` when there is none to begin with, or always one.
+fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model> {
+    let model = random_model(stream);
+    let (harder, range) = match requirement {
+        Requirement::InputLimit => (-1.0, RANGE),
+        // nu stays below 1.
+        Requirement::Threshold => (1.0, (0.99 / model.file.specs.nu).ln()),
+        _ => (1.0, RANGE),
+    };
+    let at = |log: f64| {
+        let scaled = requirement.scaled(&model, (harder * log).exp());
+        scaled.map(|(model, _)| model)
+    };
+    let exists = |model: &Model| Some(smallest_slack(model)? < model.file.specs.margin);
+    if !exists(&model)? || exists(&at(range)?)? {
+        return None;
+    }
+    let (mut below, mut above) = (0.0, range);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (below + above);
+        match exists(&at(middle)?)? {
+            true => below = middle,
+            false => above = middle,
+        }
+    }
+    at((0.5 * (below + above) + NEAR * stream.signed_unit()).min(range))
 }
 
 /// The problem without the unknowns that occur nowhere (gamma), which CSDP refuses.
@@ -121,6 +146,7 @@ fn judge(seed: u64, count: usize) {
     ];
     let mut stream = Stream(seed);
     let (mut feasible, mut infeasible, mut unknown, mut compared) = (0, 0, 0, 0);
+    let mut edges = [0; 3];
     let mut round = 0;
     while feasible + infeasible + unknown < count {
         let requirement = requirements[round % requirements.len()];
@@ -131,7 +157,7 @@ fn judge(seed: u64, count: usize) {
         };
         let decision = decided(&model);
         let slack = decision.slack.unwrap_or(f64::NAN);
-        eprintln!("round {round}: {}, slack {slack:.3e}", requirement.symbol());
+        edges[(round - 1) % requirements.len()] += 1;
         let no = match decision.answer {
             Answer::Feasible(_) => {
                 feasible += 1;
@@ -164,10 +190,33 @@ fn judge(seed: u64, count: usize) {
     }
     eprintln!(
         "{feasible} feasible, {infeasible} infeasible, {unknown} unknown, {compared} compared with csdp, \
-         {round} models drawn"
+         {round} models drawn; edges of ubar, nu, hbar: {edges:?}"
     );
+    assert!(edges.iter().all(|edges| 5 * edges > count), "{edges:?}");
+    assert!(round <= 3 * count, "{round} models drawn");
     assert!(unknown * 20 <= count, "{unknown} of {count} unknown");
     assert!(feasible * 5 > count && infeasible * 5 > count);
+}
+
+#[test]
+fn a_cart_that_is_too_weak_is_refuted_without_a_trigger_threshold_too() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/double-integrator.json"
+    );
+    let mut file: ModelFile = serde_json::from_str(&text(Path::new(path))).expect("a model file");
+    file.specs.nu = 0.0;
+    file.specs.nu_min = None;
+    let answer = |file: &ModelFile| decided(&Model::new(file.clone()).expect("a model")).answer;
+    assert!(matches!(answer(&file), Answer::Feasible(_)));
+    let PlantFile::Vertices(plant) = &mut file.plant else {
+        panic!("the cart has vertices")
+    };
+    plant.input_limit = vec![0.01];
+    let Answer::Infeasible(proof) = answer(&file) else {
+        panic!("not refuted")
+    };
+    assert_eq!(proof.bound, f64::MAX);
 }
 
 #[test]

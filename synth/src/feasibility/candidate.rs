@@ -57,12 +57,17 @@ pub struct Source<'a> {
 
 impl Source<'_> {
     /// The weights that the dual solution gives, scaled so that their constant is about -1; `None`
-    /// when it is not finite.
+    /// when it is not finite. Where the model's trigger threshold is below that of the problem, the
+    /// held state is taken for the sample, which it almost is.
     pub fn weights(&self) -> Option<Weights> {
         let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
         let system = self.model.plant.takagi_sugeno();
-        let start = self.moments(&duals, Interval::Start)?;
+        let mut start = self.moments(&duals, Interval::Start)?;
         let mut end = self.moments(&duals, Interval::End)?;
+        if self.model.file.specs.nu < self.task.specification.trigger_threshold {
+            start.held = None;
+            end.held = None;
+        }
         if self.model.file.specs.eps[2].abs() >= SMALLEST_SAMPLE_WEIGHT {
             end.multiplied_sample = None;
         }

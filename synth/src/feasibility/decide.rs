@@ -5,7 +5,7 @@ use super::centre::centred;
 use super::file::{InfeasibilityFile, WeightsFile};
 use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
-use crate::conditions::GainPlan;
+use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::lmi::Affine;
 use crate::model::Model;
@@ -62,15 +62,30 @@ pub fn decide(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let form = Form::Reduced;
-    let subject = Subject {
+    let mut search = Search::new(Form::Reduced, backend, observer);
+    decide_after(subject(model, model_text, &model.task()), &mut search)
+}
+
+/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`].
+pub(super) fn look_for_a_design(
+    model: &Model,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<Decision, SynthesisError> {
+    let mut search = Search::new(Form::Reduced, backend, observer);
+    let task = model.task();
+    let found = settle(subject(model, "", &task), &mut search, Sought::Design)?;
+    Ok(found.decision(&search))
+}
+
+fn subject<'a>(model: &'a Model, model_text: &'a str, task: &'a Task) -> Subject<'a> {
+    Subject {
         model,
         model_text,
-        task: &model.task(),
+        task,
         gains_text: None,
-        form,
-    };
-    decide_after(subject, &mut Search::new(form, backend, observer))
+        form: Form::Reduced,
+    }
 }
 
 /// The same after other runs, which are counted.
@@ -84,16 +99,18 @@ pub(crate) fn decide_after(
         form: Form::Reduced,
         ..subject
     };
-    let found = settle(subject, &mut own);
+    let found = settle(subject, &mut own, Sought::Proof);
     search.runs.append(&mut own.runs);
-    let found = found?;
-    Ok(Decision {
-        answer: found.answer,
-        slack: found.slack,
-        blocking: found.blocking,
-        solve_seconds: search.seconds(),
-        runs: search.runs.clone(),
-    })
+    Ok(found?.decision(search))
+}
+
+/// What is sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sought {
+    /// A design, or a proof that there is none.
+    Proof,
+    /// A design; where the solver says that there is none, nothing more.
+    Design,
 }
 
 struct Found {
@@ -102,14 +119,28 @@ struct Found {
     blocking: Vec<(String, f64)>,
 }
 
+impl Found {
+    fn decision(self, search: &Search) -> Decision {
+        Decision {
+            answer: self.answer,
+            slack: self.slack,
+            blocking: self.blocking,
+            solve_seconds: search.seconds(),
+            runs: search.runs.clone(),
+        }
+    }
+}
+
 /// What one containment weight gave.
 enum Part {
     Point(Box<Synthesized>),
     Refuted(Box<WeightsFile>, Refutation),
+    /// The solver says that there is no design, and nobody asked for a proof.
+    Denied,
     Open,
 }
 
-fn settle(subject: Subject, search: &mut Search) -> Result<Found, SynthesisError> {
+fn settle(subject: Subject, search: &mut Search, sought: Sought) -> Result<Found, SynthesisError> {
     let mut out = Found {
         answer: Answer::Unknown,
         slack: None,
@@ -126,7 +157,7 @@ fn settle(subject: Subject, search: &mut Search) -> Result<Found, SynthesisError
                 containment_weight,
             };
             last_units = Some(units);
-            part = attempt(subject, search, units, &mut out)?;
+            part = attempt(subject, search, units, sought, &mut out)?;
             if !matches!(part, Part::Open) {
                 break;
             }
@@ -139,7 +170,7 @@ fn settle(subject: Subject, search: &mut Search) -> Result<Found, SynthesisError
                 return Ok(out);
             }
             Part::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
-            Part::Open => open = true,
+            Part::Denied | Part::Open => open = true,
         }
     }
     if let (false, Some(units)) = (open, last_units) {
@@ -158,11 +189,15 @@ fn attempt(
     subject: Subject,
     search: &mut Search,
     units: ProblemUnits,
+    sought: Sought,
     out: &mut Found,
 ) -> Result<Part, SynthesisError> {
-    let (scaling, task) = scaled(subject.task, units);
+    let (scaling, mut task) = scaled(subject.task, units);
+    let threshold = &mut task.specification.trigger_threshold;
+    *threshold = threshold.max(SMALLEST_THRESHOLD);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
-    if matches!(solution.status, Status::Solved | Status::Inaccurate) {
+    let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
+    if usable {
         let smaller = out.slack.is_none_or(|slack| solution.objective < slack);
         if smaller {
             out.slack = Some(solution.objective);
@@ -173,6 +208,9 @@ fn attempt(
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
             return Ok(Part::Point(design));
         }
+    }
+    if usable && sought == Sought::Design {
+        return Ok(Part::Denied);
     }
     // The weights speak of one gain that is free.
     if task.gains != GainPlan::constant() {
@@ -208,6 +246,11 @@ fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
     let weights = file.weights(source.model).ok()?;
     Some((file, weights))
 }
+
+/// The smallest trigger threshold with which the problem is solved: with 0 its dual solutions have no
+/// inside. A design for a larger threshold is one for the model's; the weights leave the held state
+/// out, see [`Source::weights`].
+const SMALLEST_THRESHOLD: f64 = 1e-6;
 
 /// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
 const KEPT: f64 = 0.25;

@@ -1,6 +1,6 @@
 //! Which requirement, relaxed alone, first makes a model feasible, and at what value.
 
-use super::decide::{decide, Answer};
+use super::decide::{look_for_a_design, Answer};
 use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
 use crate::solve::{Backend, Observer};
 use crate::synthesis::SynthesisError;
@@ -272,7 +272,7 @@ impl Relaxing<'_> {
         let Some((model, _)) = self.requirement.scaled(self.model, factor) else {
             return Ok(None);
         };
-        let decision = decide(&model, "", self.backend, self.observer.clone())?;
+        let decision = look_for_a_design(&model, self.backend, self.observer.clone())?;
         self.solves += decision.runs.len();
         Ok(Some(Probe {
             at,
