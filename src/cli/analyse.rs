@@ -49,6 +49,7 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         &text,
         &gains.gains,
         &gains_text,
+        args.solver.form(),
         args.solver.backend().as_ref(),
         Some(progress.observer()),
     );
@@ -59,7 +60,7 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         model: &model,
         output: args.output.as_deref(),
         json: args.json,
-        form: synthesis::Form::Reduced,
+        form: args.solver.form(),
         cross_check: None,
         what: "proof for these gains",
     };

@@ -138,6 +138,7 @@ pub fn analyse(
     model_text: &str,
     gains: &[DMatrix<f64>],
     gains_text: &str,
+    form: Form,
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
@@ -158,9 +159,9 @@ pub fn analyse(
         model_text,
         task: &task,
         gains_text: Some(gains_text),
-        form: Form::Reduced,
+        form,
     };
-    let search = Search::new(Form::Reduced, backend, observer);
+    let search = Search::new(form, backend, observer);
     Run { subject, search }.search()
 }
 
