@@ -37,11 +37,6 @@ const REFINEMENTS: usize = 4;
 /// Residual of `<A_i, Z + dZ> = c_i`, relative, at which a direction is good enough.
 const REFINED: f64 = 1e-10;
 
-/// The start's slack and multipliers, relative to the size of the data.
-const START_SLACK: f64 = 1.0;
-/// See above.
-const START_MULTIPLIER: f64 = 0.1;
-
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
 
@@ -127,6 +122,8 @@ pub struct Task<'a> {
     pub iterations: u32,
     /// Smallest size the gap is relative to, in balanced units.
     pub objective_unit: f64,
+    /// Keeps nearer to the central path: more iterations, but fewer problems stall.
+    pub cautious: bool,
     /// Threads that may be used.
     pub threads: usize,
     /// Called between iterations; `false` stops.
@@ -156,73 +153,6 @@ struct Direction {
     y: Vec<f64>,
     s: Vec<f64>,
     z: Vec<f64>,
-}
-
-/// Multiples of the identity by the size of the data, in the manner of CSDP (Borchers 1999); `scale` makes them
-/// larger.
-pub fn cold_start(layout: &Layout, scale: f64) -> Point {
-    let norms = layout.coefficient_norms();
-    let sides = layout.blocks.iter().map(|block| block.side);
-    let n = sides.max().unwrap_or(1) as f64;
-    let ratios = layout
-        .cost
-        .iter()
-        .zip(&norms)
-        .map(|(c, norm)| (1.0 + c.abs()) / (1.0 + norm));
-    let multiplier = scale * START_MULTIPLIER * n * ratios.fold(0.0, f64::max);
-    let largest = norms
-        .iter()
-        .fold(layout.constant_norm(), |max, &norm| max.max(norm));
-    let slack = scale * START_SLACK * (1.0 + largest.max(layout.constant_norm()));
-    let mut point = Point {
-        y: vec![0.0; layout.cost.len()],
-        s: vec![0.0; layout.length],
-        z: vec![0.0; layout.length],
-    };
-    for block in &layout.blocks {
-        for k in 0..block.side {
-            let at = block.offset + k * block.side + k;
-            point.s[at] = slack;
-            point.z[at] = multiplier;
-        }
-    }
-    point
-}
-
-/// A start from unknowns that satisfy the inequalities strictly, on the central path as far as its equations
-/// allow: Z is the multiple of S^-1 that meets `<A_i, Z> = c_i` best.
-pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Point> {
-    let mut point = Point {
-        y: y.to_vec(),
-        s: vec![0.0; layout.length],
-        z: vec![0.0; layout.length],
-    };
-    layout.evaluate(1.0, y, &mut point.s);
-    for block in &layout.blocks {
-        for k in 0..block.side {
-            // Any definite matrix: only the factors of S are wanted.
-            point.z[block.offset + k * block.side + k] = 1.0;
-        }
-    }
-    let mut factors = Factors::new(layout);
-    if !factors.update(layout, &point) {
-        return None;
-    }
-    let mut products = vec![0.0; layout.cost.len()];
-    layout.adjoint(&factors.s_inverse, &mut products);
-    let size = dot(&products, &products);
-    let best = dot(&products, &layout.cost) / size;
-    let fallback = dot(&layout.cost, &layout.cost).sqrt() / size.sqrt();
-    let multiple = if best > 0.0 { best } else { fallback };
-    if !(multiple > 0.0 && multiple.is_finite()) {
-        return None;
-    }
-    point.z = factors
-        .s_inverse
-        .iter()
-        .map(|entry| multiple * entry)
-        .collect();
-    Some(point)
 }
 
 /// Iterates from `start`; points on the way that another solve may start from go to `trail`.
@@ -489,17 +419,10 @@ impl Run<'_> {
             );
             base.iter_mut().for_each(|entry| *entry = -*entry);
         }
-        let predictor = self.direction(point, &base)?;
+        let predictor = self.direction(point, &base, 1.0)?;
         let (s_step, z_step) = self.step_lengths(&predictor, 1.0);
-        let mut after = 0.0;
-        for k in 0..layout.length {
-            after +=
-                (point.s[k] + s_step * predictor.s[k]) * (point.z[k] + z_step * predictor.z[k]);
-        }
-        let ratio = (after / order / complementarity).clamp(0.0, 1.0);
         let step = s_step.min(z_step);
-        let exponent = (3.0 * step * step).max(2.0);
-        let centring = ratio.powf(exponent).clamp(1e-6, 0.95);
+        let (centring, fraction, weight) = self.caution(point, &predictor, (s_step, z_step));
         // The corrector: second-order term of the predictor.
         let mut target = vec![0.0; layout.length];
         let inverse = &self.factors.s_inverse;
@@ -513,9 +436,9 @@ impl Run<'_> {
         );
         let aim = centring * complementarity;
         for k in 0..layout.length {
-            target[k] = aim * inverse[k] + base[k] - target[k];
+            target[k] = aim * inverse[k] + fraction * base[k] - weight * target[k];
         }
-        let mut direction = self.direction(point, &target)?;
+        let mut direction = self.direction(point, &target, fraction)?;
         let damping = 0.9 + 0.09 * step.min(1.0);
         let (mut s_step, mut z_step) = self.step_lengths(&direction, damping);
         if s_step.min(z_step) < 0.1 {
@@ -524,7 +447,7 @@ impl Run<'_> {
             for k in 0..layout.length {
                 target[k] = 0.5 * complementarity * inverse[k] + base[k];
             }
-            let centred = self.direction(point, &target)?;
+            let centred = self.direction(point, &target, 1.0)?;
             let (s_centred, z_centred) = self.step_lengths(&centred, damping);
             if s_centred.min(z_centred) > s_step.min(z_step) {
                 (direction, s_step, z_step) = (centred, s_centred, z_centred);
@@ -542,10 +465,37 @@ impl Run<'_> {
         Some((s_step, z_step))
     }
 
-    /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z` and `<A_i, Z + dZ> = c_i`.
-    fn direction(&mut self, point: &Point, target: &[f64]) -> Option<Direction> {
+    /// After the predictor and its steps: how much to centre, the fraction of the residuals to remove, and the weight
+    /// of the second-order term.
+    fn caution(&self, point: &Point, predictor: &Direction, steps: (f64, f64)) -> (f64, f64, f64) {
+        let (s_step, z_step) = steps;
+        let step = s_step.min(z_step);
+        if self.task.cautious {
+            // The residuals shrink no faster than the complementarity: asking for all of them at once drives the
+            // points to the boundary, where the steps become short for good.
+            let centring = (1.0 - step).powi(2).clamp(1e-6, 0.95);
+            return (centring, 1.0 - centring, (s_step * z_step).sqrt());
+        }
+        let mut after = 0.0;
+        for k in 0..point.s.len() {
+            after +=
+                (point.s[k] + s_step * predictor.s[k]) * (point.z[k] + z_step * predictor.z[k]);
+        }
+        let ratio = (after / dot(&point.s, &point.z)).clamp(0.0, 1.0);
+        let exponent = (3.0 * step * step).max(2.0);
+        (ratio.powf(exponent).clamp(1e-6, 0.95), 1.0, 1.0)
+    }
+
+    /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z` that removes a fraction of both residuals: with all
+    /// of them, `<A_i, Z + dZ> = c_i`.
+    fn direction(&mut self, point: &Point, target: &[f64], fraction: f64) -> Option<Direction> {
         let layout = self.task.layout;
         let unknowns = layout.cost.len();
+        let mut goal = vec![0.0; unknowns];
+        layout.adjoint(&point.z, &mut goal);
+        for (goal, c) in goal.iter_mut().zip(&layout.cost) {
+            *goal = fraction * c + (1.0 - fraction) * *goal;
+        }
         let mut rhs = vec![0.0; unknowns];
         let mut correction = vec![0.0; unknowns];
         let mut y = vec![0.0; unknowns];
@@ -555,7 +505,7 @@ impl Run<'_> {
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             layout.adjoint(&z, &mut rhs);
-            rhs.iter_mut().zip(&layout.cost).for_each(|(r, c)| *r -= c);
+            rhs.iter_mut().zip(&goal).for_each(|(r, c)| *r -= c);
             let size = dot(&rhs, &rhs).sqrt();
             if size <= REFINED * (1.0 + self.cost_norm) || size > 0.5 * before {
                 break;
@@ -582,7 +532,10 @@ impl Run<'_> {
         }
         z.iter_mut().zip(&point.z).for_each(|(z, old)| *z -= old);
         if !self.feasible {
-            s.iter_mut().zip(&self.residual).for_each(|(s, r)| *s += r);
+            let residual = self.residual.iter();
+            s.iter_mut()
+                .zip(residual)
+                .for_each(|(s, r)| *s += fraction * r);
         }
         Some(Direction { y, s, z })
     }

@@ -10,6 +10,7 @@ mod iterate;
 mod layout;
 mod ray;
 mod schur;
+mod start;
 mod system;
 mod warm;
 
@@ -17,8 +18,9 @@ use std::time::Instant;
 
 use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
 use crate::lmi::{svec_index, Semidefinite};
-use interior_point::{cold_start, feasible_start, End, Measures, Outcome, Task, ITERATIONS};
+use interior_point::{End, Measures, Outcome, Task, ITERATIONS};
 use layout::{zero_duals, Layout};
+use start::{cold_start, feasible_start};
 use warm::{Memory, Trail};
 
 const NAME: &str = "structured";
@@ -105,6 +107,7 @@ impl Structured {
             relative_gap: accuracy.relative_gap,
             objective_unit: accuracy.objective_unit / unit,
             iterations: ITERATIONS,
+            cautious: false,
             threads: self.threads,
             observer: &watch,
         };
@@ -155,13 +158,25 @@ impl Structured {
     }
 }
 
-/// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, by way of the smallest
-/// shift.
+/// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then by way
+/// of the smallest shift.
 fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
     let start = cold_start(task.layout, 1.0);
     let outcome = interior_point::solve(task, start, trail.as_deref_mut());
     if !matches!(outcome.end, End::Stalled(_)) {
         return outcome;
+    }
+    if !outcome.feasible {
+        let start = cold_start(task.layout, 1.0);
+        let cautious = Task {
+            cautious: true,
+            ..*task
+        };
+        let mut second = interior_point::solve(&cautious, start, trail.as_deref_mut());
+        second.iterations += outcome.iterations;
+        if !matches!(second.end, End::Stalled(_)) {
+            return second;
+        }
     }
     let shifted = match outcome.feasible {
         true => None,
