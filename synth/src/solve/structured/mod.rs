@@ -107,7 +107,7 @@ impl Structured {
             relative_gap: accuracy.relative_gap,
             objective_unit: accuracy.objective_unit / unit,
             iterations: ITERATIONS,
-            cautious: false,
+            cautious: problem.cones.len() > MANY_CONES,
             threads: self.threads,
             observer: &watch,
         };
@@ -158,6 +158,9 @@ impl Structured {
     }
 }
 
+/// With more cones than these the bold directions run to the boundary before they are feasible.
+const MANY_CONES: usize = 128;
+
 /// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then by way
 /// of the smallest shift.
 fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
@@ -166,7 +169,7 @@ fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
     if !matches!(outcome.end, End::Stalled(_)) {
         return outcome;
     }
-    if !outcome.feasible {
+    if !outcome.feasible && !task.cautious {
         let start = cold_start(task.layout, 1.0);
         let cautious = Task {
             cautious: true,
