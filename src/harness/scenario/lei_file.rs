@@ -51,7 +51,7 @@ pub struct PerformanceFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BarrierFile {
-    /// k1, above 0 [J].
+    /// k1, above 0 (J).
     pub gain_j: f64,
     /// F1, above 0.
     pub width: f64,
@@ -99,13 +99,13 @@ pub struct CompositeTriggerFile {
     pub held_error_terminal_n2m2: f64,
     /// T_max: longest time on, above 0 (s).
     pub longest_on_s: f64,
-    /// S2(0), above S2 at infinity [J].
+    /// S2(0), above S2 at infinity (J).
     pub envelope_initial_j: f64,
-    /// S2 at infinity, above 0 [J].
+    /// S2 at infinity, above 0 (J).
     pub envelope_terminal_j: f64,
     /// beta of (6) and (70), above 0 [1/s].
     pub decay_rate_per_s: f64,
-    /// delta_m of (8), above 0 and below (1 - relative_buffer) envelope_terminal_j [J].
+    /// delta_m of (8), above 0 and below (1 - relative_buffer) envelope_terminal_j (J).
     pub buffer_j: f64,
     /// kappa: turn on at (1 - kappa) S2 - delta_m, in [0, 1); 0, as published, when left out. A trigger
     /// that is evaluated at samples needs it.
