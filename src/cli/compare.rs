@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use synth::model::read_text;
 
 use super::simulate::read_design;
-use super::{print, CliError, EXIT_NO};
+use super::{files, print, CliError, EXIT_NO};
 use crate::harness::comparison::{compare, Comparison, Contestant, Curves, Task};
 use crate::harness::design::Design;
 use crate::harness::output::{write_comparison, COMPARISON_PAGE};
@@ -132,7 +131,7 @@ fn run_all(
 }
 
 fn read(path: &Path) -> Result<Read, CliError> {
-    let text = read_text(path).map_err(|error| CliError::file(path, error))?;
+    let text = files::text(path)?;
     let (file, sha256) = Scenario::read(&text).map_err(|error| CliError::file(path, error))?;
     Ok(Read {
         path: path.to_path_buf(),

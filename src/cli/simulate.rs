@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use synth::model::read_text;
-
-use super::{print, CliError, EXIT_NO};
+use super::{files, print, CliError, EXIT_NO};
 use crate::harness::design::Design;
 use crate::harness::link::LinkOutcome;
 use crate::harness::output::{summary_text, write_run};
@@ -32,7 +30,7 @@ pub struct SimulateArgs {
 /// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
 /// was broken.
 pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
-    let text = read_text(&args.scenario).map_err(|e| CliError::file(&args.scenario, e))?;
+    let text = files::text(&args.scenario)?;
     let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
     let outcome = simulate(&scenario, design.as_ref(), args.output.is_some())
@@ -76,7 +74,7 @@ pub(super) fn design_of(
 }
 
 pub(super) fn read_design(path: &Path) -> Result<Design, CliError> {
-    let text = read_text(path).map_err(|error| CliError::file(path, error))?;
+    let text = files::text(path)?;
     Design::from_json(&text).map_err(|error| CliError::file(path, error))
 }
 

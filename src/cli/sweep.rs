@@ -6,12 +6,11 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use sha2::{Digest, Sha256};
-use synth::model::read_text;
 
 use super::progress::PartsProgress;
 use super::simulate::design_of;
 use super::solver::SolverArg;
-use super::{print, CliError};
+use super::{files, print, CliError};
 use crate::harness::output::{create_folder, write};
 use crate::harness::scenario::Scenario;
 use crate::harness::simulation::check_design;
@@ -58,7 +57,7 @@ pub struct SweepArgs {
 
 /// Runs every point and writes the table. 0: done, whatever the points' verdicts.
 pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
-    let text = read_text(&args.file).map_err(|error| CliError::file(&args.file, error))?;
+    let text = files::text(&args.file)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {
