@@ -173,6 +173,6 @@ fn check_points(field: &str, points: &[Vec<f64>], n: usize) -> Result<ReferenceS
     }
     let points = matrix
         .row_iter()
-        .map(|row| DMatrix::from_column_slice(n, 1, &row.transpose().as_slice().to_vec()));
+        .map(|row| DMatrix::from_column_slice(n, 1, row.transpose().as_slice()));
     Ok(ReferenceSet::Points(points.collect()))
 }
