@@ -388,6 +388,24 @@ fn the_box_and_the_reference_points_bound_the_region() {
 }
 
 #[test]
+fn the_size_of_the_reference_set_and_of_the_box_does_not_matter() {
+    // beta is the box over the point's length, from 1e-9 to 1e9.
+    for (bound, length) in [(1e-9, 1.0), (1e-3, 1e6), (0.25, 1e-8), (1.0, 1.0)] {
+        let region = json!({
+            "input_limit": [1],
+            "reference": { "points": [[length, 0]] },
+            "box": [{ "row": [1, 0], "bound": bound }],
+        });
+        let file = asked(
+            json!({ "state_matrices": [[[0, 1], [1, 0]]], "input_matrix": [[0], [5]] }),
+            json!({ "saturated_region": region }),
+        );
+        let (_, found) = proved(&file);
+        assert_between(found.guarantee * length / bound, 0.999, 1.0);
+    }
+}
+
+#[test]
 fn a_stable_plant_gets_a_region_as_large_as_is_looked_for() {
     let file = asked(
         json!({ "state_matrices": [[[-1]]], "input_matrix": [[1]] }),

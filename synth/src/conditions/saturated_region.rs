@@ -37,11 +37,25 @@ pub enum ReferenceSet {
     Points(Vec<DMatrix<f64>>),
 }
 
+impl ReferenceSet {
+    /// The same shape in a size of about 1, whatever the units of the state: beta is computed from P.
+    fn normalised(&self) -> Self {
+        match self {
+            ReferenceSet::Ellipsoid(w) => ReferenceSet::Ellipsoid(w / power_of_two(w.norm())),
+            ReferenceSet::Points(points) => {
+                let largest = points.iter().map(DMatrix::norm).fold(0.0, f64::max);
+                let unit = power_of_two(largest);
+                ReferenceSet::Points(points.iter().map(|x| x / unit).collect())
+            }
+        }
+    }
+}
+
 /// Relative room left in the claimed beta, so that the check can prove it.
 const CLAIM_ROOM: f64 = 1e-5;
 
-/// The largest multiple of the reference set that is looked for, in scaled units: the region of a
-/// stable plant has no end.
+/// The largest multiple of the normalised reference set that is looked for, in scaled units: the region
+/// of a stable plant has no end.
 const LARGEST_SCALE: f64 = 1e3;
 
 /// The most inputs for which the 2^m choices of `F x` and `H x` are listed.
@@ -83,12 +97,7 @@ impl DesignProblem for SaturatedRegion {
         SaturatedRegion {
             input_limit: self.input_limit.component_div(&units.input),
             decay_rate: self.decay_rate * units.time,
-            reference: match &self.reference {
-                ReferenceSet::Ellipsoid(w) => ReferenceSet::Ellipsoid(w * (state * state)),
-                ReferenceSet::Points(points) => {
-                    ReferenceSet::Points(points.iter().map(|x| x / state).collect())
-                }
-            },
+            reference: self.reference.normalised(),
             region: self
                 .region
                 .iter()

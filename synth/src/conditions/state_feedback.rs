@@ -22,7 +22,8 @@ pub trait DesignProblem: Sized {
     /// What the guaranteed number is.
     const GUARANTEE: &'static str;
 
-    /// Names of further m x n gains that the proof needs. Synthesis has them as Z = H Q.
+    /// Names of further m x n gains that the proof needs, in alphabetical order. Synthesis has them as
+    /// Z = H Q.
     const AUXILIARY_GAINS: &'static [&'static str] = &[];
 
     /// Units in which the problem's numbers are about 1.

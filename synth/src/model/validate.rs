@@ -14,7 +14,9 @@ use crate::fuzzy::{ExactSpacecraft, VertexSystem};
 /// Limits that keep a mistyped file from filling the memory.
 pub(super) const MAX_STATES: usize = 24;
 pub(super) const MAX_VERTICES: usize = 4096;
+/// The most columns of a matrix, or rows of an output.
 pub const MAX_COLUMNS: usize = 24;
+/// The most bounds, states or points in a list.
 pub const MAX_BOUNDS: usize = 256;
 
 /// A checked model.
