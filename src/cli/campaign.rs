@@ -64,6 +64,9 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
     };
     let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
         .map_err(|error| unplanned(&args.scenario, error))?;
+    if plan.columns.drawn.is_empty() {
+        eprintln!("note: the scenario has no dispersions; the runs differ in their noise only");
+    }
     let told = |error| told(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let job = Job::new(&plan, design_sha256, shard, args.jobs, &args.output).map_err(told)?;

@@ -177,3 +177,37 @@ fn worst(summary: &Summary) -> Option<(String, f64)> {
     });
     margins.min_by(|a, b| a.1.total_cmp(&b.1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_metric_has_a_column() {
+        let schema = schemars::schema_for!(Metric).to_value();
+        let all = schema["oneOf"].as_array().expect("the metrics");
+        let names = all.iter().filter_map(|one| one["const"].as_str());
+        let names: BTreeSet<String> = names.map(str::to_string).collect();
+        assert_eq!(names.len(), METRICS.len());
+        assert_eq!(names, metric_columns().into_iter().collect());
+    }
+
+    #[test]
+    fn the_worst_run_is_first() {
+        let rank = |severity, margin, run| Rank {
+            severity,
+            margin,
+            run,
+        };
+        let mut ranks = [
+            rank(3, 0.1, 1),
+            rank(2, -0.1, 9),
+            rank(2, -0.1, 2),
+            rank(2, f64::NEG_INFINITY, 7),
+            rank(0, 1.0, 8),
+        ];
+        ranks.sort();
+        assert_eq!(ranks.map(|rank| rank.run), [8, 7, 2, 9, 1]);
+    }
+}
