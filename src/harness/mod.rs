@@ -19,6 +19,7 @@ pub mod link;
 pub mod lyapunov;
 pub mod output;
 pub mod padding;
+pub mod parquet;
 pub mod plant;
 pub mod pointing;
 pub mod random;
