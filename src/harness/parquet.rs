@@ -52,6 +52,30 @@ pub struct Column {
 pub struct ParquetError(String);
 
 impl Cells {
+    /// Number of entries.
+    pub fn rows(&self) -> usize {
+        match self {
+            Cells::Real(cells) => cells.len(),
+            Cells::Whole(cells) => cells.len(),
+            Cells::Text(cells) => cells.len(),
+            Cells::Flag(cells) => cells.len(),
+        }
+    }
+
+    /// An entry as text that reads back exactly; empty where it is missing.
+    pub fn text(&self, row: usize) -> String {
+        fn shown<T: ToString>(cells: &[Option<T>], row: usize) -> String {
+            let cell = cells.get(row).and_then(Option::as_ref);
+            cell.map_or(String::new(), T::to_string)
+        }
+        match self {
+            Cells::Real(cells) => shown(cells, row),
+            Cells::Whole(cells) => shown(cells, row),
+            Cells::Text(cells) => shown(cells, row),
+            Cells::Flag(cells) => shown(cells, row),
+        }
+    }
+
     fn data_type(&self) -> DataType {
         match self {
             Cells::Real(_) => DataType::Float64,

@@ -7,5 +7,5 @@ mod prescribed;
 mod series;
 
 pub use figures::{Figure, FigureError};
-pub use page::{document, escape, page, short};
+pub use page::{document, document_with_style, escape, page, short};
 pub use series::Line;

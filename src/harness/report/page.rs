@@ -36,10 +36,15 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
 
 /// A page around its body.
 pub fn document(title: &str, body: &str) -> String {
+    document_with_style(title, "", body)
+}
+
+/// A page around its body, with further lines of style.
+pub fn document_with_style(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+         <title>{}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
         escape(title)
     )
 }
