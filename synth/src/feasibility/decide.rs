@@ -12,8 +12,8 @@ use crate::model::Model;
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status};
 use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Subject, SynthesisError,
-    Synthesized, STATE_UNITS,
+    blocking, containment_weights, scaled, Assembled, Form, Goal, Part, Search, Subject,
+    SynthesisError, Synthesized, STATE_UNITS,
 };
 
 /// A proved no.
@@ -83,6 +83,8 @@ fn subject<'a>(model: &'a Model, model_text: &'a str, task: &'a Task) -> Subject
         model,
         model_text,
         task,
+        given: &[],
+        part: Part::FIRST,
         gains_text: None,
         form: Form::Reduced,
     }
@@ -132,7 +134,7 @@ impl Found {
 }
 
 /// What one containment weight gave.
-enum Part {
+enum End {
     Point(Box<Synthesized>),
     Refuted(Box<WeightsFile>, Refutation),
     /// The solver says that there is no design, and nobody asked for a proof.
@@ -150,7 +152,7 @@ fn settle(subject: Subject, search: &mut Search, sought: Sought) -> Result<Found
     let mut open = false;
     let mut last_units = None;
     for &containment_weight in containment_weights(subject.model) {
-        let mut part = Part::Open;
+        let mut part = End::Open;
         for state_fraction in STATE_UNITS {
             let units = ProblemUnits {
                 state_fraction,
@@ -158,19 +160,19 @@ fn settle(subject: Subject, search: &mut Search, sought: Sought) -> Result<Found
             };
             last_units = Some(units);
             part = attempt(subject, search, units, sought, &mut out)?;
-            if !matches!(part, Part::Open) {
+            if !matches!(part, End::Open) {
                 break;
             }
         }
         match part {
-            Part::Point(mut design) => {
+            End::Point(mut design) => {
                 design.solve_seconds = search.seconds();
                 design.file.provenance.solver_runs = search.runs.clone();
                 out.answer = Answer::Feasible(design);
                 return Ok(out);
             }
-            Part::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
-            Part::Denied | Part::Open => open = true,
+            End::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
+            End::Denied | End::Open => open = true,
         }
     }
     if let (false, Some(units)) = (open, last_units) {
@@ -179,7 +181,7 @@ fn settle(subject: Subject, search: &mut Search, sought: Sought) -> Result<Found
         let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
         let mut provenance = subject.provenance(units);
         provenance.solver_runs = search.runs.clone();
-        let file = InfeasibilityFile::new(subject.model, weights, provenance);
+        let file = InfeasibilityFile::new(subject.model, subject.given, weights, provenance);
         out.answer = Answer::Infeasible(Box::new(Infeasible { file, bound }));
     }
     Ok(out)
@@ -191,7 +193,7 @@ fn attempt(
     units: ProblemUnits,
     sought: Sought,
     out: &mut Found,
-) -> Result<Part, SynthesisError> {
+) -> Result<End, SynthesisError> {
     let (scaling, mut task) = scaled(subject.task, units);
     let threshold = &mut task.specification.trigger_threshold;
     *threshold = threshold.max(SMALLEST_THRESHOLD);
@@ -206,20 +208,21 @@ fn attempt(
     }
     if solution.objective < task.specification.margin {
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
-            return Ok(Part::Point(design));
+            return Ok(End::Point(design));
         }
     }
     if usable && sought == Sought::Design {
-        return Ok(Part::Denied);
+        return Ok(End::Denied);
     }
-    // The weights speak of one gain that is free.
-    if task.gains != GainPlan::constant() {
-        return Ok(Part::Open);
+    // The weights speak of one free gain, or of given gains in any mixture.
+    let any_mixture = task.gains.given.is_some() && task.gains.matched().is_none();
+    if task.gains != GainPlan::constant() && !any_mixture {
+        return Ok(End::Open);
     }
     let margin = task.specification.margin;
     let excess = solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
-        return Ok(Part::Open);
+        return Ok(End::Open);
     }
     let problem = assembled.problem.lower();
     let centre = centred(&problem, &solution.duals, -(margin + KEPT * excess));
@@ -230,20 +233,22 @@ fn attempt(
         assembled: &assembled,
         duals: centre.as_ref().unwrap_or(&solution.duals),
         size: KEPT * excess,
+        given: subject.given,
+        part: subject.part,
     };
     if let Some((file, weights)) = as_read(&source) {
         let refutation = refute(subject.model, &weights);
         if refutation.proved {
-            return Ok(Part::Refuted(Box::new(file), refutation));
+            return Ok(End::Refuted(Box::new(file), refutation));
         }
     }
-    Ok(Part::Open)
+    Ok(End::Open)
 }
 
 /// The weights as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
-    let file = WeightsFile::new(&source.weights()?, source.model);
-    let weights = file.weights(source.model).ok()?;
+    let file = WeightsFile::new(&source.weights()?, source.model)?;
+    let weights = file.weights(source.model, source.given).ok()?;
     Some((file, weights))
 }
 
