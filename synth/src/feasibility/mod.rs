@@ -10,6 +10,7 @@ mod centre;
 mod convert;
 mod decide;
 mod file;
+mod given;
 mod relax;
 
 pub use decide::{decide, Answer, Decision, Infeasible};
@@ -17,3 +18,4 @@ pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SC
 pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
 
 pub(crate) use decide::decide_after;
+pub(crate) use given::refute_given;

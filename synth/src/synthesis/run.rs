@@ -169,6 +169,9 @@ pub fn analyse(
         gains_text: Some(gains_text),
         form,
     };
+    if let Some(decision) = feasibility::refute_given(subject, observer.clone())? {
+        return Ok(Outcome::Infeasible(decision));
+    }
     let search = Search::new(form, backend, observer);
     Run { subject, search }.search()
 }

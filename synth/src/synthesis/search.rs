@@ -35,6 +35,15 @@ impl<'a> Search<'a> {
         Search::new(form, self.backend, self.observer.clone())
     }
 
+    /// The same with another solver.
+    pub fn with_backend<'b>(&self, form: Form, backend: &'b dyn Backend) -> Search<'b> {
+        Search::new(form, backend, self.observer.clone())
+    }
+
+    pub fn backend_name(&self) -> String {
+        self.backend.name()
+    }
+
     /// Time spent in solvers (s).
     pub fn seconds(&self) -> f64 {
         self.runs.iter().map(|run| run.seconds).sum()
