@@ -21,9 +21,10 @@ use synth::certify::interval::Interval;
 use synth::certify::matrix::Matrix;
 use synth::conditions::xu2020::{self, decrease, gain_suffix, vertex_term, Sector, DEAD_ZONE_UNIT};
 use synth::conditions::{GainPlan, Task};
-use synth::feasibility::{decide, Answer, InfeasibilityFile};
+use synth::feasibility::{decide, Answer, Decision, InfeasibilityFile};
 use synth::model::Model;
-use synth::solve::Clarabel;
+use synth::solve::{Clarabel, Structured};
+use synth::synthesis::{analyse, Form, Outcome};
 
 fn symmetric(stream: &mut Stream, side: usize) -> DMatrix<f64> {
     let matrix = random::uniform(stream, side, side, 1.0);
@@ -304,6 +305,26 @@ fn with(text: &str, pointer: &str, value: Value) -> String {
     model.to_string()
 }
 
+/// A file that says that a gain has no proof.
+fn refuted_gain(text: &str, gains: &[DMatrix<f64>]) -> InfeasibilityFile {
+    let model = Model::from_json(text).expect("a valid model");
+    let backend = Structured::default();
+    let outcome = analyse(&model, text, gains, "", Form::Slack, &backend, None);
+    match outcome.expect("an outcome") {
+        Outcome::Infeasible(Decision {
+            answer: Answer::Infeasible(proof),
+            ..
+        }) => proof.file,
+        other => panic!("not infeasible: {other:?}"),
+    }
+}
+
+/// An unstable gain on the cart.
+fn unstable_cart() -> InfeasibilityFile {
+    let text = include_str!("../../models/double-integrator.json");
+    refuted_gain(text, &[DMatrix::from_row_slice(1, 2, &[1.0, 1.0])])
+}
+
 fn weak_cart() -> InfeasibilityFile {
     let text = include_str!("../../models/double-integrator.json");
     certificate(&with(text, "/plant/vertices/input_limit/0", 0.01.into()))
@@ -333,7 +354,7 @@ fn exact_arithmetic_confirms_the_proofs() {
         "/plant/exact/torque_limit_nm",
         serde_json::json!([0.7, 0.7, 0.7]),
     );
-    for file in [weak_cart(), certificate(&weak)] {
+    for file in [weak_cart(), unstable_cart(), certificate(&weak)] {
         let (file, model) = InfeasibilityFile::from_json(&file.to_json()).expect("a valid file");
         for weights in file.weights(&model).expect("weights") {
             assert!(refute(&model, &weights).proved);
@@ -373,9 +394,46 @@ fn mirrored(path: &str) -> Option<String> {
 
 #[test]
 fn a_changed_number_is_accepted_only_where_the_certificate_is_still_true() {
-    let original: Value = serde_json::from_str(&weak_cart().to_json()).expect("JSON");
+    change_every_number(&weak_cart());
+}
+
+#[test]
+fn a_changed_number_of_a_given_gains_certificate_is_accepted_only_where_it_is_still_true() {
+    change_every_number(&unstable_cart());
+}
+
+#[test]
+fn weights_of_one_gain_prove_nothing_about_a_stabilising_one() {
+    let mut file = unstable_cart();
+    file.gains = vec![vec![vec![-1.0, -2.0]]];
+    let (file, model) = InfeasibilityFile::from_json(&file.to_json()).expect("a valid file");
+    let outcome = &file.verify(&model).expect("weights")[0];
+    assert!(!outcome.proved && outcome.bound == 0.0);
+}
+
+#[test]
+fn weights_that_do_not_belong_to_the_statement_prove_nothing() {
+    let file = unstable_cart();
+    let model = Model::new(file.model.clone()).expect("a valid model");
+    let weights = file.weights(&model).expect("weights").remove(0);
+    assert!(refute(&model, &weights).proved);
+    let mut unknown_gain = weights.clone();
+    unknown_gain.gains[0].gain = 1;
+    let mut free_gain = weights.clone();
+    free_gain.given.clear();
+    let mut nothing = weights.clone();
+    nothing.gains.clear();
+    let mut no_dead_zone = weights.clone();
+    no_dead_zone.gains[0].start.dead_zone = None;
+    for wrong in [unknown_gain, free_gain, nothing, no_dead_zone] {
+        assert!(!refute(&model, &wrong).proved);
+    }
+}
+
+fn change_every_number(file: &InfeasibilityFile) {
+    let original: Value = serde_json::from_str(&file.to_json()).expect("JSON");
     let mut paths = Vec::new();
-    for part in ["model", "infeasibility"] {
+    for part in ["model", "gains", "infeasibility"] {
         numbers(&original[part], &format!("/{part}"), &mut paths);
     }
     assert!(paths.len() > 150, "{}", paths.len());

@@ -79,7 +79,12 @@ pub(super) fn look_for_a_design(
         Search::new(Form::Reduced, backend, observer),
     ];
     let task = model.task();
-    settle(subject(model, "", &task), &mut searches, Sought::Design)
+    settle(
+        subject(model, "", &task),
+        &mut searches,
+        Sought::Design,
+        STATE_UNITS.len(),
+    )
 }
 
 fn subject<'a>(model: &'a Model, model_text: &'a str, task: &'a Task) -> Subject<'a> {
@@ -109,7 +114,7 @@ pub(crate) fn decide_after(
         form: Form::Reduced,
         ..subject
     };
-    let found = settle(subject, &mut searches, Sought::Proof);
+    let found = settle(subject, &mut searches, Sought::Proof, STATE_UNITS.len());
     for other in &mut searches {
         search.runs.append(&mut other.runs);
     }
@@ -123,9 +128,11 @@ pub(crate) fn decide_after(
     Ok(decision)
 }
 
-/// Looks for weights that refute the subject's gains in its part of the conditions, and for nothing else.
+/// Looks for weights that refute the subject's gains in its part of the conditions, and for nothing else, in
+/// at most so many state units.
 pub(super) fn refute_part(
     subject: Subject,
+    most_units: usize,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
@@ -134,7 +141,7 @@ pub(super) fn refute_part(
         form: Form::Slack,
         ..subject
     };
-    settle(subject, &mut searches, Sought::Refutation)
+    settle(subject, &mut searches, Sought::Refutation, most_units)
 }
 
 /// What is sought.
@@ -162,11 +169,13 @@ enum End {
     Open,
 }
 
-/// Asks one solver after the other, each in all units, until there is an answer.
+/// Asks one solver after the other, in one state unit after the other (at most so many), until there is an
+/// answer.
 fn settle(
     subject: Subject,
     searches: &mut [Search],
     sought: Sought,
+    most_units: usize,
 ) -> Result<Decision, SynthesisError> {
     let mut out = Found {
         slack: None,
@@ -179,14 +188,12 @@ fn settle(
     for &containment_weight in containment_weights(subject.model) {
         units.containment_weight = containment_weight;
         let mut end = End::Open;
-        for search in &mut *searches {
-            for state_fraction in STATE_UNITS {
-                units.state_fraction = state_fraction;
-                end = attempt(subject, search, units, sought, &mut out)?;
-                if !matches!(end, End::Open) {
-                    break;
-                }
-            }
+        let solvers = searches.len();
+        let fractions = STATE_UNITS.iter().take(most_units);
+        let tries = fractions.flat_map(|&fraction| (0..solvers).map(move |k| (fraction, k)));
+        for (state_fraction, solver) in tries {
+            units.state_fraction = state_fraction;
+            end = attempt(subject, &mut searches[solver], units, sought, &mut out)?;
             if !matches!(end, End::Open) {
                 break;
             }
@@ -250,7 +257,7 @@ fn attempt(
     let margin = task.specification.margin;
     if solution.objective < margin {
         if sought == Sought::Refutation {
-            return Ok(if usable { End::Denied } else { End::Open });
+            return Ok(End::Denied);
         }
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
             return Ok(End::Point(design));
@@ -279,17 +286,7 @@ fn attempt(
             given: subject.given,
             part: subject.part,
         };
-        let found = as_read(&source);
-        if std::env::var("FEAS_DEBUG").is_ok() {
-            let r = found.as_ref().map(|(_, w)| refute(subject.model, w));
-            eprintln!(
-                "  debug: {} units {:?} kept {kept} slack {:.4e} {} centre {} constant {:?} bad {:?}",
-                search.backend_name(), units.state_fraction, solution.objective, solution.status_text, centre.is_some(),
-                r.as_ref().map(|r| r.constant),
-                r.as_ref().map(|r| r.conditions.iter().filter(|c| c.margin < 0.0).map(|c| (c.name.clone(), c.margin)).collect::<Vec<_>>())
-            );
-        }
-        if let Some((file, weights)) = found {
+        if let Some((file, weights)) = as_read(&source) {
             let refutation = refute(subject.model, &weights);
             if refutation.proved {
                 return Ok(End::Refuted(Box::new(file), refutation));
@@ -319,8 +316,8 @@ fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
 const SMALLEST_THRESHOLD: f64 = 1e-6;
 
 /// Parts of the slack above the margin that the weights of a proof keep, tried one after the other; the rest
-/// moves them inside.
-const KEPT: [f64; 3] = [0.25, 0.7, 0.02];
+/// moves them inside. Near the edge only the second leaves room enough.
+const KEPT: [f64; 2] = [0.25, 0.02];
 
 /// Stands for a gain bound that is not known yet.
 const UNKNOWN_GAIN: f64 = 1e300;

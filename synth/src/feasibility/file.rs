@@ -198,6 +198,20 @@ impl InfeasibilityFile {
         Ok((file, model))
     }
 
+    /// The given gains whose conditions have weights, numbered from 1: together they cannot hold. Empty
+    /// where no gains are given.
+    pub fn blocking_gains(&self) -> Vec<usize> {
+        let sets = self.infeasibility.iter();
+        let gains = sets.flat_map(|set| {
+            let further = set.further_gains.iter().map(|weights| weights.gain);
+            set.gain.into_iter().chain(further)
+        });
+        let mut gains: Vec<usize> = gains.collect();
+        gains.sort_unstable();
+        gains.dedup();
+        gains
+    }
+
     /// The file's text: JSON whose numbers read back exactly.
     pub fn to_json(&self) -> String {
         // The file holds finite numbers and string keys only, so it can always be written.

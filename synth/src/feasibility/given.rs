@@ -3,10 +3,18 @@
 //! What cannot hold for one gain cannot hold for any set of gains with it in it, and what cannot hold for
 //! some vertices cannot hold for all. Small parts come first, because they are decided in seconds.
 
+use nalgebra::DMatrix;
+
 use super::decide::{refute_part, Answer, Decision};
 use crate::conditions::{GainPlan, Task};
 use crate::solve::Observer;
 use crate::synthesis::{Part, Subject, SynthesisError};
+
+/// State units that are tried for one gain.
+const UNITS_ALONE: usize = 3;
+
+/// State units that are tried for all gains together, a much larger problem.
+const UNITS_TOGETHER: usize = 1;
 
 /// Weights that refute the subject's given gains, where they can be found: from each gain alone, then from
 /// all together. Gains with a mismatch bound are matched with their own vertices and the rest of their
@@ -29,18 +37,16 @@ pub(crate) fn refute_given(
         gains: &all,
         vertices: None,
     };
-    let parts = alone.chain((all.len() > 1).then_some(together));
-    for part in parts {
+    let alone = alone.map(|part| (part, UNITS_ALONE));
+    let parts = alone.chain((all.len() > 1).then_some((together, UNITS_TOGETHER)));
+    for (part, units) in parts {
         let task = restricted(subject.task, subject.given, part, matched);
         let restricted = Subject {
             task: &task,
             part,
             ..subject
         };
-        let decision = refute_part(restricted, observer.clone())?;
-        if std::env::var("FEAS_DEBUG").is_ok() {
-            eprintln!("part {part:?}: slack {:?} in {:.1} s", decision.slack, decision.solve_seconds);
-        }
+        let decision = refute_part(restricted, units, observer.clone())?;
         if matches!(decision.answer, Answer::Infeasible(_)) {
             return Ok(Some(decision));
         }
@@ -49,13 +55,18 @@ pub(crate) fn refute_given(
 }
 
 /// The task of a part.
-fn restricted(task: &Task, given: &[nalgebra::DMatrix<f64>], part: Part, matched: bool) -> Task {
+fn restricted(task: &Task, given: &[DMatrix<f64>], part: Part, matched: bool) -> Task {
     let mut out = task.clone();
-    let gains = part.gains.iter().filter_map(|&gain| given.get(gain).cloned());
+    let gains = part
+        .gains
+        .iter()
+        .filter_map(|&gain| given.get(gain).cloned());
     let gains: Vec<_> = gains.collect();
     if let Some(vertices) = part.vertices {
         let all = &task.system.vertices;
-        let kept = vertices.iter().filter_map(|&vertex| all.get(vertex).cloned());
+        let kept = vertices
+            .iter()
+            .filter_map(|&vertex| all.get(vertex).cloned());
         out.system.vertices = kept.collect();
     }
     out.gains = GainPlan {

@@ -17,5 +17,6 @@ pub use decide::{decide, Answer, Decision, Infeasible};
 pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
 pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
 
+pub(crate) use centre::centred;
 pub(crate) use decide::decide_after;
 pub(crate) use given::refute_given;

@@ -40,10 +40,6 @@ impl<'a> Search<'a> {
         Search::new(form, backend, self.observer.clone())
     }
 
-    pub fn backend_name(&self) -> String {
-        self.backend.name()
-    }
-
     /// Time spent in solvers (s).
     pub fn seconds(&self) -> f64 {
         self.runs.iter().map(|run| run.seconds).sum()
