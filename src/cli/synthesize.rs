@@ -109,6 +109,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         form: args.form(),
         cross_check: args.cross_check.then_some(args.solver),
         what: "design",
+        keeps_refutation: false,
     };
     ending.tell(outcome)
 }
@@ -129,6 +130,8 @@ pub struct Ending<'a> {
     pub cross_check: Option<SolverArg>,
     /// What was sought: a design, or a proof for given gains.
     pub what: &'static str,
+    /// A proof that there is none is written in the place of the design.
+    pub keeps_refutation: bool,
 }
 
 impl Ending<'_> {
@@ -137,13 +140,28 @@ impl Ending<'_> {
         match outcome {
             Outcome::Solved(design) => finish(self, *design),
             Outcome::Infeasible(decision) => {
-                tell_failure(self, &decision, "infeasible");
+                let kept = self.keep_refutation(&decision)?;
+                tell_failure(self, &decision, "infeasible", kept);
                 Ok(ExitCode::from(EXIT_NO))
             }
             Outcome::SolverFailed(decision) => {
-                tell_failure(self, &decision, "failed");
+                tell_failure(self, &decision, "failed", None);
                 Ok(ExitCode::from(EXIT_SOLVER))
             }
+        }
+    }
+}
+
+impl Ending<'_> {
+    /// Writes the certificate of a proved no, where one is wanted.
+    fn keep_refutation(&self, decision: &Decision) -> Result<Option<&Path>, CliError> {
+        let path = self.output.filter(|_| self.keeps_refutation);
+        match (path, &decision.answer) {
+            (Some(path), Answer::Infeasible(proof)) => {
+                files::write(path, &proof.file.to_json())?;
+                Ok(Some(path))
+            }
+            _ => Ok(None),
         }
     }
 }
@@ -244,7 +262,7 @@ pub(super) fn print_end(kept: Option<&Path>, verdict: Verdict) {
     }
 }
 
-fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
+fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&Path>) {
     let blocking: Vec<Value> = decision
         .blocking
         .iter()
@@ -264,6 +282,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
                 "certified_angle_deg": null,
                 "feasibility": feasibility::verdict(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
+                "blocking_gains": feasibility::blocking_gains(&decision.answer),
                 "slack": decision.slack,
                 "blocking": blocking,
                 "solve_seconds": decision.solve_seconds,
@@ -276,12 +295,16 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
     print(&headline(args, decision, status));
     match feasibility::slack_line(decision.slack) {
         Some(line) => print(&line),
+        None if matches!(decision.answer, Answer::Infeasible(_)) => {}
         None => print("the smallest slack could not be computed either"),
     }
     for line in feasibility::blocking_lines(&decision.blocking) {
         print(&line);
     }
-    print("nothing written");
+    match kept {
+        Some(path) => print(&format!("written: {}", path.display())),
+        None => print("nothing written"),
+    }
 }
 
 /// A solver's run in words.

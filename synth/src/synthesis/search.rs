@@ -35,6 +35,11 @@ impl<'a> Search<'a> {
         Search::new(form, self.backend, self.observer.clone())
     }
 
+    /// The same with another solver.
+    pub fn with_backend<'b>(&self, form: Form, backend: &'b dyn Backend) -> Search<'b> {
+        Search::new(form, backend, self.observer.clone())
+    }
+
     /// Time spent in solvers (s).
     pub fn seconds(&self) -> f64 {
         self.runs.iter().map(|run| run.seconds).sum()
