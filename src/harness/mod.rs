@@ -32,5 +32,6 @@ pub mod simulation;
 pub mod summary;
 pub mod sweep;
 pub mod tune;
+pub mod transmissions;
 pub mod usage;
 pub mod yang;

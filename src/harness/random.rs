@@ -20,6 +20,8 @@ pub enum Purpose {
     WordLoss,
     /// Bits inverted on the link.
     BitErrors,
+    /// The plant's inertia.
+    Inertia,
 }
 
 /// ChaCha with 8 rounds: the same numbers on every machine.

@@ -4,6 +4,7 @@ mod check;
 mod controller_file;
 mod controllers;
 mod file;
+mod inertia;
 mod lei;
 mod lei_file;
 mod link_file;

@@ -61,7 +61,7 @@ impl Source<'_> {
     /// held state is taken for the sample, which it almost is.
     pub fn weights(&self) -> Option<Weights> {
         let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
-        let system = self.model.plant.takagi_sugeno();
+        let system = self.model.plant.nominal().takagi_sugeno();
         let mut start = self.moments(&duals, Interval::Start)?;
         let mut end = self.moments(&duals, Interval::End)?;
         if self.model.file.specs.nu < self.task.specification.trigger_threshold {

@@ -1,4 +1,4 @@
-//! One solve, one proof.
+//! One solve, one proof. With an uncertain inertia the proof of a no is for the nominal one.
 
 use super::candidate::Source;
 use super::centre::centred;
@@ -192,9 +192,7 @@ fn attempt(
     sought: Sought,
     out: &mut Found,
 ) -> Result<Part, SynthesisError> {
-    let (scaling, mut task) = scaled(subject.task, units);
-    let threshold = &mut task.specification.trigger_threshold;
-    *threshold = threshold.max(SMALLEST_THRESHOLD);
+    let (scaling, task) = solved_task(subject.task, units);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
     let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
     if usable {
@@ -216,28 +214,66 @@ fn attempt(
     if task.gains != GainPlan::constant() {
         return Ok(Part::Open);
     }
+    if subject.model.plant.has_uncertain_inertia() {
+        return refute_nominal(subject, search, units);
+    }
+    Ok(refuted(subject.model, &scaling, &task, &assembled, &solution))
+}
+
+/// The task in its units, with a threshold that leaves its dual an inside.
+fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+    let (scaling, mut task) = scaled(task, units);
+    let threshold = &mut task.specification.trigger_threshold;
+    *threshold = threshold.max(SMALLEST_THRESHOLD);
+    (scaling, task)
+}
+
+/// A set of inertias has no design when the nominal one, which belongs to it, has none.
+fn refute_nominal(
+    subject: Subject,
+    search: &mut Search,
+    units: ProblemUnits,
+) -> Result<Part, SynthesisError> {
+    let mut nominal = subject.model.clone();
+    nominal.plant = nominal.plant.nominal();
+    let (scaling, task) = solved_task(&nominal.task(), units);
+    let mut own = search.fresh(Form::Reduced);
+    let solved = own.solve(&task, Goal::SmallestSlack);
+    search.runs.append(&mut own.runs);
+    let (assembled, solution) = solved?;
+    Ok(refuted(&nominal, &scaling, &task, &assembled, &solution))
+}
+
+/// The proof that the dual solution gives, if it gives one.
+fn refuted(
+    model: &Model,
+    scaling: &Scaling,
+    task: &Task,
+    assembled: &Assembled,
+    solution: &Solution,
+) -> Part {
     let margin = task.specification.margin;
     let excess = solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
-        return Ok(Part::Open);
+        return Part::Open;
     }
     let problem = assembled.problem.lower();
     let centre = centred(&problem, &solution.duals, -(margin + KEPT * excess));
     let source = Source {
-        model: subject.model,
-        scaling: &scaling,
-        task: &task,
-        assembled: &assembled,
+        model,
+        scaling,
+        task,
+        assembled,
         duals: centre.as_ref().unwrap_or(&solution.duals),
         size: KEPT * excess,
     };
     if let Some((file, weights)) = as_read(&source) {
-        let refutation = refute(subject.model, &weights);
+        let refutation = refute(model, &weights);
         if refutation.proved {
-            return Ok(Part::Refuted(Box::new(file), refutation));
+            return Part::Refuted(Box::new(file), refutation);
         }
     }
-    Ok(Part::Open)
+    Part::Open
 }
 
 /// The weights as a reader of their file gets them, `None` where no file may hold them.

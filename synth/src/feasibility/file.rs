@@ -213,7 +213,7 @@ impl WeightsFile {
 
     /// Checked numbers.
     pub(super) fn weights(&self, model: &Model) -> Result<Weights, ModelError> {
-        let system = model.plant.takagi_sugeno();
+        let system = model.plant.nominal().takagi_sugeno();
         let (n, m) = (system.states(), system.inputs());
         check_length("anti_windup", self.anti_windup.len(), m)?;
         check_length("region", self.region.len(), system.region.len())?;
@@ -315,7 +315,7 @@ impl MomentsFile {
 
     fn moments(&self, model: &Model) -> Result<Moments, ModelError> {
         let (n, _, d, _) = model.plant.sizes();
-        let count = model.plant.takagi_sugeno().vertices.len();
+        let count = model.plant.nominal().takagi_sugeno().vertices.len();
         let square = (Some(n), Some(n));
         let vertices = self.vertices.iter().enumerate().map(|(index, weight)| {
             let field = format!("vertices[{index}]");

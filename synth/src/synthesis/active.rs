@@ -4,8 +4,9 @@ use nalgebra::DMatrix;
 
 use super::assemble::MARGIN_UNIT;
 use super::{Assembled, Goal};
-use crate::conditions::xu2020::{decrease, vertex_term, Interval};
+use crate::conditions::xu2020::{decrease, vertex_term_at, Interval};
 use crate::conditions::Task;
+use crate::fuzzy::TakagiSugeno;
 use crate::solve::Solution;
 
 /// Vertices chosen before anything is known.
@@ -15,17 +16,23 @@ const FIRST_CHOICE: usize = 8;
 const MARGIN_SHARE: f64 = 0.5;
 
 /// Vertices far from each other: each next one is the farthest from those already chosen.
-pub(super) fn first_choice(vertices: &[DMatrix<f64>]) -> Vec<usize> {
+pub(super) fn first_choice(system: &TakagiSugeno) -> Vec<usize> {
+    let between = |a: usize, b: usize| {
+        let states = (&system.vertices[a] - &system.vertices[b]).norm();
+        let of_descriptors = system.descriptors.get(a).zip(system.descriptors.get(b));
+        states.hypot(of_descriptors.map_or(0.0, |(a, b)| (a - b).norm()))
+    };
+    let count = system.vertices.len();
     let mut chosen = vec![0];
-    let mut distance: Vec<f64> = vertices.iter().map(|v| (v - &vertices[0]).norm()).collect();
-    while chosen.len() < FIRST_CHOICE.min(vertices.len()) {
-        let farthest = (0..vertices.len()).max_by(|&a, &b| distance[a].total_cmp(&distance[b]));
+    let mut distance: Vec<f64> = (0..count).map(|vertex| between(vertex, 0)).collect();
+    while chosen.len() < FIRST_CHOICE.min(count) {
+        let farthest = (0..count).max_by(|&a, &b| distance[a].total_cmp(&distance[b]));
         let Some(next) = farthest.filter(|&vertex| distance[vertex] > 0.0) else {
             break;
         };
         chosen.push(next);
         for (vertex, known) in distance.iter_mut().enumerate() {
-            *known = known.min((&vertices[vertex] - &vertices[next]).norm());
+            *known = known.min(between(vertex, next));
         }
     }
     chosen
@@ -53,7 +60,7 @@ pub(super) fn violated(
         -lhs.value(&solution.values)
     });
     let smallest = |vertex: usize| {
-        let term = vertex_term(task, &task.system.vertices[vertex], &multiplier);
+        let term = vertex_term_at(task, vertex, &multiplier);
         let eigenvalues = nominal.iter().map(|matrix| {
             let mut at_vertex = matrix.clone();
             let mut corner = at_vertex.view_mut((0, 0), (3 * n, 3 * n));

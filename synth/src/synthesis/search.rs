@@ -53,7 +53,7 @@ impl<'a> Search<'a> {
             return self.solve_at(task, goal, &all);
         }
         if self.chosen.is_empty() {
-            self.chosen = active::first_choice(&task.system.vertices);
+            self.chosen = active::first_choice(&task.system);
         }
         loop {
             let chosen = self.chosen.clone();
