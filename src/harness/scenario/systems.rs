@@ -4,11 +4,12 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use runtime::attitude::{Quaternion, NORM_TOLERANCE};
 use synth::fuzzy::VertexSystem;
 use synth::model::{
-    check_positive, finite, ExactPlant, InertiaUncertaintyFile, Model, ModelError, ModelFile, Plant, PlantFile, Specs,
+    check_positive, finite, ExactPlant, InertiaUncertaintyFile, Model, ModelError, ModelFile,
+    Plant, PlantFile, Specs,
 };
 
-use super::inertia::drawn;
 use super::check::{each, not_negative, require};
+use super::inertia::drawn;
 use super::system_file::{
     ActuatorsFile, AttitudeFile, FaultFile, MixingFile, ReferenceFile, RigidBodyFile, SensorsFile,
     SystemFile, TakagiSugenoFile, TorqueFile,

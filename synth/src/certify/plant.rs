@@ -144,11 +144,7 @@ fn half_width<S: Scalar>(craft: &ExactSpacecraft, entry: (usize, usize)) -> S {
 }
 
 /// A symmetric matrix with one entry, and its mirror, replaced.
-fn with_entry<S: Scalar>(
-    matrix: &Matrix<S>,
-    (row, column): (usize, usize),
-    value: S,
-) -> Matrix<S> {
+fn with_entry<S: Scalar>(matrix: &Matrix<S>, (row, column): (usize, usize), value: S) -> Matrix<S> {
     let mut out = matrix.clone();
     out.set(row, column, value.clone());
     out.set(column, row, value);
@@ -160,9 +156,7 @@ fn with_entry<S: Scalar>(
 /// `x'Jx >= x'J0 x - |x|'W|x| = x'(J0 - T W T)x`. Empty for an inertia that is known, which was checked
 /// when the model was read.
 pub fn inertia_bounds<S: Scalar>(craft: &ExactSpacecraft) -> Vec<Matrix<S>> {
-    let entries = craft
-        .inertia_uncertainty
-        .uncertain_entries(&craft.inertia);
+    let entries = craft.inertia_uncertainty.uncertain_entries(&craft.inertia);
     if entries.is_empty() {
         return Vec::new();
     }

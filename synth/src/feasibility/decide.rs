@@ -217,7 +217,13 @@ fn attempt(
     if subject.model.plant.has_uncertain_inertia() {
         return refute_nominal(subject, search, units);
     }
-    Ok(refuted(subject.model, &scaling, &task, &assembled, &solution))
+    Ok(refuted(
+        subject.model,
+        &scaling,
+        &task,
+        &assembled,
+        &solution,
+    ))
 }
 
 /// The task in its units, with a threshold that leaves its dual an inside.

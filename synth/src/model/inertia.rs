@@ -32,9 +32,10 @@ pub(super) fn inertia_uncertainty(
     if diagonal && file.off_diagonal_percent > 0.0 && amount == 0.0 {
         return Err(ModelError::Choice {
             field: format!("{FIELD}.off_diagonal_percent"),
-            reason: "every off-diagonal entry of inertia_kg_m2 is 0, and a percentage of 0 is 0; give \
+            reason:
+                "every off-diagonal entry of inertia_kg_m2 is 0, and a percentage of 0 is 0; give \
                      off_diagonal_kg_m2 instead"
-                .to_string(),
+                    .to_string(),
         });
     }
     Ok(InertiaUncertainty {

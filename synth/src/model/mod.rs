@@ -11,10 +11,10 @@ mod validate;
 
 pub use error::{FileError, Kind, ModelError};
 pub use file::{
-    ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound, LocalRuleFile, Mismatch,
-    ModelFile, Objective, PlantFile, PremiseFile, RulesLinear, RulesPlant, RulesSpacecraft,
-    RulesSystem, Specs, ThresholdUpdate, TrapezoidalFile, TriangularFile, VerticesPlant,
-    MODEL_SCHEMA_VERSION,
+    ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound,
+    LocalRuleFile, Mismatch, ModelFile, Objective, PlantFile, PremiseFile, RulesLinear, RulesPlant,
+    RulesSpacecraft, RulesSystem, Specs, ThresholdUpdate, TrapezoidalFile, TriangularFile,
+    VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
 pub use read::{kind_of, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES};

@@ -55,12 +55,7 @@ pub fn decrease(
 }
 
 /// [`decrease`] at one of the model's vertices, with that vertex's own E_i.
-fn decrease_at(
-    task: &Task,
-    index: usize,
-    interval: Interval,
-    unknowns: &DesignUnknowns,
-) -> Affine {
+fn decrease_at(task: &Task, index: usize, interval: Interval, unknowns: &DesignUnknowns) -> Affine {
     let vertex = &task.system.vertices[index];
     match task.system.descriptors.get(index) {
         None => decrease(task, vertex, interval, unknowns),
