@@ -20,13 +20,16 @@ use synth::model::Plant;
 
 /// Written by `steadfast synthesize models/xu2020-uncertain-inertia.json`, without the list of margins: every test
 /// proves it again.
-const DESIGN: &str = include_str!("data/xu2020-uncertain-inertia-design.json");
+fn design_text() -> String {
+    support::text(&support::repository().join("tests/data/xu2020-uncertain-inertia-design.json"))
+}
+
 const SCENARIO: &str = include_str!("../models/xu2020-uncertain-inertia-closed-loop.json");
 
 /// The design, proved once for all tests.
 fn design() -> &'static Design {
     static READ: std::sync::OnceLock<Design> = std::sync::OnceLock::new();
-    READ.get_or_init(|| common::read(DESIGN))
+    READ.get_or_init(|| common::read(&design_text()))
 }
 
 fn craft() -> &'static ExactSpacecraft {
@@ -167,14 +170,19 @@ fn the_same_seed_draws_the_same_inertia_and_says_it() {
     assert_eq!(drawn(3), drawn(3));
     assert_ne!(drawn(3), drawn(4));
     let summary = run(&scenario(3));
-    let note = summary.notes.iter().find(|note| note.starts_with("The inertia was drawn"));
-    assert!(note.expect("a note").contains(&drawn(3)[(0, 0)].to_string()));
+    let note = summary
+        .notes
+        .iter()
+        .find(|note| note.starts_with("The inertia was drawn"));
+    assert!(note
+        .expect("a note")
+        .contains(&drawn(3)[(0, 0)].to_string()));
 }
 
 /// What `verify` says of the design with one number of its file changed.
 fn verified(pointer: &str, value: Value) -> (Option<i32>, Value) {
     let folder = folder();
-    let mut file: Value = serde_json::from_str(DESIGN).expect("JSON");
+    let mut file: Value = serde_json::from_str(&design_text()).expect("JSON");
     set(&mut file, pointer, value);
     let path = write(folder.path(), "design.json", file.to_string());
     let run = steadfast(["verify", path.to_str().expect("a plain path"), "--json"]);
@@ -222,7 +230,9 @@ fn a_set_that_no_proof_can_cover_is_refused_in_one_sentence() {
         "xu2020-uncertain-inertia.json",
         of_model,
     );
-    assert!(message.contains("'plant.exact.inertia_uncertainty': the set must hold positive definite"));
+    assert!(
+        message.contains("'plant.exact.inertia_uncertainty': the set must hold positive definite")
+    );
     let of_scenario = "/system/rigid_body/inertia_drawn_within";
     let message = refused(
         json!({ "diagonal_percent": -3 }),
@@ -244,7 +254,13 @@ fn the_minimum_inter_event_time_is_reported_and_kept() {
     assert_eq!(summary.max_transmissions_per_s, Some(1000.0));
     assert!(summary.shortest_interval_s.expect("two messages") >= 0.001);
     assert_eq!(summary.triggers_per_s, summary.triggers as f64 / 100.0);
-    let run = steadfast(["verify", support::double_integrator_design().to_str().expect("a path"), "--json"]);
+    let run = steadfast([
+        "verify",
+        support::double_integrator_design()
+            .to_str()
+            .expect("a path"),
+        "--json",
+    ]);
     let report = run.ends_with(0).json();
     // The model has no hmin_s: a hundredth of hbar_s.
     assert_eq!(report["min_inter_event_s"], json!(0.0005));
@@ -260,7 +276,9 @@ fn samples_closer_than_the_models_shortest_interval_are_said() {
     };
     let note = |summary: &Summary| {
         let notes = summary.notes.iter();
-        notes.filter(|note| note.starts_with("Samples may be 0.0004 s apart")).count()
+        notes
+            .filter(|note| note.starts_with("Samples may be 0.0004 s apart"))
+            .count()
     };
     assert_eq!(note(&run(&fast)), 1);
     assert_eq!(note(&run(&scenario(1))), 0);
@@ -273,7 +291,8 @@ fn gamma_of_the_spacecraft_grows_with_the_percentage_from_that_of_the_known_iner
     let folder = folder();
     let gamma = |percent: f64| {
         let mut file: Value =
-            serde_json::from_str(&support::text(&shipped("xu2020-uncertain-inertia.json"))).expect("JSON");
+            serde_json::from_str(&support::text(&shipped("xu2020-uncertain-inertia.json")))
+                .expect("JSON");
         let uncertainty = json!({ "diagonal_percent": percent, "off_diagonal_percent": percent });
         set(&mut file, "/plant/exact/inertia_uncertainty", uncertainty);
         let path = write(folder.path(), "model.json", file.to_string());

@@ -67,9 +67,15 @@ fn midpoints(matrix: &synth::certify::matrix::Matrix<Interval>) -> DMatrix<f64> 
 #[test]
 fn six_uncertain_entries_give_1024_vertices_and_no_uncertainty_gives_16() {
     let system = craft(uncertain(10.0, 10.0)).takagi_sugeno();
-    assert_eq!((system.vertices.len(), system.descriptors.len()), (1024, 1024));
+    assert_eq!(
+        (system.vertices.len(), system.descriptors.len()),
+        (1024, 1024)
+    );
     let system = craft(uncertain(5.0, 0.0)).takagi_sugeno();
-    assert_eq!((system.vertices.len(), system.descriptors.len()), (128, 128));
+    assert_eq!(
+        (system.vertices.len(), system.descriptors.len()),
+        (128, 128)
+    );
     let plain = craft(uncertain(0.0, 0.0)).takagi_sugeno();
     assert_eq!((plain.vertices.len(), plain.descriptors.len()), (16, 0));
 }
@@ -181,7 +187,8 @@ fn a_set_with_an_inertia_that_is_not_positive_definite_is_refused() {
 
 #[test]
 fn wrong_uncertainties_are_refused_in_one_sentence() {
-    let refused = |set, change: fn(&mut synth::model::ModelFile)| model_with(set, change).unwrap_err();
+    let refused =
+        |set, change: fn(&mut synth::model::ModelFile)| model_with(set, change).unwrap_err();
     assert_eq!(
         refused(percent(-1.0, 0.0), |_| ()),
         "field 'plant.exact.inertia_uncertainty.diagonal_percent': the value -1 is not allowed; it must be in [0, 100]"
@@ -262,8 +269,14 @@ fn the_reduced_forms_with_an_uncertain_mass_lose_nothing_against_the_full_one() 
         for form in [Form::Reduced, Form::Slack] {
             let reduced = smallest_gain(&task, form);
             let difference = (reduced - full).abs() / full;
-            println!("{percent} %, eps3 {eps3}: full {full}, {} {reduced}", form.name());
-            assert!(difference < SOLVER, "{percent} %, eps3 {eps3}: {difference:e}");
+            println!(
+                "{percent} %, eps3 {eps3}: full {full}, {} {reduced}",
+                form.name()
+            );
+            assert!(
+                difference < SOLVER,
+                "{percent} %, eps3 {eps3}: {difference:e}"
+            );
         }
     }
 }
