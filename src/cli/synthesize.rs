@@ -17,6 +17,7 @@ use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
 use super::{cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
 use crate::harness::design::certified_angle_deg;
+use crate::harness::transmissions::TransmissionBound;
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]
@@ -206,6 +207,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
+    let transmissions = TransmissionBound::of_model(model);
     if args.json {
         print(
             &json!({
@@ -218,6 +220,8 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "vertices": vertices,
                 "solve_seconds": design.solve_seconds,
                 "certified_angle_deg": angle,
+                "min_inter_event_s": transmissions.min_inter_event_s,
+                "max_transmissions_per_s": transmissions.max_transmissions_per_s,
                 "worst": report.worst(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
@@ -248,6 +252,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
             "certified set: every attitude at rest up to {angle:.3} deg"
         ));
     }
+    print(&transmissions.describe());
     print(&describe(&report));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))

@@ -35,6 +35,7 @@ pub mod sensor;
 pub mod simulation;
 pub mod summary;
 pub mod sweep;
+pub mod transmissions;
 pub mod tune;
 pub mod usage;
 pub mod yang;

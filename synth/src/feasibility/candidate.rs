@@ -107,7 +107,7 @@ impl Source<'_> {
         let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
         let count = self.task.gains.count;
         let gains = (0..count).map(|rule| self.gain(&duals, rule));
-        let system = self.model.plant.takagi_sugeno();
+        let system = self.model.plant.nominal().takagi_sugeno();
         let n = system.states();
         let bounds = system.region.iter().zip(&self.task.system.region);
         let region = bounds.map(|(bound, scaled)| {

@@ -42,7 +42,7 @@ impl WeightsFile {
         model: &Model,
         given: &[DMatrix<f64>],
     ) -> Result<Weights, ModelError> {
-        let system = model.plant.takagi_sugeno();
+        let system = model.plant.nominal().takagi_sugeno();
         let n = system.states();
         check_length("region", self.region.len(), system.region.len())?;
         let contained = model.file.specs.must_contain.len();
@@ -265,7 +265,7 @@ impl MomentsFile {
 
     fn moments(&self, model: &Model, given: bool) -> Result<Moments, ModelError> {
         let (n, m, d, _) = model.plant.sizes();
-        let count = model.plant.takagi_sugeno().vertices.len();
+        let count = model.plant.nominal().takagi_sugeno().vertices.len();
         let square = (Some(n), Some(n));
         let vertices = self.vertices.iter().enumerate().map(|(index, weight)| {
             let field = format!("vertices[{index}]");

@@ -1,4 +1,4 @@
-//! One solve, one proof.
+//! One solve, one proof. With an uncertain inertia the proof of a no is for the nominal one.
 
 use super::candidate::Source;
 use super::centre::centred;
@@ -242,9 +242,7 @@ fn attempt(
     sought: Sought,
     out: &mut Found,
 ) -> Result<End, SynthesisError> {
-    let (scaling, mut task) = scaled(subject.task, units);
-    let threshold = &mut task.specification.trigger_threshold;
-    *threshold = threshold.max(SMALLEST_THRESHOLD);
+    let (scaling, task) = solved_task(subject.task, units);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
     let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
     if usable {
@@ -269,18 +267,65 @@ fn attempt(
     if sought == Sought::Design || !refutable(&task) {
         return Ok(End::Open);
     }
+    if subject.model.plant.has_uncertain_inertia() {
+        return refute_nominal(subject, search, units);
+    }
+    Ok(refuted(subject, &scaling, &task, &assembled, &solution))
+}
+
+/// The task in its units, with a threshold that leaves its dual an inside.
+fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+    let (scaling, mut task) = scaled(task, units);
+    let threshold = &mut task.specification.trigger_threshold;
+    *threshold = threshold.max(SMALLEST_THRESHOLD);
+    (scaling, task)
+}
+
+/// A set of inertias has no design when the nominal one, which belongs to it, has none. Given gains are
+/// left open.
+fn refute_nominal(
+    subject: Subject,
+    search: &mut Search,
+    units: ProblemUnits,
+) -> Result<End, SynthesisError> {
+    if !subject.given.is_empty() {
+        return Ok(End::Open);
+    }
+    let mut nominal = subject.model.clone();
+    nominal.plant = nominal.plant.nominal();
+    let (scaling, task) = solved_task(&nominal.task(), units);
+    let mut own = search.fresh(Form::Reduced);
+    let solved = own.solve(&task, Goal::SmallestSlack);
+    search.runs.append(&mut own.runs);
+    let (assembled, solution) = solved?;
+    let subject = Subject {
+        model: &nominal,
+        ..subject
+    };
+    Ok(refuted(subject, &scaling, &task, &assembled, &solution))
+}
+
+/// The proof that the dual solution gives, if it gives one.
+fn refuted(
+    subject: Subject,
+    scaling: &Scaling,
+    task: &Task,
+    assembled: &Assembled,
+    solution: &Solution,
+) -> End {
+    let margin = task.specification.margin;
     let excess = solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
-        return Ok(End::Open);
+        return End::Open;
     }
     let problem = assembled.problem.lower();
     for kept in KEPT {
         let centre = centred(&problem, &solution.duals, -(margin + kept * excess));
         let source = Source {
             model: subject.model,
-            scaling: &scaling,
-            task: &task,
-            assembled: &assembled,
+            scaling,
+            task,
+            assembled,
             duals: centre.as_ref().unwrap_or(&solution.duals),
             size: kept * excess,
             given: subject.given,
@@ -289,11 +334,11 @@ fn attempt(
         if let Some((file, weights)) = as_read(&source) {
             let refutation = refute(subject.model, &weights);
             if refutation.proved {
-                return Ok(End::Refuted(Box::new(file), refutation));
+                return End::Refuted(Box::new(file), refutation);
             }
         }
     }
-    Ok(End::Open)
+    End::Open
 }
 
 /// Weights speak of one free gain; or of given gains, in any mixture or each with its own vertex.
