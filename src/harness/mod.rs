@@ -6,11 +6,13 @@
 //! claims held.
 
 pub mod actuator;
+pub mod campaign;
 pub mod closed_loop;
 pub mod comparison;
 pub mod controller;
 pub mod design;
 pub mod design_check;
+pub mod distribution;
 pub mod disturbance;
 pub mod effort;
 pub mod events;
@@ -23,6 +25,7 @@ pub mod padding;
 pub mod parquet;
 pub mod plant;
 pub mod pointing;
+pub mod profile;
 pub mod random;
 pub mod recorder;
 pub mod reference;

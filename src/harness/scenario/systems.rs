@@ -160,7 +160,8 @@ pub(super) fn relocated(mut error: ModelError, from: &str, to: &str) -> ModelErr
     error
 }
 
-fn attitude(field: &str, file: &AttitudeFile) -> Result<Quaternion, ModelError> {
+/// The attitude of a field.
+pub(crate) fn attitude(field: &str, file: &AttitudeFile) -> Result<Quaternion, ModelError> {
     match file {
         AttitudeFile::QuaternionScalarFirst(parts) => {
             let field = format!("{field}.quaternion_scalar_first");

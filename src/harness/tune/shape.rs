@@ -246,6 +246,7 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
             at_most(Metric::ThresholdRatio, 1.0),
         ],
         output: OutputFile::default(),
+        dispersions: None,
     }
 }
 
