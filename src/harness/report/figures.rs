@@ -192,8 +192,12 @@ impl Figure {
 
     /// The outline of a band; what a logarithm does not have is at the lower end.
     fn outline(&self, band: &Band, low: f64) -> Vec<(f64, f64)> {
-        let shown = |value: f64| Some(self.scaled(value).max(low)).filter(|value| value.is_finite());
-        let upper = band.points.iter().filter_map(|&(x, _, y)| Some((x, shown(y)?)));
+        let shown =
+            |value: f64| Some(self.scaled(value).max(low)).filter(|value| value.is_finite());
+        let upper = band
+            .points
+            .iter()
+            .filter_map(|&(x, _, y)| Some((x, shown(y)?)));
         let lower = band.points.iter().rev();
         upper
             .chain(lower.filter_map(|&(x, y, _)| Some((x, shown(y)?))))
