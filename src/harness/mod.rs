@@ -16,6 +16,7 @@ pub mod distribution;
 pub mod disturbance;
 pub mod effort;
 pub mod events;
+pub mod export;
 pub mod integrator;
 pub mod link;
 pub mod lyapunov;
