@@ -46,6 +46,22 @@ pub enum CliError {
     /// Stopped by the user.
     #[error("interrupted; nothing was written")]
     Interrupted,
+    /// A sweep stopped by the user, its points kept.
+    #[error(
+        "interrupted; {done} of {points} points are done and kept in {}; the same command goes on from there",
+        folder.display()
+    )]
+    Resumable {
+        /// Points that are kept.
+        done: usize,
+        /// All points.
+        points: usize,
+        /// Where they are.
+        folder: PathBuf,
+    },
+    /// The points of a sweep cannot be kept or read.
+    #[error(transparent)]
+    Journal(#[from] crate::harness::sweep::journal::JournalError),
 }
 
 impl CliError {

@@ -74,7 +74,7 @@ enum Verb {
     Check(check::CheckArgs),
     /// Print the JSON Schema of a kind of file
     Schema(schema::SchemaArgs),
-    /// Write the semidefinite program of a model or design for other solvers
+    /// Write a design, a trajectory or a semidefinite program for other programs
     Export(export::ExportArgs),
     /// Solve a semidefinite program given as SDPA sparse text
     Solve(solve::SolveArgs),

@@ -78,8 +78,14 @@ pub struct PartsProgress {
 impl PartsProgress {
     /// Starts showing `count` parts of what is named, such as "points".
     pub fn start(count: usize, what: &str) -> Self {
-        let bar = ProgressBar::new(count as u64);
-        let template = "{elapsed} [{bar:40}] {pos}/{len} {msg}, {eta} left";
+        PartsProgress::resume(0, count, what)
+    }
+
+    /// Starts showing `count` parts of which some were done before.
+    pub fn resume(done: usize, count: usize, what: &str) -> Self {
+        let bar = ProgressBar::new(count as u64).with_position(done as u64);
+        bar.reset_eta();
+        let template = "{elapsed} [{bar:40}] {pos}/{len} {msg}, {per_sec}, {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }

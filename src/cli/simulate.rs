@@ -165,6 +165,14 @@ fn describe(summary: &Summary) -> String {
             "between messages: {shortest:.4} s shortest, {mean:.3} s mean"
         ));
     }
+    let bound = summary.max_transmissions_per_s;
+    lines.push(match (summary.min_inter_event_s, bound) {
+        (Some(shortest), Some(most)) => format!(
+            "messages per second: {:.4}; the sampling allows one every {shortest} s, {most:.6} per second",
+            summary.triggers_per_s
+        ),
+        _ => format!("messages per second: {:.4}", summary.triggers_per_s),
+    });
     lines.push(match summary.settle_seconds {
         Some(seconds) => format!("settled: from {seconds:.3} s on"),
         None => "settled: no".to_string(),

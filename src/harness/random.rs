@@ -20,6 +20,8 @@ pub enum Purpose {
     WordLoss,
     /// Bits inverted on the link.
     BitErrors,
+    /// The plant's inertia.
+    Inertia,
 }
 
 /// What a stream of a campaign's generator is for.

@@ -100,7 +100,7 @@ impl Scenario {
             });
         }
         check_positive("duration_s", file.duration_s)?;
-        let system = check_system(&file.system)?;
+        let system = check_system(&file.system, file.random.seed)?;
         let controller = check_controller(&file.controller, &system)?;
         let instants = check_sampling(&file.sampling, file.duration_s)?;
         let method = check_integrator(&file.integrator, file.duration_s)?;

@@ -6,6 +6,7 @@ mod controllers;
 mod dispersions;
 mod dispersions_file;
 mod file;
+mod inertia;
 mod lei;
 mod lei_file;
 mod link_file;
