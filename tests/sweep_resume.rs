@@ -101,7 +101,11 @@ fn a_torn_last_line_is_dropped() {
         let run = sweep(&file, &[vary], &output, &["--json"]).ends_with(0);
         let whole_lines = journal[..cut].matches('\n').count();
         assert_eq!(run.json()["resumed"], whole_lines.saturating_sub(1));
-        assert_eq!(everything_in(&output), everything_in(&whole), "cut at {cut}");
+        assert_eq!(
+            everything_in(&output),
+            everything_in(&whole),
+            "cut at {cut}"
+        );
         fs::remove_dir_all(&output).expect("removed");
     }
 }
@@ -115,7 +119,10 @@ fn a_finished_sweep_is_not_run_again_but_its_files_are_restored() {
     fs::remove_file(whole.join("sweep.html")).expect("removed");
     write(&whole, "sweep.csv", "spoilt");
     let run = sweep(&file, &[vary], &whole, &[]).ends_with(0);
-    assert!(run.stdout.contains("points: 3 (3 were done before)"), "{run:?}");
+    assert!(
+        run.stdout.contains("points: 3 (3 were done before)"),
+        "{run:?}"
+    );
     assert_eq!(everything_in(&whole), before);
 }
 
@@ -162,7 +169,10 @@ fn a_damaged_journal_is_refused_with_its_line() {
     let with = |line: &str| [lines[0], lines[1], line, lines[3]].join("\n") + "\n";
     let cases = [
         (with("{\"point\": 1"), "line 3"),
-        (with(&lines[2].replace("\"point\":1", "\"point\":7")), "no point 7"),
+        (
+            with(&lines[2].replace("\"point\":1", "\"point\":7")),
+            "no point 7",
+        ),
         (with(&lines[2].replace("\"point\"", "\"pint\"")), "line 3"),
         ("hello\n".to_string(), "line 1"),
     ];
@@ -197,14 +207,19 @@ fn control_c_keeps_what_is_done_and_says_how_to_go_on() {
     let mut child = start(&file, vary, &output);
     wait_for(&mut child, &output, 4);
     let kill = format!("kill -INT {}", child.id());
-    let sent = std::process::Command::new("sh").args(["-c", &kill]).status();
+    let sent = std::process::Command::new("sh")
+        .args(["-c", &kill])
+        .status();
     assert!(sent.expect("a shell").success());
     let message = Run::new(child.wait_with_output().expect("an end")).refusal();
     let done = lines(&output) - 1;
     assert!(done < 60, "it was not interrupted");
     let expected = format!("interrupted; {done} of 60 points are done and kept in");
     assert!(message.contains(&expected), "{message}");
-    assert!(message.contains("the same command goes on from there"), "{message}");
+    assert!(
+        message.contains("the same command goes on from there"),
+        "{message}"
+    );
     assert_eq!(names_in(&output), [JOURNAL]);
 }
 
@@ -217,6 +232,9 @@ fn a_full_disk_is_one_clear_sentence() {
     fs::create_dir(&output).expect("a folder");
     std::os::unix::fs::symlink("/dev/full", output.join(JOURNAL)).expect("a link");
     let message = sweep(&file, &["relative=0.4,0.5"], &output, &[]).refusal();
-    assert!(message.contains("points.jsonl: cannot be written"), "{message}");
+    assert!(
+        message.contains("points.jsonl: cannot be written"),
+        "{message}"
+    );
     assert!(message.contains("No space left on device"), "{message}");
 }

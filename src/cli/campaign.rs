@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde_json::{json, Value};
 
-use super::progress::{interrupted, RunsProgress};
+use super::progress::{interrupted, PartsProgress};
 use super::simulate::{design_of, design_path};
 use super::{files, print, CliError, EXIT_NO};
 use crate::harness::campaign::finish::{finish, finish_again};
@@ -97,7 +97,7 @@ fn make(
         State::Running => job.runs_done()?,
         State::Complete => all,
     };
-    let progress = RunsProgress::start(all, done);
+    let progress = PartsProgress::resume(done as usize, all as usize, "runs");
     let watch = Watch {
         done: &|| progress.done(),
         stop,

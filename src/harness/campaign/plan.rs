@@ -1,5 +1,6 @@
 //! The runs of a campaign: each a scenario of its own, from the campaign's seed and the run's index.
 
+use nalgebra::Matrix3;
 use serde_json::Value;
 use synth::model::{FileError, ModelError};
 
@@ -11,7 +12,8 @@ use super::CampaignError;
 use crate::harness::design::Design;
 use crate::harness::reference::Reference;
 use crate::harness::scenario::{
-    sha256_of, ControllerFile, Dispersion, PlanFile, Scenario, ScenarioFile, System, WuGainsFile,
+    sha256_of, ChangeFile, ControllerFile, Dispersion, PlanFile, Scenario, ScenarioFile, System,
+    SystemFile, WuGainsFile,
 };
 use crate::harness::simulation::{
     check_design, profile_quantities, simulate_recording, Outcome, Recording,
@@ -75,7 +77,7 @@ impl<'a> Plan<'a> {
             dispersions: None,
             ..file
         };
-        pin_controller(&mut template, &nominal);
+        pin_controller(&mut template);
         let dispersions = nominal.dispersions.as_ref();
         let sampling = dispersions.map_or(PlanFile::Independent, |all| all.sampling);
         let all = dispersions.map_or(&[][..], |all| &all.all);
@@ -231,15 +233,15 @@ impl From<ModelError> for PlanError {
 }
 
 /// A controller that knows the plant's inertia knows the nominal one, not the drawn one.
-fn pin_controller(file: &mut ScenarioFile, nominal: &Scenario) {
-    let System::RigidBody(body) = &nominal.system else {
+fn pin_controller(file: &mut ScenarioFile) {
+    let SystemFile::RigidBody(body) = &file.system else {
         return;
     };
-    let inertia = body.body.inertia();
-    let rows = std::array::from_fn(|row| std::array::from_fn(|column| inertia[(row, column)]));
+    let rows = body.inertia_kg_m2;
     match &mut file.controller {
         ControllerFile::Wu2018(wu) => {
             if let WuGainsFile::SettlingTime(settling) = &mut wu.gains {
+                let inertia = Matrix3::from_fn(|row, column| rows[row][column]);
                 let largest = inertia.symmetric_eigenvalues().max();
                 settling.largest_inertia_kg_m2.get_or_insert(largest);
             }
@@ -264,11 +266,18 @@ fn draw(
     let wrong =
         |field: String, reason: String| PlanError::from(ModelError::Choice { field, reason });
     let context = match dispersion {
-        Dispersion::Number { name, .. } => {
+        Dispersion::Number { name, change, .. } => {
             let field = format!("dispersions.values[{index}].name");
-            let parameter =
-                Parameter::find(file, name).map_err(|error| wrong(field, error.to_string()))?;
-            let base = parameter.value(file).unwrap_or_default();
+            let parameter = Parameter::find(file, name)
+                .map_err(|error| wrong(field.clone(), error.to_string()))?;
+            let base = match (parameter.value(file), change) {
+                (Some(base), _) => base,
+                (None, ChangeFile::Replace) => 0.0,
+                (None, ChangeFile::Add | ChangeFile::Multiply) => {
+                    let reason = format!("'{name}' stands for several different numbers");
+                    return Err(wrong(field, reason));
+                }
+            };
             Context::Number(parameter, base)
         }
         Dispersion::Boundary { level } => {
