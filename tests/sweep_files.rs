@@ -71,7 +71,10 @@ fn parquet_holds_the_numbers_of_the_table_with_types_units_and_provenance() {
         let provenance = json(&output.join("sweep.json"));
         for key in ["generator", "file", "file_sha256", "kind"] {
             let text = provenance[key].as_str().expect("a text");
-            assert!(about.contains(&(key.to_string(), text.to_string())), "{key}");
+            assert!(
+                about.contains(&(key.to_string(), text.to_string())),
+                "{key}"
+            );
         }
         let axes = about.iter().find(|(key, _)| key == "axes").expect("axes");
         assert_eq!(
@@ -116,7 +119,9 @@ fn pandas_reads_the_parquet_file() {
 /// What makes a page ask for something else.
 fn assert_self_contained(page: &str) {
     let free = page.replace("http://www.w3.org/2000/svg", "");
-    for part in ["http:", "https:", "<link", "<script", "<img", "@import", "url("] {
+    for part in [
+        "http:", "https:", "<link", "<script", "<img", "@import", "url(",
+    ] {
         assert!(!free.contains(part), "{part}");
     }
     assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());

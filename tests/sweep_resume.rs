@@ -101,7 +101,11 @@ fn a_torn_last_line_is_dropped() {
         let run = sweep(&file, &[vary], &output, &["--json"]).ends_with(0);
         let whole_lines = journal[..cut].matches('\n').count();
         assert_eq!(run.json()["resumed"], whole_lines.saturating_sub(1));
-        assert_eq!(everything_in(&output), everything_in(&whole), "cut at {cut}");
+        assert_eq!(
+            everything_in(&output),
+            everything_in(&whole),
+            "cut at {cut}"
+        );
         fs::remove_dir_all(&output).expect("removed");
     }
 }
@@ -115,7 +119,10 @@ fn a_finished_sweep_is_not_run_again_but_its_files_are_restored() {
     fs::remove_file(whole.join("sweep.html")).expect("removed");
     write(&whole, "sweep.csv", "spoilt");
     let run = sweep(&file, &[vary], &whole, &[]).ends_with(0);
-    assert!(run.stdout.contains("points: 3 (3 were done before)"), "{run:?}");
+    assert!(
+        run.stdout.contains("points: 3 (3 were done before)"),
+        "{run:?}"
+    );
     assert_eq!(everything_in(&whole), before);
 }
 
@@ -162,7 +169,10 @@ fn a_damaged_journal_is_refused_with_its_line() {
     let with = |line: &str| [lines[0], lines[1], line, lines[3]].join("\n") + "\n";
     let cases = [
         (with("{\"point\": 1"), "line 3"),
-        (with(&lines[2].replace("\"point\":1", "\"point\":7")), "no point 7"),
+        (
+            with(&lines[2].replace("\"point\":1", "\"point\":7")),
+            "no point 7",
+        ),
         (with(&lines[2].replace("\"point\"", "\"pint\"")), "line 3"),
         ("hello\n".to_string(), "line 1"),
     ];
@@ -197,26 +207,55 @@ fn control_c_keeps_what_is_done_and_says_how_to_go_on() {
     let mut child = start(&file, vary, &output);
     wait_for(&mut child, &output, 4);
     let kill = format!("kill -INT {}", child.id());
-    let sent = std::process::Command::new("sh").args(["-c", &kill]).status();
+    let sent = std::process::Command::new("sh")
+        .args(["-c", &kill])
+        .status();
     assert!(sent.expect("a shell").success());
     let message = Run::new(child.wait_with_output().expect("an end")).refusal();
     let done = lines(&output) - 1;
     assert!(done < 60, "it was not interrupted");
     let expected = format!("interrupted; {done} of 60 points are done and kept in");
     assert!(message.contains(&expected), "{message}");
-    assert!(message.contains("the same command goes on from there"), "{message}");
+    assert!(
+        message.contains("the same command goes on from there"),
+        "{message}"
+    );
     assert_eq!(names_in(&output), [JOURNAL]);
+}
+
+/// A limit on the size of files stands in for a full disk: a line is cut in two in both cases.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_one_clear_sentence_and_costs_no_point() {
+    let folder = folder();
+    let vary = "relative=0.4:0.6:5";
+    let (file, whole) = finished(folder.path(), vary);
+    let output = folder.path().join("full");
+    let limited = "trap '' XFSZ; ulimit -f 8; exec \"$0\" \"$@\"";
+    let mut shell = std::process::Command::new("sh");
+    let shell = shell.args(["-c", limited, env!("CARGO_BIN_EXE_steadfast"), "sweep"]);
+    let shell = shell.arg(&file).args(["--vary", vary, "-o"]).arg(&output);
+    let message = Run::new(shell.output().expect("a shell")).refusal();
+    assert!(
+        message.contains("points.jsonl: cannot be written"),
+        "{message}"
+    );
+    assert!(message.contains("the same command goes on"), "{message}");
+    let kept = lines(&output).saturating_sub(1);
+    assert!((1..5).contains(&kept), "{kept} points are kept");
+    let run = sweep(&file, &[vary], &output, &["--json"]).ends_with(0);
+    assert_eq!(run.json()["resumed"], kept);
+    assert_eq!(everything_in(&output), everything_in(&whole));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_one_clear_sentence() {
+fn a_journal_that_is_a_device_is_refused() {
     let folder = folder();
     let file = scenario(folder.path());
     let output = folder.path().join("out");
     fs::create_dir(&output).expect("a folder");
     std::os::unix::fs::symlink("/dev/full", output.join(JOURNAL)).expect("a link");
     let message = sweep(&file, &["relative=0.4,0.5"], &output, &[]).refusal();
-    assert!(message.contains("points.jsonl: cannot be written"), "{message}");
-    assert!(message.contains("No space left on device"), "{message}");
+    assert!(message.contains("it is not an ordinary file"), "{message}");
 }
