@@ -7,7 +7,7 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
-use super::{feasibility, files, print, problem, CliError, EXIT_NO};
+use super::{both, feasibility, files, print, problem, CliError, EXIT_NO};
 use crate::harness::design::certified_angle_deg;
 
 /// Arguments of `verify`.
@@ -45,6 +45,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
                 "guaranteed_gain": design.certificate.guaranteed_gain,
                 "xi": design.certificate.xi,
                 "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
+                "outer": both::outer_json(&design, &model),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
             })
@@ -58,6 +59,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
+        for line in both::outer_lines(&design, &model) {
+            print(&line);
+        }
     }
     Ok(exit_code(report.verdict))
 }

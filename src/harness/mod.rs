@@ -14,6 +14,7 @@ pub mod design_check;
 pub mod disturbance;
 pub mod effort;
 pub mod events;
+pub mod inner;
 pub mod integrator;
 pub mod link;
 pub mod lyapunov;

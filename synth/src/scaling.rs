@@ -29,7 +29,25 @@ impl Scaling {
     /// it; an input's is half its limit, or less where that keeps the scaled column of B below 1; the
     /// disturbance's makes the largest scaled column of B_w about 1/3.
     pub fn automatic(system: &TakagiSugeno, fraction: f64) -> Self {
-        let state = state_units(system, fraction);
+        Self::with_state_units(system, state_units(system, fraction))
+    }
+
+    /// The same for one state unit near a given size, in place of a share of the region.
+    pub fn of_size(system: &TakagiSugeno, size: f64) -> Self {
+        let unit = power_of_two(size);
+        let state = DVector::from_element(system.states(), unit);
+        let mut out = Self::with_state_units(system, state);
+        if std::env::var("BOTH_INPUT").is_ok() {
+            let units = system
+                .input
+                .column_iter()
+                .map(|column| power_of_two(unit / column.norm()));
+            out.input = DVector::from_iterator(system.inputs(), units);
+        }
+        out
+    }
+
+    fn with_state_units(system: &TakagiSugeno, state: DVector<f64>) -> Self {
         let largest = |column: nalgebra::DVectorView<f64>| -> f64 {
             let scaled = column.component_div(&state);
             scaled.norm().max(f64::MIN_POSITIVE)

@@ -1,6 +1,7 @@
 //! The report page: one HTML file with its figures inside, readable offline.
 
 mod figures;
+mod inner;
 mod intermittent;
 mod page;
 mod prescribed;

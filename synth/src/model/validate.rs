@@ -6,6 +6,7 @@ use super::file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, PlantFile, Specs, VerticesPlant,
     MODEL_SCHEMA_VERSION,
 };
+use super::outer::check_outer;
 use super::rules::rule_model;
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
@@ -50,6 +51,7 @@ impl Model {
         };
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
+        check_outer(&file)?;
         Ok(Model { file, plant })
     }
 
