@@ -35,16 +35,7 @@ impl Scaling {
     /// The same for one state unit near a given size, in place of a share of the region.
     pub fn of_size(system: &TakagiSugeno, size: f64) -> Self {
         let unit = power_of_two(size);
-        let state = DVector::from_element(system.states(), unit);
-        let mut out = Self::with_state_units(system, state);
-        if std::env::var("BOTH_INPUT").is_ok() {
-            let units = system
-                .input
-                .column_iter()
-                .map(|column| power_of_two(unit / column.norm()));
-            out.input = DVector::from_iterator(system.inputs(), units);
-        }
-        out
+        Self::with_state_units(system, DVector::from_element(system.states(), unit))
     }
 
     fn with_state_units(system: &TakagiSugeno, state: DVector<f64>) -> Self {

@@ -66,13 +66,11 @@ impl Shared {
     fn with_own(&self, unknowns: &mut Unknowns, task: &Task, suffix: &str) -> DesignUnknowns {
         let (states, inputs) = (task.system.states(), task.system.inputs());
         let named = |name: &str| format!("{name} {suffix}");
-        let unit = std::env::var("BOTH_UNIT")
-            .ok()
-            .map_or(1.0, |t| t.parse().unwrap());
         let sector = SectorUnknowns {
-            anti_windup: (1.0 / unit) * unknowns.general(&named("Nh"), inputs, states),
-            weight: f64::powi(unit, -2) * unknowns.diagonal(&named("S"), inputs),
-            row_unit: unit,
+            anti_windup: unknowns.general(&named("Nh"), inputs, states),
+            weight: unknowns.diagonal(&named("S"), inputs),
+            // Here S stays away from zero: the dead zone is there to be used.
+            row_unit: 1.0,
         };
         DesignUnknowns {
             lyapunov: unknowns.symmetric(&named("Uh"), states),

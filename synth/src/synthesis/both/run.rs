@@ -13,8 +13,8 @@ use crate::synthesis::solver::{blocking, run_solver, Sought};
 use crate::synthesis::subject::Subject;
 use crate::synthesis::{Form, Goal, SynthesisError, Synthesized};
 
-/// The gain bound of the exported design, relative to the smallest one: the price of a margin.
-const GAIN_ROOM: f64 = 1e-3;
+/// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
+const GAIN_ROOM: [f64; 2] = [1e-3, 1e-2];
 
 /// Relative room in gamma of the outer certificate, so that the check can prove it.
 const CLAIM_ROOM: f64 = 1e-5;
@@ -206,8 +206,12 @@ impl Run<'_> {
         }
         self.points.sort_by(|a, b| a.gain.total_cmp(&b.gain));
         let mut unproved = None;
-        for point in self.points.clone() {
-            match self.design(point)? {
+        let points = self.points.clone();
+        for (point, room) in points
+            .iter()
+            .flat_map(|point| GAIN_ROOM.map(|room| (*point, room)))
+        {
+            match self.design(point, room)? {
                 Some(design) if design.report.verdict == Verdict::Proved => {
                     return Ok(self.closed(design));
                 }
@@ -315,11 +319,15 @@ impl Run<'_> {
 
     /// A design well inside, with a gamma a little above the smallest, checked as a reader of its file
     /// would; `None` where its numbers cannot be recovered.
-    fn design(&mut self, point: Point) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+    fn design(
+        &mut self,
+        point: Point,
+        room: f64,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let choice = point.choice;
         let (inner, outer) = scaled(self.subject.model, self.outer, choice);
         let goal = Goal::LargestMargin {
-            gain_bound: point.gamma * (1.0 + GAIN_ROOM),
+            gain_bound: point.gamma * (1.0 + room),
         };
         let (coupled, solution) = self.solve((&inner, &outer), choice, goal)?;
         let values = &solution.values;
