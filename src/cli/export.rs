@@ -91,6 +91,11 @@ fn both_program(args: &ExportArgs, text: &str) -> Result<Option<(Semidefinite, S
             else {
                 return Ok(None);
             };
+            let usable = |value: f64| value.is_finite() && value > 0.0;
+            if !usable(coupling.inner_scale) || !usable(coupling.trigger_multiple) {
+                let reason = "field 'provenance.coupling': its numbers must be above 0";
+                return Err(CliError::unsuitable(&args.file, reason));
+            }
             let containment_weight = design.provenance.problem.containment_weight;
             let choice = Choice {
                 containment_weight,

@@ -90,12 +90,13 @@ impl Design {
         use sha2::{Digest, Sha256};
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
+        let outer = file.outer_certificate(&model)?;
         let report = file.verify(&model)?;
         let digest = Sha256::digest(text.as_bytes());
         Ok(Self {
             file,
             model,
-            outer: file.outer_certificate(&model)?,
+            outer,
             certificate,
             report,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
