@@ -1,6 +1,7 @@
 //! The command line: one file for each verb.
 
 mod analyse;
+mod both;
 mod campaign;
 mod check;
 mod compare;

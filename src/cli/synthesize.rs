@@ -8,14 +8,16 @@ use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision};
-use synth::model::{kind_of, Kind, Model};
+use synth::model::{kind_of, Kind, Model, Objective};
 use synth::solve::SolveError;
 use synth::synthesis::{self, Form, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
 use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
-use super::{cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
+use super::{
+    both, cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER,
+};
 use crate::harness::design::certified_angle_deg;
 use crate::harness::transmissions::TransmissionBound;
 
@@ -38,7 +40,7 @@ pub struct SynthesizeArgs {
     pub(super) solver: SolverArg,
     /// Minimise gamma with both solvers at the end and report the difference
     #[arg(long)]
-    cross_check: bool,
+    pub(super) cross_check: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -65,6 +67,9 @@ impl SynthesizeArgs {
 pub enum ObjectiveArg {
     /// The smallest L-infinity gain bound
     Gain,
+    /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
+    /// specs.outer is certified too
+    Both,
 }
 
 /// Form of the decrease condition.
@@ -95,13 +100,14 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         return problem::synthesize(args, &text);
     }
     let mut model = files::model_of(&args.model, &text)?;
-    if let Some(ObjectiveArg::Gain) = args.objective {
-        model.file.specs.objective = synth::model::Objective::Gain;
+    match args.objective {
+        None => {}
+        Some(ObjectiveArg::Gain) => model.file.specs.objective = Objective::Gain,
+        Some(ObjectiveArg::Both) => model.file.specs.objective = Objective::Both,
     }
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    let outcome = solve(args, &model, &text)?;
     let ending = Ending {
         model_path: &args.model,
         model: &model,
@@ -112,7 +118,10 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         what: "design",
         keeps_refutation: false,
     };
-    ending.tell(outcome)
+    match model.file.specs.objective {
+        Objective::Both => both::synthesize(args, &ending, &text),
+        Objective::Gain => ending.tell(solve(args, &model, &text)?),
+    }
 }
 
 /// How a synthesis or an analysis is reported.
@@ -222,6 +231,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "certified_angle_deg": angle,
                 "min_inter_event_s": transmissions.min_inter_event_s,
                 "max_transmissions_per_s": transmissions.max_transmissions_per_s,
+                "outer": both::outer_json(&design.file, model),
                 "worst": report.worst(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
@@ -253,6 +263,9 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         ));
     }
     print(&transmissions.describe());
+    for line in both::outer_lines(&design.file, model) {
+        print(&line);
+    }
     print(&describe(&report));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))

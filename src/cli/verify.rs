@@ -7,7 +7,7 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
-use super::{feasibility, files, print, problem, CliError, EXIT_NO};
+use super::{both, feasibility, files, print, problem, CliError, EXIT_NO};
 use crate::harness::design::certified_angle_deg;
 use crate::harness::transmissions::TransmissionBound;
 
@@ -49,6 +49,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
                 "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
                 "min_inter_event_s": transmissions.min_inter_event_s,
                 "max_transmissions_per_s": transmissions.max_transmissions_per_s,
+                "outer": both::outer_json(&design, &model),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
             })
@@ -63,6 +64,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
         print(&transmissions.describe());
+        for line in both::outer_lines(&design, &model) {
+            print(&line);
+        }
     }
     Ok(exit_code(report.verdict))
 }

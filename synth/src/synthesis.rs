@@ -2,6 +2,7 @@
 
 mod active;
 mod assemble;
+mod both;
 mod cross_check;
 mod run;
 mod search;
@@ -9,6 +10,7 @@ mod solver;
 mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
+pub use both::{coupled_problem, synthesize_both, BothOutcome, Choice, Tried};
 pub use cross_check::{cross_check, Candidate, CrossCheck, Found};
 pub use run::{
     analyse, scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,

@@ -35,12 +35,14 @@ pub struct SectorUnknowns {
     pub anti_windup: Affine,
     /// S = M^-1, m x m, diagonal: the inverse sector weight.
     pub weight: Affine,
+    /// Unit of the dead-zone row of (18): [`DEAD_ZONE_UNIT`] where the best S tends to zero.
+    pub row_unit: f64,
 }
 
 impl SectorUnknowns {
     /// S in units of the dead-zone row.
     fn weight_in_row_units(&self) -> Affine {
-        DEAD_ZONE_UNIT.powi(2) * &self.weight
+        self.row_unit.powi(2) * &self.weight
     }
 }
 
@@ -120,6 +122,7 @@ impl DesignUnknowns {
             Sector::Unknown => Some(SectorUnknowns {
                 anti_windup: anti_windup(unknowns, 0),
                 weight: DEAD_ZONE_UNIT.powi(-2) * unknowns.diagonal("S", inputs),
+                row_unit: DEAD_ZONE_UNIT,
             }),
         };
         let further = (1..task.gains.count).map(|rule| RuleUnknowns {

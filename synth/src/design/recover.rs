@@ -81,6 +81,7 @@ pub fn recover(
             })
             .collect(),
         trigger_weight: symmetric(unknowns.trigger_weight.value(values)),
+        trigger_multiple: 1.0,
         lyapunov: symmetric(unknowns.lyapunov.value(values)),
         integral_weight: symmetric(unknowns.integral_weight.value(values)),
         multiplier: descriptor_multiplier(&model.plant, &to_state * &multiplier * &to_state),

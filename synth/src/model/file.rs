@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::outer::OuterSpecs;
+
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
 
@@ -268,6 +270,9 @@ pub struct Specs {
     /// States x0 that the certified set must contain, each of n entries.
     #[serde(default)]
     pub must_contain: Vec<Vec<f64>>,
+    /// The larger set of a design with two certificates; only with an `exact` plant and a constant gain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outer: Option<OuterSpecs>,
     /// Margin of every strict inequality in scaled units, in (0, 0.01].
     #[serde(default = "default_margin")]
     pub margin: f64,
@@ -288,6 +293,9 @@ pub enum Objective {
     /// The smallest L-infinity gain bound gamma.
     #[default]
     Gain,
+    /// One gain with two certificates: the smallest gamma in the model's own box, while the set of
+    /// `outer` is certified too.
+    Both,
 }
 
 /// Form of the gains.

@@ -5,6 +5,7 @@ mod explain;
 mod file;
 mod gains;
 mod inertia;
+mod outer;
 mod read;
 mod rules;
 mod validate;
@@ -17,6 +18,7 @@ pub use file::{
     VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
+pub use outer::OuterSpecs;
 pub use read::{kind_of, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES};
 pub use validate::{Model, MAX_SCHEDULED_RULES};
 

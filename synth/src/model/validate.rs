@@ -7,6 +7,7 @@ use super::file::{
     MODEL_SCHEMA_VERSION,
 };
 use super::inertia::{check_set, inertia_uncertainty};
+use super::outer::check_outer;
 use super::rules::rule_model;
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
@@ -51,6 +52,7 @@ impl Model {
         };
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
+        check_outer(&file)?;
         Ok(Model { file, plant })
     }
 

@@ -152,14 +152,14 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
 
 /// Without a threshold (nu = 0) nothing else bounds the trigger weight, and a solver that looks for
 /// the largest margin would let it grow for ever.
-fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
+pub(super) fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
     // A solver's feasibility tolerance is relative to the largest constant: keep it at 1.
     let unit = Affine::identity(design.trigger_weight.nrows(), 1.0);
     let share = 1.0 / TRIGGER_WEIGHT_BOUND * &design.trigger_weight;
     Condition::semidefinite("trigger weight bounded", unit - share)
 }
 
-fn full_decrease(
+pub(super) fn full_decrease(
     task: &Task,
     chosen: &[usize],
     design: &DesignUnknowns,
