@@ -3,6 +3,7 @@
 mod active;
 mod assemble;
 mod cross_check;
+mod outer;
 mod run;
 mod search;
 mod solver;
