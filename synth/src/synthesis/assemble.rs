@@ -69,8 +69,8 @@ impl Goal {
         let (relative_gap, objective_unit) = match self {
             Goal::SmallestGain => (1e-8, GAIN_UNIT * task.disturbance_weight_unit),
             Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => (1e-2, 1.0),
-            Goal::LargestReach { .. } => (1e-6, REACH_UNIT),
-            Goal::SmallestPeak => (1e-7, GAIN_UNIT * task.disturbance_weight_unit),
+            Goal::LargestReach { .. } => (1e-4, REACH_UNIT),
+            Goal::SmallestPeak => (1e-5, GAIN_UNIT * task.disturbance_weight_unit),
             Goal::SmallestSlack => (1e-8, SLACK_UNIT),
         };
         Accuracy {

@@ -113,6 +113,7 @@ impl Inner<'_> {
         let assembled = assemble(&task, Form::Slack, goal);
         let program = assembled.problem.lower();
         let accuracy = goal.accuracy(&task);
+        let t0 = std::time::Instant::now();
         let solution = self.backend.solve(&program, accuracy, self.observer.clone())?;
         if !matches!(solution.status, Status::Solved | Status::Inaccurate) {
             return Ok(None);
@@ -139,9 +140,11 @@ impl Inner<'_> {
         };
         let d = DMatrix::from_diagonal(&self.scaling.state);
         let d_inverse = DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit));
+        let t1 = std::time::Instant::now();
+        let slope = self.slope(point, linearisation, &program, &solution, per_objective);
         Ok(Some(Value {
             height,
-            slope: self.slope(point, linearisation, &program, &solution, per_objective),
+            slope,
             linearisation: d_inverse * inverse * multiplier * d,
             blocking: crate::synthesis::blocking(&assembled.problem.conditions, &solution),
         }))

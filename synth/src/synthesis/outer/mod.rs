@@ -1,5 +1,6 @@
 //! Searches over what the certificate depends on and the engineer does not care about.
 
+mod climb;
 mod inner;
 mod parameters;
 
