@@ -10,6 +10,7 @@ mod feasibility;
 mod files;
 mod problem;
 mod progress;
+mod reach;
 mod report;
 mod schema;
 mod simulate;

@@ -8,11 +8,12 @@ use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision};
-use synth::model::{kind_of, Kind, Model};
+use synth::model::{kind_of, Kind, Model, Objective};
 use synth::solve::SolveError;
 use synth::synthesis::{self, Form, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
+use super::reach::{self, Reach};
 use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
 use super::{cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
@@ -64,6 +65,8 @@ impl SynthesizeArgs {
 pub enum ObjectiveArg {
     /// The smallest L-infinity gain bound
     Gain,
+    /// The largest certified set along the must-contain states, or of attitudes at rest
+    Region,
 }
 
 /// Form of the decrease condition.
@@ -94,8 +97,8 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         return problem::synthesize(args, &text);
     }
     let mut model = files::model_of(&args.model, &text)?;
-    if let Some(ObjectiveArg::Gain) = args.objective {
-        model.file.specs.objective = synth::model::Objective::Gain;
+    if let Some(objective) = args.objective {
+        model = with_objective(model, objective, &args.model)?;
     }
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
@@ -148,6 +151,16 @@ impl Ending<'_> {
     }
 }
 
+/// The model with the objective of the command line.
+fn with_objective(model: Model, objective: ObjectiveArg, path: &Path) -> Result<Model, CliError> {
+    let mut file = model.file;
+    file.specs.objective = match objective {
+        ObjectiveArg::Gain => Objective::Gain,
+        ObjectiveArg::Region => Objective::Region,
+    };
+    Model::new(file).map_err(|problem| CliError::value(path, problem))
+}
+
 fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
@@ -188,6 +201,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
+    let reach = Reach::of(&design.file, model, report.verdict);
     if args.json {
         print(
             &json!({
@@ -200,6 +214,10 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "vertices": vertices,
                 "solve_seconds": design.solve_seconds,
                 "certified_angle_deg": angle,
+                "certified_angle_any_axis_deg": reach.any_axis_deg,
+                "certified_angle_along_deg": reach.along_deg(),
+                "must_contain": reach.states(),
+                "search": design.file.provenance.search,
                 "worst": report.worst(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
@@ -229,6 +247,9 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         print(&format!(
             "certified set: every attitude at rest up to {angle:.3} deg"
         ));
+    }
+    for line in reach.lines() {
+        print(&line);
     }
     print(&describe(&report));
     print_end(kept, report.verdict);
@@ -262,6 +283,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
                 "vertices": args.model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
+                "shortfall": decision.shortfall.as_deref().map(reach::shortfall_json),
                 "feasibility": feasibility::verdict(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
                 "slack": decision.slack,
@@ -271,6 +293,10 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
             })
             .to_string(),
         );
+        return;
+    }
+    if let Some(shortfall) = decision.shortfall.as_deref() {
+        reach::tell_shortfall(args.model_path, shortfall, &decision.blocking);
         return;
     }
     print(&headline(args, decision, status));

@@ -7,6 +7,7 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
+use super::reach::Reach;
 use super::{feasibility, files, print, problem, CliError, EXIT_NO};
 use crate::harness::design::certified_angle_deg;
 
@@ -35,6 +36,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
     let report = design
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;
+    let reach = Reach::of(&design, &model, report.verdict);
     if args.json {
         let worst = report.worst();
         print(
@@ -45,6 +47,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
                 "guaranteed_gain": design.certificate.guaranteed_gain,
                 "xi": design.certificate.xi,
                 "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
+                "certified_angle_any_axis_deg": reach.any_axis_deg,
+                "certified_angle_along_deg": reach.along_deg(),
+                "must_contain": reach.states(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
             })
@@ -58,6 +63,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
+        for line in reach.lines() {
+            print(&line);
+        }
     }
     Ok(exit_code(report.verdict))
 }

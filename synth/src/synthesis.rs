@@ -11,6 +11,7 @@ mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
 pub use cross_check::{cross_check, Candidate, CrossCheck, Found};
+pub use outer::{reached, Sensitivity, Shortfall};
 pub use run::{
     analyse, scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
 };

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::search::SearchRecord;
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
@@ -120,6 +121,9 @@ pub struct Provenance {
     pub form: String,
     /// Units of the scaled problem that was solved.
     pub problem: ProblemUnits,
+    /// The search that chose the model's numbers, where there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchRecord>,
     /// The solver's runs, in order. Their statuses are the solver's opinion and prove nothing.
     pub solver_runs: Vec<SolverRun>,
 }

@@ -2,10 +2,13 @@
 
 mod file;
 mod recover;
+mod search;
 
 pub(crate) use file::rows;
 pub use file::{
     CertificateFile, ControllerFile, DesignFile, MismatchFile, ProblemUnits, Provenance, SolverRun,
     VerdictFile, DESIGN_SCHEMA_VERSION,
 };
+pub(crate) use recover::add_claims;
 pub use recover::{recover, RecoverError};
+pub use search::{SearchRecord, VariedFile};

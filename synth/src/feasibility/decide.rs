@@ -12,8 +12,8 @@ use crate::model::Model;
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status};
 use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Subject, SynthesisError,
-    Synthesized, STATE_UNITS,
+    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Shortfall, Subject,
+    SynthesisError, Synthesized, STATE_UNITS,
 };
 
 /// A proved no.
@@ -49,6 +49,8 @@ pub struct Decision {
     /// The conditions with the largest share of the dual solution: those that block, when t is
     /// above 0.
     pub blocking: Vec<(String, f64)>,
+    /// What a search reached instead, where there was one.
+    pub shortfall: Option<Box<Shortfall>>,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
     /// The solver's runs.
@@ -125,6 +127,7 @@ impl Found {
             answer: self.answer,
             slack: self.slack,
             blocking: self.blocking,
+            shortfall: None,
             solve_seconds: search.seconds(),
             runs: search.runs.clone(),
         }

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::search::SearchFile;
+
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
 
@@ -247,6 +249,10 @@ pub struct Specs {
     /// States x0 that the certified set must contain, each of n entries.
     #[serde(default)]
     pub must_contain: Vec<Vec<f64>>,
+    /// What a search may vary, and between which limits; with the objective gain and without it nothing is
+    /// searched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchFile>,
     /// Margin of every strict inequality in scaled units, in (0, 0.01].
     #[serde(default = "default_margin")]
     pub margin: f64,
@@ -267,6 +273,9 @@ pub enum Objective {
     /// The smallest L-infinity gain bound gamma.
     #[default]
     Gain,
+    /// The largest certified set along the must-contain states; without such states, every attitude at rest up
+    /// to the largest angle. The box, eps, xi and what `search` names are searched.
+    Region,
 }
 
 /// Form of the gains.

@@ -7,6 +7,7 @@ use super::file::{
     MODEL_SCHEMA_VERSION,
 };
 use super::rules::rule_model;
+use super::search::check_search;
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
 use crate::fuzzy::{ExactSpacecraft, VertexSystem};
@@ -50,6 +51,7 @@ impl Model {
         };
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
+        check_search(&file)?;
         Ok(Model { file, plant })
     }
 

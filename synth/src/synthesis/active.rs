@@ -41,8 +41,12 @@ pub(super) fn violated(
 ) -> Vec<usize> {
     let margin = task.specification.margin;
     let required = match goal {
-        Goal::SmallestGain | Goal::SmallestPeak | Goal::LargestReach { .. } => MARGIN_SHARE * margin,
-        Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => -MARGIN_SHARE * MARGIN_UNIT * solution.objective,
+        Goal::SmallestGain | Goal::SmallestPeak | Goal::LargestReach { .. } => {
+            MARGIN_SHARE * margin
+        }
+        Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => {
+            -MARGIN_SHARE * MARGIN_UNIT * solution.objective
+        }
         Goal::SmallestSlack => MARGIN_SHARE * margin - solution.objective,
     };
     let design = &assembled.design;

@@ -61,6 +61,7 @@ impl Subject<'_> {
             gains_sha256: self.gains_text.map(sha256_of),
             form: self.form.name().to_string(),
             problem,
+            search: None,
             solver_runs: Vec::new(),
         }
     }

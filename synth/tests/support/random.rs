@@ -108,6 +108,7 @@ pub fn model(stream: &mut Stream, sizes: Sizes, stable: bool) -> Model {
             xi_max: 20.0,
             objective: Objective::Gain,
             must_contain: Vec::new(),
+            search: None,
             margin: 1e-6,
         },
         gains: GainForm::Constant,

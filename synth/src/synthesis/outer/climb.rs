@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::inner::{Inner, Value};
 use super::parameters::Space;
-use crate::solve::SolveError;
+use crate::synthesis::SynthesisError;
 
 /// A solved point.
 #[derive(Debug, Clone)]
@@ -52,7 +52,7 @@ pub fn climb(
     start: Point,
     effort: Effort,
     tell: &mut dyn FnMut(&Point) -> bool,
-) -> Result<Point, SolveError> {
+) -> Result<Point, SynthesisError> {
     let size = start.coordinates.len();
     let mut ascent = Ascent {
         space: inner.space,
@@ -102,7 +102,9 @@ impl Ascent<'_> {
     /// The slope without the parts that lead out of the limits.
     fn free_slope(&self) -> DVector<f64> {
         let ranges = self.space.ranges.iter();
-        let parts = ranges.zip(&self.best.coordinates).zip(&self.best.value.slope);
+        let parts = ranges
+            .zip(&self.best.coordinates)
+            .zip(&self.best.value.slope);
         let parts = parts.map(|((range, &at), &slope)| {
             let [low, high] = range.coordinates();
             let out = (slope > 0.0 && at >= high) || (slope < 0.0 && at <= low);
@@ -149,13 +151,13 @@ impl Ascent<'_> {
         &self,
         inner: &Inner<'_>,
         direction: &DVector<f64>,
-    ) -> Result<Option<(Point, bool)>, SolveError> {
+    ) -> Result<Option<(Point, bool)>, SynthesisError> {
         let at = |part: f64| {
             let from = DVector::from_column_slice(&self.best.coordinates);
             let to: Vec<f64> = (from + direction * part).iter().copied().collect();
             self.space.inside(&to)
         };
-        let solve = |coordinates: Vec<f64>| -> Result<Option<Point>, SolveError> {
+        let solve = |coordinates: Vec<f64>| -> Result<Option<Point>, SynthesisError> {
             let value = inner.solve(&coordinates, &self.best.value.linearisation)?;
             Ok(value.map(|value| Point { coordinates, value }))
         };

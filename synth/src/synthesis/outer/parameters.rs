@@ -44,9 +44,7 @@ impl Parameter {
             (Parameter::ThirdWeight, _) => Some(specs.eps[2]),
             (Parameter::DisturbanceWeight, _) => Some(specs.xi_max),
             (Parameter::Threshold, _) => Some(specs.nu),
-            (Parameter::Rate(axis), PlantFile::Exact(exact)) => {
-                exact.rate_rad_s.get(axis).copied()
-            }
+            (Parameter::Rate(axis), PlantFile::Exact(exact)) => exact.rate_rad_s.get(axis).copied(),
             (Parameter::ScalarPart, PlantFile::Exact(exact)) => Some(exact.q0_min),
             (Parameter::Rate(_) | Parameter::ScalarPart, _) => None,
         }
@@ -156,6 +154,9 @@ impl Space {
 
     /// The model's own point, inside the limits.
     pub fn start(&self) -> Vec<f64> {
-        self.ranges.iter().map(|range| range.start(&self.base)).collect()
+        self.ranges
+            .iter()
+            .map(|range| range.start(&self.base))
+            .collect()
     }
 }
