@@ -226,3 +226,40 @@ impl<'a> Whole<'a> {
         ))
     }
 }
+
+#[cfg(test)]
+mod experiment {
+    use super::*;
+    #[test]
+    #[ignore]
+    fn explore() {
+        let path = std::env::var("MODEL").unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        let model = Model::from_json(&text).unwrap();
+        let t = std::time::Instant::now();
+        let observer: Observer = {
+            let last = std::sync::Mutex::new(0u32);
+            std::sync::Arc::new(move |p| {
+                let mut l = last.lock().unwrap();
+                if p.iteration != *l { *l = p.iteration; println!("  {:?} solves {} value {:.6} rise {:.5}", t.elapsed(), p.iteration, p.objective, p.relative_gap); }
+                true
+            })
+        };
+        let structured = std::env::var("STRUCTURED").is_ok();
+        let s = Structured::default();
+        let c = crate::solve::Clarabel::default();
+        let (form, backend): (Form, &dyn Backend) = if structured { (Form::Slack, &s) } else { (Form::Reduced, &c) };
+        let out = search(&model, &text, form, backend, Some(observer)).unwrap();
+        println!("{:?}", t.elapsed());
+        match out {
+            Outcome::Solved(d) => {
+                println!("{:?} worst {:?}", d.report.verdict, d.report.worst());
+                println!("gamma {} gain {} xi {} ball {:?} reached {:?}", d.file.certificate.gamma, d.file.certificate.guaranteed_gain, d.file.certificate.xi, d.file.certificate.certified_vector_part.map(crate::certify::reach::angle_of_vector_part_deg), reached(&model, &d.file.certificate.lyapunov));
+                println!("{:?}", d.file.provenance.search);
+                println!("{:?}", d.file.provenance.solver_runs);
+                std::fs::write(std::env::var("OUT").unwrap_or("/tmp/w/out.json".into()), d.file.to_json()).unwrap();
+            }
+            Outcome::Infeasible(d) | Outcome::SolverFailed(d) => println!("{:?} {:?} {:?}", d.shortfall, d.blocking, d.runs),
+        }
+    }
+}
