@@ -10,14 +10,17 @@ use super::{decision, start};
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
 use crate::certify::Verdict;
 use crate::conditions::xu2020::Coverage;
+use crate::conditions::Task;
 use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::scaling::Scaling;
 use crate::solve::Status;
-use crate::synthesis::{Form, Goal, Outcome, Search, Subject, SynthesisError, Synthesized};
+use crate::synthesis::{
+    Assembled, Form, Goal, Outcome, Search, Subject, SynthesisError, Synthesized,
+};
 
 /// Parts of the scale found that are given away for room, one after the other until a design is proved.
-const SHRINKING: [f64; 3] = [1e-3, 1e-2, 5e-2];
+const SHRINKING: [f64; 3] = [2e-3, 1e-2, 5e-2];
 
 /// Units of the state tried, relative to the search's.
 const UNITS: [f64; 3] = [1.0, 0.25, 4.0];
@@ -30,8 +33,20 @@ const PEAK_ROOM_OF_A_REGION: f64 = 2e-2;
 /// How far gamma lies above max(g, xi).
 const GAMMA_ROOM: f64 = 1e-6;
 
+/// Relative room of the part of a state that a design must contain.
+const CLAIM_ROOM: f64 = 1e-6;
+
 /// Significant digits of the numbers that the search chose.
 const DIGITS: i32 = 5;
+
+/// What one attempt is made with.
+struct Making<'a> {
+    model: &'a Model,
+    task: &'a Task,
+    scaling: &'a Scaling,
+    units: ProblemUnits,
+    point: &'a Point,
+}
 
 /// What the design is made for.
 pub struct Finish<'a> {
@@ -95,7 +110,7 @@ impl Finish<'_> {
         Ok(solved.unwrap_or_else(|| point.clone()))
     }
 
-    /// The model at a point, with what it must contain where that can be covered.
+    /// The model at a point, with what it contains.
     fn model_at(&self, point: &Point, shrinking: f64) -> Option<Model> {
         let mut file = self.plan.space.at(&point.coordinates);
         for range in &self.plan.space.ranges {
@@ -107,8 +122,12 @@ impl Finish<'_> {
             }
         }
         if let Aim::Reach { .. } = self.inner.aim {
-            if point.value.height.exp() * (1.0 - shrinking) <= 1.0 {
-                file.specs.must_contain.clear();
+            // Short of the states themselves the design is for a part of each.
+            let scale = point.value.height.exp() * (1.0 - shrinking);
+            if scale <= 1.0 {
+                let part = scale * (1.0 - CLAIM_ROOM);
+                let states = file.specs.must_contain.iter_mut().flatten();
+                states.for_each(|entry| *entry *= part);
             }
         }
         Model::new(file).ok()
@@ -145,31 +164,68 @@ impl Finish<'_> {
         };
         let scaling = Scaling::automatic(&task.system, units.state_fraction);
         let scaled = scaling.apply(&task);
-        let (_, smallest) = runs.solve(&scaled, Goal::SmallestPeak)?;
+        let (assembled, smallest) = runs.solve(&scaled, Goal::SmallestPeak)?;
         let usable = |status| matches!(status, Status::Solved | Status::Inaccurate);
-        let peak = smallest.objective * (1.0 + room);
-        if !(usable(smallest.status) && peak.is_finite() && peak > 0.0) {
+        let least = smallest.objective;
+        if !(usable(smallest.status) && least.is_finite() && least > 0.0) {
             return Ok(None);
         }
+        let making = Making {
+            model: &model,
+            task: &task,
+            scaling: &scaling,
+            units,
+            point,
+        };
+        // The smallest g keeps the model's margin in every condition, which may do.
+        let first = self.design(&making, &assembled, &smallest.values, least)?;
+        let wide = matches!(self.inner.aim, Aim::Reach { .. });
+        if wide
+            && first
+                .as_ref()
+                .is_some_and(|design| design.report.verdict == Verdict::Proved)
+        {
+            return Ok(first);
+        }
+        let bound =
+            self.inner.peak_bound(&task).unwrap_or(f64::INFINITY) / (1.0 + GAMMA_ROOM).powi(2);
+        // Just above the bound it is left to the judgement.
+        let peak = (least * (1.0 + room)).min(bound.max(least * (1.0 + PEAK_ROOM)));
         let (assembled, inside) = runs.solve(&scaled, Goal::LargestRoom { peak })?;
-        let Ok(mut certificate) = recover(&model, &assembled.design, &inside.values, &scaling)
-        else {
+        let second = self.design(&making, &assembled, &inside.values, peak)?;
+        let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
+        Ok(match second {
+            Some(second) if proved(&second) => Some(second),
+            second => first.filter(proved).or(second),
+        })
+    }
+
+    /// The design of a solver's point, checked.
+    fn design(
+        &self,
+        making: &Making<'_>,
+        assembled: &Assembled,
+        values: &[f64],
+        peak: f64,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+        let model = making.model;
+        let Ok(mut certificate) = recover(model, &assembled.design, values, making.scaling) else {
             return Ok(None);
         };
         let above = peak.max(certificate.disturbance_weight);
         certificate.gain_bound = above * (1.0 + GAMMA_ROOM);
-        if add_claims(&model, &mut certificate).is_err() {
+        if add_claims(model, &mut certificate).is_err() {
             return Ok(None);
         }
         let subject = Subject {
-            model: &model,
+            model,
             model_text: self.model_text,
-            task: &task,
+            task: making.task,
             gains_text: None,
             form: self.form,
         };
-        let mut design = subject.design(&certificate, units)?;
-        design.file.provenance.search = Some(self.record(point, &model.file));
+        let mut design = subject.design(&certificate, making.units)?;
+        design.file.provenance.search = Some(self.record(making.point, &model.file));
         Ok(Some(design))
     }
 

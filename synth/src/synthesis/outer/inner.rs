@@ -79,20 +79,26 @@ impl Inner<'_> {
 
     /// The optimum sought for a task, with the bounds on the gain multiplied by `factor`.
     fn goal(&self, task: &Task, factor: f64) -> Goal {
-        let xi_max = weight_max(task);
         match *self.aim {
             Aim::Gain => Goal::SmallestPeak,
-            Aim::Reach {
-                gamma_max,
-                gain_max,
-                ..
-            } => {
-                let implied = gain_max.map(|gain| gain * gain / xi_max);
-                let peak = gamma_max.into_iter().chain(implied).reduce(f64::min);
-                let peak = peak.map(|peak| peak * factor);
-                Goal::LargestReach { peak }
-            }
+            Aim::Reach { .. } => Goal::LargestReach {
+                peak: self.peak_bound(task).map(|peak| peak * factor),
+            },
         }
+    }
+
+    /// The largest g that meets the bounds on the gain, whatever xi <= xi_max.
+    pub fn peak_bound(&self, task: &Task) -> Option<f64> {
+        let Aim::Reach {
+            gamma_max,
+            gain_max,
+            ..
+        } = *self.aim
+        else {
+            return None;
+        };
+        let implied = gain_max.map(|gain| gain * gain / weight_max(task));
+        gamma_max.into_iter().chain(implied).reduce(f64::min)
     }
 
     fn program(

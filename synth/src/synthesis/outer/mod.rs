@@ -67,7 +67,7 @@ pub fn search(
         backend: &own,
         watch: &watch,
     };
-    let point = match whole.best()? {
+    let point = match whole.best(model)? {
         Found::Point(point) => *point,
         Found::Nothing(reason) => return Ok(denied(reason, &runs)),
     };
@@ -132,24 +132,24 @@ impl<'a> Whole<'a> {
         }
     }
 
-    fn best(&self) -> Result<Found, SynthesisError> {
+    fn best(&self, model: &Model) -> Result<Found, SynthesisError> {
         let inner = self.inner(&self.plan.aim, &self.plan.covered);
         let begun = match self.plan.covered.is_empty() {
             true => start::first(&inner)?,
-            false => match self.covering()? {
+            false => match self.covering(model)? {
                 Ok(point) => start::again(&inner, &point)?,
                 Err(reason) => return Ok(Found::Nothing(reason)),
             },
         };
         let Some(begun) = begun else {
-            return Ok(Found::Nothing(self.no_start()?));
+            return Ok(Found::Nothing(self.no_start(model)?));
         };
         let end = self.climb(&inner, begun, f64::INFINITY)?;
         Ok(Found::Point(Box::new(end)))
     }
 
     /// A point at which all that must be covered is covered.
-    fn covering(&self) -> Result<Result<Point, String>, SynthesisError> {
+    fn covering(&self, model: &Model) -> Result<Result<Point, String>, SynthesisError> {
         let (gamma_max, gain_max) = match self.plan.aim {
             Aim::Reach {
                 gamma_max,
@@ -166,7 +166,7 @@ impl<'a> Whole<'a> {
         };
         let inner = self.inner(&aim, &[]);
         let Some(begun) = start::first(&inner)? else {
-            return Ok(Err(self.no_start()?));
+            return Ok(Err(self.no_start(model)?));
         };
         let end = self.climb(&inner, begun, COVERED.ln())?;
         if end.value.height >= 0.0 {
@@ -202,7 +202,7 @@ impl<'a> Whole<'a> {
     }
 
     /// Why no start has a solution.
-    fn no_start(&self) -> Result<String, SynthesisError> {
+    fn no_start(&self, model: &Model) -> Result<String, SynthesisError> {
         let bounds = match self.plan.aim {
             Aim::Reach {
                 gamma_max,
@@ -215,51 +215,16 @@ impl<'a> Whole<'a> {
         let Some(bound) = bounds else {
             return Ok(none.to_string());
         };
-        let inner = self.inner(&Aim::Gain, &[]);
+        let plan = &self.plan.without_bounds(model);
+        let free = Whole { plan, ..*self };
+        let inner = free.inner(&Aim::Gain, &[]);
         let Some(begun) = start::first(&inner)? else {
             return Ok(none.to_string());
         };
-        let end = self.climb(&inner, begun, f64::INFINITY)?;
+        let end = free.climb(&inner, begun, f64::INFINITY)?;
         let gain = (-end.value.height).exp();
         Ok(format!(
             "no design meets the bound {bound} on the gain; the smallest guaranteed gain found, whatever its set, is {gain:.5}"
         ))
-    }
-}
-
-#[cfg(test)]
-mod experiment {
-    use super::*;
-    #[test]
-    #[ignore]
-    fn explore() {
-        let path = std::env::var("MODEL").unwrap();
-        let text = std::fs::read_to_string(path).unwrap();
-        let model = Model::from_json(&text).unwrap();
-        let t = std::time::Instant::now();
-        let observer: Observer = {
-            let last = std::sync::Mutex::new(0u32);
-            std::sync::Arc::new(move |p| {
-                let mut l = last.lock().unwrap();
-                if p.iteration != *l { *l = p.iteration; println!("  {:?} solves {} value {:.6} rise {:.5}", t.elapsed(), p.iteration, p.objective, p.relative_gap); }
-                true
-            })
-        };
-        let structured = std::env::var("STRUCTURED").is_ok();
-        let s = Structured::default();
-        let c = crate::solve::Clarabel::default();
-        let (form, backend): (Form, &dyn Backend) = if structured { (Form::Slack, &s) } else { (Form::Reduced, &c) };
-        let out = search(&model, &text, form, backend, Some(observer)).unwrap();
-        println!("{:?}", t.elapsed());
-        match out {
-            Outcome::Solved(d) => {
-                println!("{:?} worst {:?}", d.report.verdict, d.report.worst());
-                println!("gamma {} gain {} xi {} ball {:?} reached {:?}", d.file.certificate.gamma, d.file.certificate.guaranteed_gain, d.file.certificate.xi, d.file.certificate.certified_vector_part.map(crate::certify::reach::angle_of_vector_part_deg), reached(&model, &d.file.certificate.lyapunov));
-                println!("{:?}", d.file.provenance.search);
-                println!("{:?}", d.file.provenance.solver_runs);
-                std::fs::write(std::env::var("OUT").unwrap_or("/tmp/w/out.json".into()), d.file.to_json()).unwrap();
-            }
-            Outcome::Infeasible(d) | Outcome::SolverFailed(d) => println!("{:?} {:?} {:?}", d.shortfall, d.blocking, d.runs),
-        }
     }
 }

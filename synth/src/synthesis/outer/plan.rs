@@ -85,6 +85,17 @@ impl Plan {
             unit,
         }
     }
+
+    /// The same for the model without bounds on the gain.
+    pub fn without_bounds(&self, model: &Model) -> Self {
+        let mut model = model.clone();
+        model.file.specs.search = Some(SearchFile {
+            gamma_max: None,
+            guaranteed_gain_max: None,
+            ..self.limits.clone()
+        });
+        Plan::of(&model)
+    }
 }
 
 /// D with D z, |z| <= 1, all attitudes at rest.
