@@ -13,6 +13,7 @@ mod files;
 mod merge;
 mod problem;
 mod progress;
+mod reach;
 mod report;
 mod schema;
 mod simulate;

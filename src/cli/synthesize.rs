@@ -13,6 +13,7 @@ use synth::solve::SolveError;
 use synth::synthesis::{self, Form, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
+use super::reach::{self, Reach};
 use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
 use super::{
@@ -70,6 +71,8 @@ pub enum ObjectiveArg {
     /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
     /// specs.outer is certified too
     Both,
+    /// The largest certified set along the must-contain states, or of attitudes at rest
+    Region,
 }
 
 /// Form of the decrease condition.
@@ -100,10 +103,8 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         return problem::synthesize(args, &text);
     }
     let mut model = files::model_of(&args.model, &text)?;
-    match args.objective {
-        None => {}
-        Some(ObjectiveArg::Gain) => model.file.specs.objective = Objective::Gain,
-        Some(ObjectiveArg::Both) => model.file.specs.objective = Objective::Both,
+    if let Some(objective) = args.objective {
+        model = with_objective(model, objective, &args.model)?;
     }
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
@@ -120,7 +121,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     };
     match model.file.specs.objective {
         Objective::Both => both::synthesize(args, &ending, &text),
-        Objective::Gain => ending.tell(solve(args, &model, &text)?),
+        Objective::Gain | Objective::Region => ending.tell(solve(args, &model, &text)?),
     }
 }
 
@@ -176,6 +177,17 @@ impl Ending<'_> {
     }
 }
 
+/// The model with the objective of the command line.
+fn with_objective(model: Model, objective: ObjectiveArg, path: &Path) -> Result<Model, CliError> {
+    let mut file = model.file;
+    file.specs.objective = match objective {
+        ObjectiveArg::Gain => Objective::Gain,
+        ObjectiveArg::Region => Objective::Region,
+        ObjectiveArg::Both => Objective::Both,
+    };
+    Model::new(file).map_err(|problem| CliError::value(path, problem))
+}
+
 fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
@@ -217,6 +229,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
     let transmissions = TransmissionBound::of_model(model);
+    let reach = Reach::of(&design.file, model, report.verdict);
     if args.json {
         print(
             &json!({
@@ -232,6 +245,10 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "min_inter_event_s": transmissions.min_inter_event_s,
                 "max_transmissions_per_s": transmissions.max_transmissions_per_s,
                 "outer": both::outer_json(&design.file, model),
+                "certified_angle_any_axis_deg": reach.any_axis_deg,
+                "certified_angle_along_deg": reach.along_deg(),
+                "must_contain": reach.states(),
+                "search": design.file.provenance.search,
                 "worst": report.worst(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
@@ -266,6 +283,9 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     for line in both::outer_lines(&design.file, model) {
         print(&line);
     }
+    for line in reach.lines() {
+        print(&line);
+    }
     print(&describe(&report));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))
@@ -298,6 +318,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
                 "vertices": args.model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
+                "shortfall": decision.shortfall.as_deref().map(reach::shortfall_json),
                 "feasibility": feasibility::verdict(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
                 "blocking_gains": feasibility::blocking_gains(&decision.answer),
@@ -308,6 +329,10 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
             })
             .to_string(),
         );
+        return;
+    }
+    if let Some(shortfall) = decision.shortfall.as_deref() {
+        reach::tell_shortfall(args.model_path, shortfall, &decision.blocking);
         return;
     }
     print(&headline(args, decision, status));

@@ -7,6 +7,7 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
+use super::reach::Reach;
 use super::{both, feasibility, files, print, problem, CliError, EXIT_NO};
 use crate::harness::design::certified_angle_deg;
 use crate::harness::transmissions::TransmissionBound;
@@ -37,6 +38,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;
     let transmissions = TransmissionBound::of_model(&model);
+    let reach = Reach::of(&design, &model, report.verdict);
     if args.json {
         let worst = report.worst();
         print(
@@ -50,6 +52,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
                 "min_inter_event_s": transmissions.min_inter_event_s,
                 "max_transmissions_per_s": transmissions.max_transmissions_per_s,
                 "outer": both::outer_json(&design, &model),
+                "certified_angle_any_axis_deg": reach.any_axis_deg,
+                "certified_angle_along_deg": reach.along_deg(),
+                "must_contain": reach.states(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
             })
@@ -65,6 +70,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         print(&format!("gamma: {}", design.certificate.gamma));
         print(&transmissions.describe());
         for line in both::outer_lines(&design, &model) {
+            print(&line);
+        }
+        for line in reach.lines() {
             print(&line);
         }
     }

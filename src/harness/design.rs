@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
+use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
 use synth::design::{DesignFile, OuterCertificate};
@@ -423,7 +424,7 @@ fn vertices_not_covered(
     }
 }
 
-/// Angle of the largest rotation at rest that is in the certified set, about any axis, deg.
+/// Angle of the largest rotation at rest that is in the certified set, about any axis, rounded down, deg.
 pub fn certified_angle_deg(vector_part: Option<f64>) -> Option<f64> {
-    vector_part.map(|radius| (2.0 * radius.clamp(0.0, 1.0).asin()).to_degrees())
+    vector_part.map(angle_of_vector_part_deg)
 }

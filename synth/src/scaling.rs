@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::conditions::xu2020::Coverage;
 use crate::conditions::Task;
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
@@ -85,7 +86,16 @@ impl Scaling {
         for gain in gains.given.iter_mut().flatten() {
             *gain = &e_inverse * &*gain * &d;
         }
+        let coverage = task.coverage.as_ref().map(|coverage| {
+            let scaled = |sets: &[DMatrix<f64>]| sets.iter().map(|set| &d_inverse * set).collect();
+            Coverage {
+                linearisation: &d * &coverage.linearisation * &d_inverse,
+                covered: scaled(&coverage.covered),
+                grown: scaled(&coverage.grown),
+            }
+        });
         Task {
+            coverage,
             gains,
             system: TakagiSugeno {
                 vertices: system

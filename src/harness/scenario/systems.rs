@@ -136,6 +136,7 @@ fn placeholder(plant: PlantFile) -> ModelFile {
             objective: Default::default(),
             must_contain: Vec::new(),
             outer: None,
+            search: None,
             margin: 1e-6,
         },
         gains: Default::default(),

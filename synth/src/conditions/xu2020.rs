@@ -5,6 +5,7 @@
 //! Fh = F Qh', Nh = N Qh', S = M^-1.
 
 mod anti_windup;
+mod containment;
 mod decrease;
 mod mismatch;
 mod peak_gain;
@@ -12,6 +13,7 @@ mod region;
 mod start;
 
 pub use anti_windup::gain_suffix;
+pub use containment::{coverage, Coverage};
 pub use decrease::{
     condition_name, decrease, decrease_form, full_condition, full_matched_condition, vertex_term,
     vertex_term_at, Coordinates, Interval,
@@ -238,6 +240,17 @@ pub fn conditions_without_gain(
 ) -> Vec<Condition> {
     let mut out = positivity_and_anti_windup(task, unknowns, strictness);
     out.extend(weight_region_and_start(task, unknowns, strictness));
+    out
+}
+
+/// The same with `C'C <= g phi U` alone of the gain's conditions: with xi it bounds the gain by sqrt(g xi).
+pub fn conditions_with_peak(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    let mut out = conditions_without_gain(task, unknowns, strictness);
+    out.push(peak_gain::peak_gain(task, unknowns, strictness));
     out
 }
 

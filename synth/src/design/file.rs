@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::outer::{both, Coupling, OuterFile};
+use super::search::SearchRecord;
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
@@ -128,6 +129,9 @@ pub struct Provenance {
     /// What ties the two certificates together, where there are two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
+    /// The search that chose the model's numbers, where there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchRecord>,
     /// The solver's runs, in order. Their statuses are the solver's opinion and prove nothing.
     pub solver_runs: Vec<SolverRun>,
 }

@@ -3,6 +3,7 @@
 mod file;
 mod outer;
 mod recover;
+mod search;
 
 pub(crate) use file::rows;
 pub use file::{
@@ -10,4 +11,6 @@ pub use file::{
     VerdictFile, DESIGN_SCHEMA_VERSION,
 };
 pub use outer::{Coupling, OuterCertificate, OuterFile};
+pub(crate) use recover::add_claims;
 pub use recover::{recover, RecoverError};
+pub use search::{SearchRecord, VariedFile};

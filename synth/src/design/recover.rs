@@ -209,7 +209,7 @@ const CLAIM_ROOM: f64 = 1e-5;
 
 /// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
 /// radius of attitudes at rest inside x'Ux <= 1.
-fn add_claims(model: &Model, certificate: &mut Certificate) -> Result<(), RecoverError> {
+pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Result<(), RecoverError> {
     let singular = RecoverError::Singular {
         matrix: "Lyapunov matrix",
     };

@@ -108,6 +108,7 @@ impl Subject<'_> {
             form: self.form.name().to_string(),
             problem,
             coupling: None,
+            search: None,
             solver_runs: Vec::new(),
         }
     }

@@ -109,6 +109,7 @@ pub fn model(stream: &mut Stream, sizes: Sizes, stable: bool) -> Model {
             objective: Objective::Gain,
             must_contain: Vec::new(),
             outer: None,
+            search: None,
             margin: 1e-6,
         },
         gains: GainForm::Constant,
