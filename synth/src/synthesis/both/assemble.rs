@@ -112,7 +112,15 @@ pub(super) fn assemble(
             let margin = unknowns.scalar("margin");
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
         }
-        Goal::SmallestGain | Goal::SmallestSlack => {
+        Goal::LargestRoom { peak } => {
+            inner_design.gain_bound = Affine::identity(1, peak);
+            let margin = unknowns.scalar("margin");
+            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        Goal::SmallestGain
+        | Goal::SmallestSlack
+        | Goal::SmallestPeak
+        | Goal::LargestReach { .. } => {
             let gamma = inner.task.disturbance_weight_unit * unknowns.scalar("gamma");
             inner_design.gain_bound = gamma.clone();
             (Strictness::fixed(margin), gamma)

@@ -16,7 +16,7 @@ use crate::model::{Model, ModelFile, Plant};
 use crate::scaling::Scaling;
 use crate::solve::Status;
 use crate::synthesis::{
-    Assembled, Form, Goal, Outcome, Search, Subject, SynthesisError, Synthesized,
+    Assembled, Form, Goal, Outcome, Part, Search, Subject, SynthesisError, Synthesized,
 };
 
 /// Parts of the scale found that are given away for room, one after the other until a design is proved.
@@ -221,6 +221,8 @@ impl Finish<'_> {
             model,
             model_text: self.model_text,
             task: making.task,
+            given: &[],
+            part: Part::FIRST,
             gains_text: None,
             form: self.form,
         };

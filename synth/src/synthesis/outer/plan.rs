@@ -60,7 +60,7 @@ impl Plan {
             covered.push(attitudes() * (norm * (1.0 + COVER_ROOM)));
         }
         let aim = match specs.objective {
-            Objective::Gain => {
+            Objective::Gain | Objective::Both => {
                 covered.extend(states.iter().map(|state| state * (1.0 + COVER_ROOM)));
                 Aim::Gain
             }
