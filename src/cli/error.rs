@@ -26,6 +26,9 @@ pub enum CliError {
     /// Scenarios cannot be compared.
     #[error("{0}")]
     Comparison(String),
+    /// A campaign cannot go on.
+    #[error("{0}")]
+    Campaign(String),
     /// A result cannot be written.
     #[error(transparent)]
     Output(#[from] crate::harness::output::OutputError),

@@ -112,3 +112,44 @@ impl Drop for PartsProgress {
         self.bar.finish_and_clear();
     }
 }
+
+/// A bar over the runs of a campaign, with their rate, on standard error when that is a terminal, nothing
+/// otherwise.
+pub struct RunsProgress {
+    bar: ProgressBar,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl RunsProgress {
+    /// Starts showing `count` runs of which `done` were there before.
+    pub fn start(count: u64, done: u64) -> Self {
+        let bar = ProgressBar::new(count).with_position(done);
+        let template = "{elapsed} [{bar:40}] {pos}/{len} runs, {per_sec}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        // The rate is that of the runs to come.
+        bar.reset_eta();
+        bar.enable_steady_tick(Duration::from_millis(200));
+        RunsProgress {
+            bar,
+            interrupted: interrupted(),
+        }
+    }
+
+    /// One run more is done.
+    pub fn done(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Set by Ctrl-C.
+    pub fn stop(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.interrupted)
+    }
+}
+
+impl Drop for RunsProgress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -7,6 +7,7 @@ pub mod random;
 pub mod refusals;
 pub mod solvers;
 pub mod sweeps;
+pub mod tools;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -73,7 +73,7 @@ pub fn escape(text: &str) -> String {
 }
 
 /// Writing to a string cannot fail.
-fn put(body: &mut String, text: std::fmt::Arguments) {
+pub(super) fn put(body: &mut String, text: std::fmt::Arguments) {
     let _ = body.write_fmt(text);
 }
 
@@ -113,7 +113,7 @@ fn header(summary: &Summary, body: &mut String) {
 }
 
 /// The head of a section and a table of names and values; the section stays open.
-fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
+pub(super) fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
     put(
         body,
         format_args!("<section><h2>{title}</h2>\n<table class=\"numbers\">\n"),
