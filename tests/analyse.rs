@@ -137,16 +137,85 @@ fn gains_of_a_mixture_can_be_proved_but_not_run() {
     assert!(message.contains("the design has 2 gains"), "{message}");
 }
 
+/// Proves from a written certificate that the conditions cannot hold.
+fn refuted_again(certificate: &Path) -> String {
+    let run = steadfast([Path::new("verify"), certificate]).ends_with(0);
+    assert!(run.stdout.contains("verdict: PROVED"), "{}", run.stdout);
+    run.stdout
+}
+
 #[test]
-fn a_gain_that_does_not_stabilise_has_no_proof() {
+fn that_a_gain_which_does_not_stabilise_has_no_proof_is_proved() {
     let folder = folder();
     let gains = gains_file(folder.path(), json!([[[1.0, 1.0]]]));
-    let output = folder.path().join("design.json");
+    let output = folder.path().join("none.json");
     let run = analyse(&gains, &shipped("double-integrator.json"), Some(&output));
     let report = run.ends_with(2).json();
+    assert_eq!(report["status"], "infeasible");
     assert_eq!(report["verdict"], "not_proved");
+    assert_eq!(report["feasibility"], "infeasible");
     assert_eq!(report["gamma"], Value::Null);
-    assert!(!output.exists());
+    assert_eq!(number(&report, "/bound"), f64::MAX);
+    let words = refuted_again(&output);
+    assert!(
+        words.contains("for these gains the conditions cannot hold"),
+        "{words}"
+    );
+
+    // The same numbers say nothing about a gain that has a proof.
+    let mut changed = json(&output);
+    set(&mut changed, "/gains", json!([[[-1.0, -2.0]]]));
+    let changed = write(folder.path(), "changed.json", changed.to_string());
+    let run = steadfast([Path::new("verify"), &changed]).ends_with(2);
+    assert!(run.stdout.contains("verdict: NOT PROVED"), "{}", run.stdout);
+    // Nor without the gains: that no gain has a proof would be another statement.
+    let mut changed = json(&output);
+    changed.as_object_mut().expect("an object").remove("gains");
+    let changed = write(folder.path(), "changed.json", changed.to_string());
+    steadfast([Path::new("verify"), &changed]).refusal();
+}
+
+#[test]
+fn all_gains_of_the_papers_appendix_have_no_proof_on_either_model_because_of_one() {
+    let folder = folder();
+    let gains = shipped("xu2020-appendix-gains.json");
+    for (model, blocking) in [("xu2020-rules.json", 1), ("xu2020.json", 6)] {
+        let output = folder.path().join("none.json");
+        let run = analyse(&gains, &shipped(model), Some(&output));
+        let report = run.ends_with(2).json();
+        assert_eq!(report["feasibility"], "infeasible", "{model}");
+        assert_eq!(report["blocking_gains"], json!([blocking]), "{model}");
+        assert_eq!(number(&report, "/bound"), f64::MAX, "{model}");
+        let words = refuted_again(&output);
+        let because = format!("gain {blocking} alone rules them out");
+        assert!(words.contains(&because), "{words}");
+    }
+}
+
+#[test]
+fn two_gains_that_are_proved_alone_are_refuted_together() {
+    let folder = folder();
+    // A spring with stiffness between 1 and 9 has one quadratic Lyapunov function only where the damping
+    // exceeds sqrt(9) - sqrt(1).
+    let both = [json!([[-1.0, -1.5]]), json!([[-9.0, -1.5]])];
+    let mut model = json(&shipped("double-integrator.json"));
+    set(&mut model, "/plant/vertices/input_limit", json!([20.0]));
+    let model = write(folder.path(), "model.json", model.to_string());
+    let output = folder.path().join("out.json");
+    for gain in &both {
+        let file = gains_file(folder.path(), json!([gain]));
+        let report = analyse(&file, &model, None).ends_with(0).json();
+        assert_eq!(report["verdict"], "proved");
+    }
+    let file = gains_file(folder.path(), json!(both));
+    let report = analyse(&file, &model, Some(&output)).ends_with(2).json();
+    assert_eq!(report["feasibility"], "infeasible");
+    assert_eq!(report["blocking_gains"], json!([1, 2]));
+    let words = refuted_again(&output);
+    assert!(
+        words.contains("gains 1, 2 together rule them out"),
+        "{words}"
+    );
 }
 
 #[test]

@@ -2,63 +2,11 @@
 
 mod support;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{json, Value};
+use support::sweeps::{everything_in, scenario, sweep, Rows};
 use support::*;
-
-/// A short scenario.
-fn scenario(folder: &Path) -> PathBuf {
-    let mut file = json(&shipped("wu2018.json"));
-    set(&mut file, "/duration_s", json!(120));
-    set(&mut file, "/metrics/tail_s", json!(20));
-    let requirements = json!([{ "metric": "triggers", "at_most": 25 }]);
-    set(&mut file, "/requirements", requirements);
-    write(folder, "scenario.json", file.to_string())
-}
-
-fn sweep(file: &Path, vary: &[&str], output: &Path, more: &[&str]) -> Run {
-    let mut arguments = vec!["sweep".to_string(), file.display().to_string()];
-    for axis in vary {
-        arguments.extend(["--vary".to_string(), axis.to_string()]);
-    }
-    arguments.extend(["-o".to_string(), output.display().to_string()]);
-    arguments.extend(more.iter().map(|text| text.to_string()));
-    steadfast(arguments)
-}
-
-/// The rows of the table, by column.
-struct Rows {
-    columns: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-impl Rows {
-    fn read(folder: &Path) -> Self {
-        let mut reader = csv::Reader::from_path(folder.join("sweep.csv")).expect("a table");
-        let list = |record: &csv::StringRecord| record.iter().map(str::to_string).collect();
-        let columns = list(reader.headers().expect("a header"));
-        let rows = reader.records().map(|row| list(&row.expect("a row")));
-        Rows {
-            columns,
-            rows: rows.collect(),
-        }
-    }
-
-    #[track_caller]
-    fn text(&self, row: usize, column: &str) -> &str {
-        let index = self.columns.iter().position(|name| name == column);
-        let index = index.unwrap_or_else(|| panic!("no column {column} in {:?}", self.columns));
-        &self.rows[row][index]
-    }
-
-    #[track_caller]
-    fn number(&self, row: usize, column: &str) -> f64 {
-        let text = self.text(row, column);
-        text.parse()
-            .unwrap_or_else(|_| panic!("{column} is '{text}'"))
-    }
-}
 
 #[test]
 fn a_grid_has_a_row_for_each_point_and_the_last_number_changes_fastest() {
@@ -71,7 +19,16 @@ fn a_grid_has_a_row_for_each_point_and_the_last_number_changes_fastest() {
     ];
     let run = sweep(&file, &vary, &out, &["--json"]).ends_with(0);
     assert_eq!(run.json()["points"], 6);
-    assert_eq!(names_in(&out), ["sweep.csv", "sweep.json"]);
+    assert_eq!(
+        names_in(&out),
+        [
+            "points.jsonl",
+            "sweep.csv",
+            "sweep.html",
+            "sweep.json",
+            "sweep.parquet"
+        ]
+    );
     let rows = Rows::read(&out);
     assert_eq!(rows.rows.len(), 6);
     let name = "controller.wu2018.trigger.relative.relative";
@@ -143,7 +100,7 @@ fn the_number_of_threads_changes_no_byte() {
     let tables = ["1", "3"].map(|jobs| {
         let out = folder.path().join(jobs);
         sweep(&file, &["relative=0.3:0.7:5"], &out, &["--jobs", jobs]).ends_with(0);
-        ["sweep.csv", "sweep.json"].map(|name| text(&out.join(name)))
+        everything_in(&out)
     });
     assert_eq!(tables[0], tables[1]);
 }
@@ -197,6 +154,7 @@ fn a_model_is_synthesized_at_each_point() {
     assert_eq!(rows.text(2, "gamma"), "");
     let design = json(double_integrator_design());
     let phi = number(&design, "/model/specs/phi_per_s");
+    let out = folder.path().join("another");
     sweep(&file, &[&format!("phi={phi}")], &out, &[]).ends_with(0);
     let found = Rows::read(&out).number(0, "gamma");
     assert_relative(found, number(&design, "/certificate/gamma"), 1e-6);
@@ -238,7 +196,7 @@ fn a_name_that_is_no_number_of_the_file_is_refused_with_names_like_it() {
         ),
         (
             "torque_limit=1",
-            "like it: controller.wu2018.torque_limit_nm[0]",
+            "like it: controller.wu2018.torque_limit_nm[*], controller.wu2018.torque_limit_nm[0]",
         ),
         (
             "sampling=1",
@@ -322,6 +280,30 @@ fn a_folder_that_cannot_be_made_is_named_once() {
         1,
         "{message}"
     );
+}
+
+#[test]
+fn every_entry_of_a_list_is_varied_at_once() {
+    let folder = folder();
+    let file = scenario(folder.path());
+    let out = folder.path().join("out");
+    sweep(&file, &["torque_limit_nm[*]=0.05,0.2"], &out, &[]).ends_with(0);
+    let rows = Rows::read(&out);
+    assert_eq!(rows.columns[0], "controller.wu2018.torque_limit_nm[*]");
+    let mut variant = json(&file);
+    set(
+        &mut variant,
+        "/controller/wu2018/torque_limit_nm",
+        json!([0.05, 0.05, 0.05]),
+    );
+    let path = write(folder.path(), "variant.json", variant.to_string());
+    let run = steadfast(["simulate".as_ref(), path.as_os_str(), "--json".as_ref()]);
+    let summary: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(summary["impulse"].as_f64(), Some(rows.number(0, "impulse")));
+    assert_ne!(rows.number(0, "impulse"), rows.number(1, "impulse"));
+    let both = ["torque_limit_nm[*]=0.1", "torque_limit_nm[1]=0.2"];
+    let message = refusal(&file, &both);
+    assert!(message.contains("is varied twice"), "{message}");
 }
 
 #[test]

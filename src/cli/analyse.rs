@@ -18,7 +18,7 @@ pub struct AnalyseArgs {
     /// Model file
     #[arg(long)]
     model: PathBuf,
-    /// Design file to write: the gains with their proof
+    /// File to write: the gains with their proof (a design), or the proof that there is none
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Solver
@@ -63,6 +63,7 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         form: args.solver.form(),
         cross_check: None,
         what: "proof for these gains",
+        keeps_refutation: true,
     };
     ending.tell(outcome)
 }

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use serde_json::json;
-use synth::model::{kind_of, Kind, Model};
+use synth::fuzzy::triangle_excess;
+use synth::model::{kind_of, Kind, Model, Plant};
 use synth::problem::Problem;
 
 use super::{files, print, CliError};
@@ -131,7 +132,35 @@ fn describe(model: &Model) -> String {
     let (states, inputs, disturbances, outputs) = model.plant.sizes();
     let vertices = model.task().system.vertices.len();
     format!(
-        "{vertices} vertices, {states} states, {inputs} inputs, {disturbances} disturbances, {outputs} outputs"
+        "{vertices} vertices, {states} states, {inputs} inputs, {disturbances} disturbances, {outputs} outputs{}",
+        describe_inertia_set(model)
+    )
+}
+
+/// What is to be said of an uncertain inertia; empty for one that is known.
+fn describe_inertia_set(model: &Model) -> String {
+    let Plant::Spacecraft(craft) = &model.plant else {
+        return String::new();
+    };
+    let set = &craft.inertia_uncertainty;
+    let entries = set.uncertain_entries(&craft.inertia).len();
+    if entries == 0 {
+        return String::new();
+    }
+    let corners = set.vertices(&craft.inertia);
+    let unphysical = corners
+        .iter()
+        .filter(|corner| triangle_excess(corner) > 0.0)
+        .count();
+    let rest = match unphysical {
+        0 => String::new(),
+        some => format!(
+            ", {some} of them no rigid body's (one principal moment above the sum of the others; a proof covers them too)"
+        ),
+    };
+    format!(
+        ", inertia uncertain in {entries} entries, {} corners{rest}",
+        corners.len()
     )
 }
 

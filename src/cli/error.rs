@@ -26,6 +26,9 @@ pub enum CliError {
     /// Scenarios cannot be compared.
     #[error("{0}")]
     Comparison(String),
+    /// A campaign cannot go on.
+    #[error("{0}")]
+    Campaign(String),
     /// A result cannot be written.
     #[error(transparent)]
     Output(#[from] crate::harness::output::OutputError),
@@ -43,6 +46,22 @@ pub enum CliError {
     /// Stopped by the user.
     #[error("interrupted; nothing was written")]
     Interrupted,
+    /// A sweep stopped by the user, its points kept.
+    #[error(
+        "interrupted; {done} of {points} points are done and kept in {}; the same command goes on from there",
+        folder.display()
+    )]
+    Resumable {
+        /// Points that are kept.
+        done: usize,
+        /// All points.
+        points: usize,
+        /// Where they are.
+        folder: PathBuf,
+    },
+    /// The points of a sweep cannot be kept or read.
+    #[error(transparent)]
+    Journal(#[from] crate::harness::sweep::journal::JournalError),
 }
 
 impl CliError {

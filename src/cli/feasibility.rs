@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde_json::{json, Value};
 use synth::certify::Verdict;
-use synth::feasibility::{decide, relaxations, Answer, Decision, Relaxation};
+use synth::feasibility::{decide, relaxations, Answer, Decision, InfeasibilityFile, Relaxation};
 use synth::model::Model;
 use synth::solve::Backend;
 
@@ -115,6 +115,14 @@ pub fn bound(answer: &Answer) -> Option<f64> {
     }
 }
 
+/// The given gains, from 1, that a proved no is about.
+pub fn blocking_gains(answer: &Answer) -> Vec<usize> {
+    match answer {
+        Answer::Infeasible(proof) => proof.file.blocking_gains(),
+        _ => Vec::new(),
+    }
+}
+
 fn report(decision: &Decision, seconds: f64, relaxed: Option<&[Relaxation]>) -> Value {
     let blocks = !matches!(decision.answer, Answer::Feasible(_));
     let blocking = decision.blocking.iter().filter(|_| blocks);
@@ -180,6 +188,7 @@ pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError>
             "verdict": verdict,
             "statement": "infeasible",
             "bound": bound,
+            "gains": file.blocking_gains(),
             "worst": worst,
             "conditions": conditions.collect::<Vec<_>>(),
         });
@@ -192,7 +201,7 @@ pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError>
         path.display()
     ));
     match proved {
-        true => print(&format!("verdict: PROVED, {}", statement(bound))),
+        true => print(&format!("verdict: PROVED, {}", statement(&file, bound))),
         false => print("verdict: NOT PROVED"),
     }
     for (index, outcome) in outcomes.iter().enumerate() {
@@ -213,13 +222,22 @@ pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError>
 }
 
 /// What an infeasibility certificate states.
-fn statement(bound: f64) -> String {
-    match bound == f64::MAX {
-        true => "no design satisfies the conditions".to_string(),
-        false => format!(
-            "no design with multiplier entries up to R = {bound:.3e} (SI units) satisfies the conditions"
-        ),
+fn statement(file: &InfeasibilityFile, bound: f64) -> String {
+    let unbounded = bound == f64::MAX;
+    let within = match unbounded {
+        true => String::new(),
+        false => format!(" with multiplier entries up to R = {bound:.3e} (SI units)"),
+    };
+    if file.gains.is_empty() {
+        return format!("no design{within} satisfies the conditions");
     }
+    let blocking: Vec<String> = file.blocking_gains().iter().map(usize::to_string).collect();
+    let because = match (file.gains.len(), blocking.as_slice()) {
+        (1, _) => String::new(),
+        (_, [one]) => format!(": gain {one} alone rules them out"),
+        (_, several) => format!(": gains {} together rule them out", several.join(", ")),
+    };
+    format!("for these gains the conditions cannot hold{within}{because}")
 }
 
 fn describe(model: &Path, decision: &Decision) -> String {
@@ -242,7 +260,10 @@ pub fn headline(answer: &Answer) -> String {
             "FEASIBLE, proved by a design with gamma {:.6} (not the smallest)",
             design.file.certificate.gamma
         ),
-        Answer::Infeasible(proof) => format!("INFEASIBLE, proved: {}", statement(proof.bound)),
+        Answer::Infeasible(proof) => format!(
+            "INFEASIBLE, proved: {}",
+            statement(&proof.file, proof.bound)
+        ),
         Answer::Unknown => {
             "UNKNOWN: neither a design nor its impossibility could be proved".to_string()
         }

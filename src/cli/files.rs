@@ -83,6 +83,10 @@ pub fn check_output(path: &Path, input: &Path) -> Result<(), CliError> {
 
 /// Writes a result file whole or not at all.
 pub fn write(path: &Path, contents: &str) -> Result<(), CliError> {
-    synth::model::write_atomically(path, contents.as_bytes())
-        .map_err(|problem| CliError::file(path, problem))
+    write_bytes(path, contents.as_bytes())
+}
+
+/// As [`write`], for any bytes.
+pub fn write_bytes(path: &Path, contents: &[u8]) -> Result<(), CliError> {
+    synth::model::write_atomically(path, contents).map_err(|problem| CliError::file(path, problem))
 }

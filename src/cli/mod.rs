@@ -2,6 +2,7 @@
 
 mod analyse;
 mod both;
+mod campaign;
 mod check;
 mod compare;
 mod cross_check;
@@ -9,6 +10,7 @@ mod error;
 mod export;
 mod feasibility;
 mod files;
+mod merge;
 mod problem;
 mod progress;
 mod report;
@@ -61,6 +63,10 @@ enum Verb {
     Compare(compare::CompareArgs),
     /// Run variants of a scenario, or synthesize variants of a model, over a grid
     Sweep(sweep::SweepArgs),
+    /// Make many runs of a scenario with numbers drawn anew for each
+    Campaign(campaign::CampaignArgs),
+    /// Make one campaign of its shards
+    Merge(merge::MergeArgs),
     /// Search controller parameters for a spacecraft and write a scenario with them
     Tune(tune::TuneArgs),
     /// Build the report page of a run again from its files
@@ -69,7 +75,7 @@ enum Verb {
     Check(check::CheckArgs),
     /// Print the JSON Schema of a kind of file
     Schema(schema::SchemaArgs),
-    /// Write the semidefinite program of a model or design for other solvers
+    /// Write a design, a trajectory or a semidefinite program for other programs
     Export(export::ExportArgs),
     /// Solve a semidefinite program given as SDPA sparse text
     Solve(solve::SolveArgs),
@@ -94,6 +100,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Simulate(args) => simulate::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Sweep(args) => sweep::run(args),
+        Verb::Campaign(args) => campaign::run(args),
+        Verb::Merge(args) => merge::run(args),
         Verb::Tune(args) => tune::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Check(args) => check::run(args),

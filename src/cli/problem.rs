@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use serde_json::{json, Value};
 use synth::certify::{Report, Verdict};
 use synth::problem::{
-    self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
+    self, Excluded, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
 
 use super::progress::SolverProgress;
@@ -150,6 +150,8 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
                 "vertices": problem.plant.vertices.len(),
                 "conditions": [],
                 "slack": failure.slack,
+                "excluded_radius": failure.excluded.map(|excluded| excluded.radius.min(f64::MAX)),
+                "excluded_margin": failure.excluded.map(|excluded| excluded.margin),
                 "blocking": blocking,
                 "solve_seconds": failure.solve_seconds,
                 "solver_runs": runs,
@@ -160,9 +162,12 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
     }
     print(&headline(problem));
     runs.iter().for_each(|run| print(&describe_run(run)));
-    print(match status {
-        "infeasible" => "no feedback satisfies the conditions, says the solver (not proved)",
-        _ => "the solver failed numerically",
+    print(&match (failure.excluded, status) {
+        (Some(excluded), _) => no_solution(excluded),
+        (None, "infeasible") => {
+            "no feedback satisfies the conditions, says the solver (not proved)".to_string()
+        }
+        (None, _) => "the solver failed numerically".to_string(),
     });
     match feasibility::slack_line(failure.slack) {
         Some(line) => print(&line),
@@ -171,4 +176,19 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
     let blocking = feasibility::blocking_lines(&failure.blocking);
     blocking.iter().for_each(|line| print(line));
     print("nothing written");
+}
+
+/// What is proved where there is no feedback.
+fn no_solution(excluded: Excluded) -> String {
+    let within = match excluded.radius == f64::INFINITY {
+        true => String::new(),
+        false => format!(" with every scalar unknown below {:.3e}", excluded.radius),
+    };
+    let margin = match excluded.margin == 0.0 {
+        true => String::new(),
+        false => format!(" and a margin of {}", excluded.margin),
+    };
+    format!(
+        "INFEASIBLE, proved for the scaled problem as given to the solver: it has no solution{within}{margin}"
+    )
 }

@@ -77,8 +77,14 @@ pub struct PartsProgress {
 impl PartsProgress {
     /// Starts showing `count` parts of what is named, such as "points".
     pub fn start(count: usize, what: &str) -> Self {
-        let bar = ProgressBar::new(count as u64);
-        let template = "{elapsed} [{bar:40}] {pos}/{len} {msg}, {eta} left";
+        PartsProgress::resume(0, count, what)
+    }
+
+    /// Starts showing `count` parts of which some were done before.
+    pub fn resume(done: usize, count: usize, what: &str) -> Self {
+        let bar = ProgressBar::new(count as u64).with_position(done as u64);
+        bar.reset_eta();
+        let template = "{elapsed} [{bar:40}] {pos}/{len} {msg}, {per_sec}, {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
@@ -102,6 +108,47 @@ impl PartsProgress {
 }
 
 impl Drop for PartsProgress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A bar over the runs of a campaign, with their rate, on standard error when that is a terminal, nothing
+/// otherwise.
+pub struct RunsProgress {
+    bar: ProgressBar,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl RunsProgress {
+    /// Starts showing `count` runs of which `done` were there before.
+    pub fn start(count: u64, done: u64) -> Self {
+        let bar = ProgressBar::new(count).with_position(done);
+        let template = "{elapsed} [{bar:40}] {pos}/{len} runs, {per_sec}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        // The rate is that of the runs to come.
+        bar.reset_eta();
+        bar.enable_steady_tick(Duration::from_millis(200));
+        RunsProgress {
+            bar,
+            interrupted: interrupted(),
+        }
+    }
+
+    /// One run more is done.
+    pub fn done(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Set by Ctrl-C.
+    pub fn stop(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.interrupted)
+    }
+}
+
+impl Drop for RunsProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -1,28 +1,94 @@
 //! `steadfast report DIR`
 
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
 use super::{print, CliError};
-use crate::harness::output::{rebuild_report, write, REPORT_FILE};
+use crate::harness::campaign::folder::{run_folder, CAMPAIGN_FILE};
+use crate::harness::campaign::record::CampaignFile;
+use crate::harness::output::{rebuild_report, write, REPORT_FILE, TRAJECTORY_FILE};
+use crate::harness::report::campaign;
 
 /// Arguments of `report`.
 #[derive(clap::Args)]
 pub struct ReportArgs {
-    /// Folder written by `simulate -o`
+    /// Folder written by `simulate -o` or `campaign -o`
     folder: PathBuf,
     /// The page; report.html in the folder when left out
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
 
-/// Builds the report page again from a run's files.
+/// Builds the report page of a run or of a campaign from its files.
 pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
-    let unsuitable = |error| CliError::unsuitable(&args.folder, error);
-    let page = rebuild_report(&args.folder).map_err(unsuitable)?;
+    let unsuitable = |error: &dyn std::fmt::Display| CliError::unsuitable(&args.folder, error);
     let default = args.folder.join(REPORT_FILE);
     let path = args.output.as_ref().unwrap_or(&default);
-    write(path, &page).map_err(unsuitable)?;
+    let page = if args.folder.join(CAMPAIGN_FILE).exists() {
+        pages_of_kept_runs(&args.folder)?;
+        campaign::page(&args.folder, &link(path, &args.folder))
+            .map_err(|error| unsuitable(&error))?
+    } else {
+        rebuild_report(&args.folder).map_err(|error| unsuitable(&error))?
+    };
+    write(path, &page).map_err(|error| unsuitable(&error))?;
     print(&format!("written: {}", path.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Kept runs that get a page of their own: the worst.
+const PAGES: usize = 20;
+
+/// Writes the pages of the worst kept runs of a campaign, those that are not there yet.
+fn pages_of_kept_runs(folder: &Path) -> Result<(), CliError> {
+    let record = CampaignFile::read(folder).map_err(|error| CliError::unsuitable(folder, error))?;
+    let kept = record
+        .results
+        .map(|results| results.kept)
+        .unwrap_or_default();
+    for run in kept.into_iter().take(PAGES) {
+        let folder = run_folder(folder, run);
+        let page = folder.join(REPORT_FILE);
+        // A run whose files were taken away is not linked either.
+        if folder.join(TRAJECTORY_FILE).exists() && !page.exists() {
+            let text =
+                rebuild_report(&folder).map_err(|error| CliError::unsuitable(&folder, error))?;
+            write(&page, &text)?;
+        }
+    }
+    Ok(())
+}
+
+/// How a page calls a folder: the way from the page's folder to it.
+fn link(page: &Path, folder: &Path) -> String {
+    let place = match page.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let (Ok(from), Ok(to)) = (place.canonicalize(), folder.canonicalize()) else {
+        return ".".to_string();
+    };
+    let common = from
+        .components()
+        .zip(to.components())
+        .take_while(|(a, b)| a == b)
+        .count();
+    let up = from.components().skip(common).map(|_| "..".to_string());
+    let down = to.components().skip(common).map(encoded);
+    let steps: Vec<String> = up.chain(down).collect();
+    match steps.is_empty() {
+        true => ".".to_string(),
+        false => steps.join("/"),
+    }
+}
+
+/// A part of a path for a link.
+fn encoded(part: Component) -> String {
+    let name = part.as_os_str().to_string_lossy().into_owned();
+    let kept = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
+    let one = |byte: u8| match kept(byte) {
+        true => char::from(byte).to_string(),
+        false => format!("%{byte:02X}"),
+    };
+    name.bytes().map(one).collect()
 }

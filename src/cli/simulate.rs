@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use super::campaign::{check_runs, told, unplanned};
 use super::{files, print, CliError, EXIT_NO};
+use crate::harness::campaign::plan::Plan;
 use crate::harness::design::Design;
 use crate::harness::link::LinkOutcome;
 use crate::harness::output::{summary_text, write_run};
-use crate::harness::scenario::{ControllerChoice, Scenario};
-use crate::harness::simulation::simulate;
+use crate::harness::scenario::{ControllerChoice, PlanFile, Scenario};
+use crate::harness::simulation::{simulate, Outcome};
 use crate::harness::summary::{CertificateOutcome, RunVerdict, Summary};
 
 /// Arguments of `simulate`.
@@ -19,6 +21,15 @@ pub struct SimulateArgs {
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
+    /// Make one run of the scenario's campaign, by its index from 0
+    #[arg(long, value_name = "K")]
+    run_index: Option<u64>,
+    /// Seed of the campaign; that of the scenario when left out
+    #[arg(long, requires = "run_index")]
+    seed: Option<u64>,
+    /// Number of runs of the campaign; needed with a Latin hypercube
+    #[arg(long, value_name = "N", requires = "run_index")]
+    runs: Option<u64>,
     /// Folder for trajectory.csv, summary.json and report.html
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -33,8 +44,11 @@ pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
     let text = files::text(&args.scenario)?;
     let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
-    let outcome = simulate(&scenario, design.as_ref(), args.output.is_some())
-        .map_err(|error| CliError::unsuitable(&args.scenario, error))?;
+    let outcome = match args.run_index {
+        Some(run) => run_of_campaign(args, &text, &scenario, design.as_ref(), run)?,
+        None => simulate(&scenario, design.as_ref(), args.output.is_some())
+            .map_err(|error| CliError::unsuitable(&args.scenario, error))?,
+    };
     if let Some(folder) = &args.output {
         write_run(folder, &outcome).map_err(|error| CliError::unsuitable(folder, error))?;
         eprintln!("written: {}", folder.join("report.html").display());
@@ -61,16 +75,57 @@ pub(super) fn design_of(
     scenario_path: &Path,
     given: Option<&Path>,
 ) -> Result<Option<Design>, CliError> {
-    let path = match (given, &scenario.controller) {
-        (Some(path), _) => path.to_path_buf(),
-        (None, ControllerChoice::Design(Some(file))) => {
-            scenario_path.parent().unwrap_or(Path::new(".")).join(file)
-        }
-        (None, _) => return Ok(None),
+    let Some(path) = design_path(scenario, scenario_path, given) else {
+        return Ok(None);
     };
     let design = read_design(&path)?;
     announce(&design);
     Ok(Some(design))
+}
+
+/// Path of the command line's design, or of the scenario's.
+pub(super) fn design_path(
+    scenario: &Scenario,
+    scenario_path: &Path,
+    given: Option<&Path>,
+) -> Option<PathBuf> {
+    match (given, &scenario.controller) {
+        (Some(path), _) => Some(path.to_path_buf()),
+        (None, ControllerChoice::Design(Some(file))) => {
+            Some(scenario_path.parent().unwrap_or(Path::new(".")).join(file))
+        }
+        (None, _) => None,
+    }
+}
+
+/// The very run that a campaign makes.
+fn run_of_campaign(
+    args: &SimulateArgs,
+    text: &str,
+    scenario: &Scenario,
+    design: Option<&Design>,
+    run: u64,
+) -> Result<Outcome, CliError> {
+    let sampling = scenario.dispersions.as_ref().map(|all| all.sampling);
+    let wrong = |argument, reason: String| Err(CliError::Argument { argument, reason });
+    let runs = match args.runs {
+        Some(runs) => runs,
+        None if sampling == Some(PlanFile::LatinHypercube) => {
+            let reason = "is needed, because a Latin hypercube depends on it".to_string();
+            return wrong("--runs", reason);
+        }
+        None => run.saturating_add(1),
+    };
+    check_runs(runs)?;
+    if run >= runs {
+        let reason = format!("{run} is not allowed; it must be from 0 to {}", runs - 1);
+        return wrong("--run-index", reason);
+    }
+    let plan = Plan::new(text, design, args.seed, runs);
+    let plan = plan.map_err(|error| unplanned(&args.scenario, error))?;
+    let outcome = plan.alone(run, args.output.is_some());
+    let (_, outcome) = outcome.map_err(|error| told(&args.scenario, error))?;
+    Ok(outcome)
 }
 
 pub(super) fn read_design(path: &Path) -> Result<Design, CliError> {
@@ -110,6 +165,14 @@ fn describe(summary: &Summary) -> String {
             "between messages: {shortest:.4} s shortest, {mean:.3} s mean"
         ));
     }
+    let bound = summary.max_transmissions_per_s;
+    lines.push(match (summary.min_inter_event_s, bound) {
+        (Some(shortest), Some(most)) => format!(
+            "messages per second: {:.4}; the sampling allows one every {shortest} s, {most:.6} per second",
+            summary.triggers_per_s
+        ),
+        _ => format!("messages per second: {:.4}", summary.triggers_per_s),
+    });
     lines.push(match summary.settle_seconds {
         Some(seconds) => format!("settled: from {seconds:.3} s on"),
         None => "settled: no".to_string(),

@@ -1,29 +1,24 @@
 //! `steadfast sweep FILE.json --vary key=lo:hi:n`
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::json;
-use sha2::{Digest, Sha256};
 
 use super::progress::PartsProgress;
 use super::simulate::design_of;
 use super::solver::SolverArg;
 use super::{files, print, CliError};
-use crate::harness::output::{create_folder, write};
+use crate::harness::output::create_folder;
 use crate::harness::scenario::Scenario;
 use crate::harness::simulation::check_design;
 use crate::harness::sweep::axis::Axis;
+use crate::harness::sweep::files::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::harness::sweep::grid::Grid;
+use crate::harness::sweep::journal::{Identity, Journal, Known};
 use crate::harness::sweep::outcome::PointOutcome;
 use crate::harness::sweep::subject::Subject;
-use crate::harness::sweep::{self, table, SweepError, Watch};
-
-/// Name of the table.
-const TABLE_FILE: &str = "sweep.csv";
-/// Name of the file that says how the table came about.
-const PROVENANCE_FILE: &str = "sweep.json";
+use crate::harness::sweep::{self, SweepError, Watch};
 
 /// Arguments of `sweep`.
 #[derive(clap::Args)]
@@ -38,7 +33,7 @@ pub struct SweepArgs {
         allow_hyphen_values = true
     )]
     vary: Vec<String>,
-    /// Folder for sweep.csv and sweep.json
+    /// Folder for the results; a sweep that was ended goes on where its points are
     #[arg(short, long)]
     output: PathBuf,
     /// Design file, for scenarios whose controller is a design
@@ -50,6 +45,9 @@ pub struct SweepArgs {
     /// Threads; one for each processor when left out
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     jobs: usize,
+    /// Throw away the points in the folder and begin again
+    #[arg(long)]
+    restart: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -68,13 +66,21 @@ pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
     let grid = Grid::new(subject.file(), &axes)
         .map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
-    let outcomes = swept(&subject, &grid, args.jobs)?;
-    let csv = table::to_csv(&grid, &outcomes)
-        .map_err(|error| CliError::unsuitable(&args.output, error))?;
-    write(&args.output.join(TABLE_FILE), &csv)?;
-    let provenance = provenance(args, &text, &subject, &grid);
-    write(&args.output.join(PROVENANCE_FILE), &provenance)?;
-    tell(args, &grid, &outcomes);
+    let identity = Identity::new(&text, &subject, &grid);
+    let (journal, known) = Journal::open(&args.output, &identity, &grid, args.restart)?;
+    let resumed = known.iter().flatten().count();
+    let outcomes = swept(args, &subject, &grid, (&journal, known))?;
+    let name = args.file.file_name().map(|name| name.to_string_lossy());
+    let finished = Finished {
+        subject: &subject,
+        grid: &grid,
+        outcomes: &outcomes,
+        identity: &identity,
+        file: &name.unwrap_or_default(),
+    };
+    finished.write(&args.output)?;
+    journal.sort(&identity, &outcomes)?;
+    tell(args, &finished, resumed);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -96,14 +102,26 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
     }
 }
 
-fn swept(subject: &Subject, grid: &Grid, jobs: usize) -> Result<Vec<PointOutcome>, CliError> {
-    let progress = PartsProgress::start(grid.points(), "points");
+fn swept(
+    args: &SweepArgs,
+    subject: &Subject,
+    grid: &Grid,
+    (journal, known): (&Journal, Known),
+) -> Result<Vec<PointOutcome>, CliError> {
+    let done = known.iter().flatten().count();
+    let progress = PartsProgress::resume(done, grid.points(), "points");
     let watch = Watch {
         done: &|| progress.done(),
         stop: progress.stop(),
     };
-    sweep::run(subject, grid, jobs, &watch).map_err(|error| match error {
-        SweepError::Interrupted => CliError::Interrupted,
+    let outcomes = sweep::run(subject, grid, args.jobs, (journal, known), &watch);
+    outcomes.map_err(|error| match error {
+        SweepError::Interrupted { done, points } => CliError::Resumable {
+            done,
+            points,
+            folder: args.output.clone(),
+        },
+        SweepError::Journal(error) => error.into(),
         SweepError::Threads(error) => CliError::Argument {
             argument: "--jobs",
             reason: error.to_string(),
@@ -111,45 +129,32 @@ fn swept(subject: &Subject, grid: &Grid, jobs: usize) -> Result<Vec<PointOutcome
     })
 }
 
-/// How the table came about. Nothing in it depends on the clock or on the number of threads.
-fn provenance(args: &SweepArgs, text: &str, subject: &Subject, grid: &Grid) -> String {
-    let digest = Sha256::digest(text.as_bytes());
-    let axes = grid.axes();
-    let axes: Vec<_> = axes
-        .map(|(name, values)| json!({ "name": name, "values": values }))
-        .collect();
-    let value = json!({
-        "generator": concat!("steadfast ", env!("CARGO_PKG_VERSION")),
-        "file": args.file.file_name().map(|name| name.to_string_lossy().into_owned()),
-        "file_sha256": digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>(),
-        "kind": subject.kind().to_string(),
-        "axes": axes,
-        "points": grid.points(),
-    });
-    serde_json::to_string_pretty(&value).unwrap_or_default() + "\n"
-}
-
-fn tell(args: &SweepArgs, grid: &Grid, outcomes: &[PointOutcome]) {
-    let mut verdicts = BTreeMap::<&str, usize>::new();
-    for outcome in outcomes {
-        *verdicts.entry(outcome.verdict.as_str()).or_default() += 1;
-    }
-    let path = args.output.join(TABLE_FILE);
+fn tell(args: &SweepArgs, finished: &Finished, resumed: usize) {
+    let grid = finished.grid;
+    let path = args.output.join(CSV_FILE);
     if args.json {
         let report = json!({
             "points": grid.points(),
+            "resumed": resumed,
             "varied": grid.names(),
-            "verdicts": verdicts,
+            "verdicts": finished.verdicts(),
             "table": path_text(&path),
+            "parquet": path_text(&args.output.join(PARQUET_FILE)),
+            "page": path_text(&args.output.join(PAGE_FILE)),
         });
         print(&report.to_string());
         return;
     }
-    print(&format!("points: {}", grid.points()));
-    for (verdict, count) in verdicts {
+    let before = match resumed {
+        0 => String::new(),
+        resumed => format!(" ({resumed} were done before)"),
+    };
+    print(&format!("points: {}{before}", grid.points()));
+    for (verdict, count) in finished.verdicts() {
         print(&format!("  {verdict}: {count}"));
     }
-    print(&format!("written: {}", path.display()));
+    let others = [PARQUET_FILE, PAGE_FILE, PROVENANCE_FILE].join(", ");
+    print(&format!("written: {}, {others}", path.display()));
 }
 
 fn path_text(path: &Path) -> String {

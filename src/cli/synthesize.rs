@@ -19,6 +19,7 @@ use super::{
     both, cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER,
 };
 use crate::harness::design::certified_angle_deg;
+use crate::harness::transmissions::TransmissionBound;
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]
@@ -115,6 +116,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         form: args.form(),
         cross_check: args.cross_check.then_some(args.solver),
         what: "design",
+        keeps_refutation: false,
     };
     match model.file.specs.objective {
         Objective::Both => both::synthesize(args, &ending, &text),
@@ -138,6 +140,8 @@ pub struct Ending<'a> {
     pub cross_check: Option<SolverArg>,
     /// What was sought: a design, or a proof for given gains.
     pub what: &'static str,
+    /// A proof that there is none is written in the place of the design.
+    pub keeps_refutation: bool,
 }
 
 impl Ending<'_> {
@@ -146,13 +150,28 @@ impl Ending<'_> {
         match outcome {
             Outcome::Solved(design) => finish(self, *design),
             Outcome::Infeasible(decision) => {
-                tell_failure(self, &decision, "infeasible");
+                let kept = self.keep_refutation(&decision)?;
+                tell_failure(self, &decision, "infeasible", kept);
                 Ok(ExitCode::from(EXIT_NO))
             }
             Outcome::SolverFailed(decision) => {
-                tell_failure(self, &decision, "failed");
+                tell_failure(self, &decision, "failed", None);
                 Ok(ExitCode::from(EXIT_SOLVER))
             }
+        }
+    }
+}
+
+impl Ending<'_> {
+    /// Writes the certificate of a proved no, where one is wanted.
+    fn keep_refutation(&self, decision: &Decision) -> Result<Option<&Path>, CliError> {
+        let path = self.output.filter(|_| self.keeps_refutation);
+        match (path, &decision.answer) {
+            (Some(path), Answer::Infeasible(proof)) => {
+                files::write(path, &proof.file.to_json())?;
+                Ok(Some(path))
+            }
+            _ => Ok(None),
         }
     }
 }
@@ -197,6 +216,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
+    let transmissions = TransmissionBound::of_model(model);
     if args.json {
         print(
             &json!({
@@ -210,6 +230,8 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "solve_seconds": design.solve_seconds,
                 "certified_angle_deg": angle,
                 "outer": both::outer_json(&design.file, model),
+                "min_inter_event_s": transmissions.min_inter_event_s,
+                "max_transmissions_per_s": transmissions.max_transmissions_per_s,
                 "worst": report.worst(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
@@ -243,6 +265,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     for line in both::outer_lines(&design.file, model) {
         print(&line);
     }
+    print(&transmissions.describe());
     print(&describe(&report));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))
@@ -257,7 +280,7 @@ pub(super) fn print_end(kept: Option<&Path>, verdict: Verdict) {
     }
 }
 
-fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
+fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&Path>) {
     let blocking: Vec<Value> = decision
         .blocking
         .iter()
@@ -277,6 +300,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
                 "certified_angle_deg": null,
                 "feasibility": feasibility::verdict(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
+                "blocking_gains": feasibility::blocking_gains(&decision.answer),
                 "slack": decision.slack,
                 "blocking": blocking,
                 "solve_seconds": decision.solve_seconds,
@@ -289,12 +313,16 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str) {
     print(&headline(args, decision, status));
     match feasibility::slack_line(decision.slack) {
         Some(line) => print(&line),
+        None if matches!(decision.answer, Answer::Infeasible(_)) => {}
         None => print("the smallest slack could not be computed either"),
     }
     for line in feasibility::blocking_lines(&decision.blocking) {
         print(&line);
     }
-    print("nothing written");
+    match kept {
+        Some(path) => print(&format!("written: {}", path.display())),
+        None => print("nothing written"),
+    }
 }
 
 /// A solver's run in words.

@@ -9,6 +9,7 @@ use synth::model::{kind_of, Kind};
 
 use super::{both, feasibility, files, print, problem, CliError, EXIT_NO};
 use crate::harness::design::certified_angle_deg;
+use crate::harness::transmissions::TransmissionBound;
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -35,6 +36,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
     let report = design
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;
+    let transmissions = TransmissionBound::of_model(&model);
     if args.json {
         let worst = report.worst();
         print(
@@ -46,6 +48,8 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
                 "xi": design.certificate.xi,
                 "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
                 "outer": both::outer_json(&design, &model),
+                "min_inter_event_s": transmissions.min_inter_event_s,
+                "max_transmissions_per_s": transmissions.max_transmissions_per_s,
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
             })
@@ -62,6 +66,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         for line in both::outer_lines(&design, &model) {
             print(&line);
         }
+        print(&transmissions.describe());
     }
     Ok(exit_code(report.verdict))
 }

@@ -5,6 +5,7 @@ use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
 use synth::design::{DesignFile, OuterCertificate};
+use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
 use super::lyapunov::Claims;
@@ -189,7 +190,11 @@ impl Design {
         }
         match (&self.model.plant, &scenario.system) {
             (Plant::Spacecraft(craft), System::RigidBody(body)) => {
-                rigid_body_not_covered(&craft.inertia, &craft.torque_limit, body, &mut out);
+                match self.model.plant.has_uncertain_inertia() {
+                    true => out.extend(outside_inertia_set(craft, &body.body)),
+                    false => out.extend(another_inertia(&craft.inertia, &body.body)),
+                }
+                rigid_body_not_covered(&craft.torque_limit, body, &mut out);
             }
             (Plant::Vertices(system), System::TakagiSugeno(model)) => {
                 vertices_not_covered(system, model, &mut out);
@@ -207,7 +212,8 @@ impl Design {
                 let limits = rules.system.input_limit.as_slice();
                 let limits = Vector3::from_column_slice(limits);
                 if let Some(inertia) = self.model.plant.inertia() {
-                    rigid_body_not_covered(inertia, &limits, body, &mut out);
+                    out.extend(another_inertia(inertia, &body.body));
+                    rigid_body_not_covered(&limits, body, &mut out);
                 }
                 out.push(
                     "the plant is the rigid spacecraft; the proof is for the blend of the local rules"
@@ -309,18 +315,46 @@ fn inertia_ratios(body: &RigidBody, model: &Matrix3<f64>) -> [f64; 2] {
     [ratios.min(), ratios.max()]
 }
 
+fn another_inertia(inertia: &Matrix3<f64>, body: &RigidBody) -> Option<String> {
+    let [smallest, largest] = inertia_ratios(body, inertia);
+    let other = smallest < 1.0 - INERTIA_ROUNDING || largest > 1.0 + INERTIA_ROUNDING;
+    other.then(|| {
+        format!(
+            "the plant's moments of inertia are {smallest:.4} to {largest:.4} times the model's"
+        )
+    })
+}
+
+/// The entry of the plant's inertia that is farthest outside of the set that the proof is for.
+fn outside_inertia_set(craft: &ExactSpacecraft, body: &RigidBody) -> Option<String> {
+    let (nominal, inertia) = (&craft.inertia, body.inertia());
+    let beyond = |entry: (usize, usize)| {
+        let width = craft.inertia_uncertainty.half_width(nominal, entry);
+        (inertia[entry] - nominal[entry]).abs() - width
+    };
+    let worst = INERTIA_ENTRIES
+        .into_iter()
+        .max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
+    let outside = beyond(worst) > INERTIA_ROUNDING * nominal.amax();
+    outside.then(|| {
+        let width = craft.inertia_uncertainty.half_width(nominal, worst);
+        format!(
+            "the plant's inertia is outside of the set that the proof is for: entry ({}, {}) is {:.6} \
+             kg m^2, the set has {:.6} to {:.6}",
+            worst.0 + 1,
+            worst.1 + 1,
+            inertia[worst],
+            nominal[worst] - width,
+            nominal[worst] + width
+        )
+    })
+}
+
 fn rigid_body_not_covered(
-    inertia: &Matrix3<f64>,
     torque_limit: &Vector3<f64>,
     system: &RigidBodySystem,
     out: &mut Vec<String>,
 ) {
-    let [smallest, largest] = inertia_ratios(&system.body, inertia);
-    if smallest < 1.0 - INERTIA_ROUNDING || largest > 1.0 + INERTIA_ROUNDING {
-        out.push(format!(
-            "the plant's moments of inertia are {smallest:.4} to {largest:.4} times the model's"
-        ));
-    }
     let actuators = &system.actuators;
     for axis in 0..3 {
         let (limit, model) = (actuators.limit[axis], torque_limit[axis]);

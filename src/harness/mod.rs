@@ -6,22 +6,27 @@
 //! claims held.
 
 pub mod actuator;
+pub mod campaign;
 pub mod closed_loop;
 pub mod comparison;
 pub mod controller;
 pub mod design;
 pub mod design_check;
+pub mod distribution;
 pub mod disturbance;
 pub mod effort;
 pub mod events;
+pub mod export;
 pub mod inner;
 pub mod integrator;
 pub mod link;
 pub mod lyapunov;
 pub mod output;
 pub mod padding;
+pub mod parquet;
 pub mod plant;
 pub mod pointing;
+pub mod profile;
 pub mod random;
 pub mod recorder;
 pub mod reference;
@@ -32,6 +37,7 @@ pub mod sensor;
 pub mod simulation;
 pub mod summary;
 pub mod sweep;
+pub mod transmissions;
 pub mod tune;
 pub mod usage;
 pub mod yang;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use synth::model::{read_text, write_atomically, FileError};
+use synth::model::{read_text, read_text_up_to, write_atomically, FileError};
 
 use super::comparison::{self, Comparison, Curves};
 use super::recorder::{Table, TableError};
@@ -113,25 +113,48 @@ pub fn summary_text(summary: &Summary) -> String {
 /// # Errors
 /// A file that is missing or not what it should be.
 pub fn rebuild_report(folder: &Path) -> Result<String, OutputError> {
-    let path = folder.join(SUMMARY_FILE);
-    let text = read(&path)?;
-    let summary: Summary = serde_json::from_str(&text).map_err(|error| OutputError::Summary {
-        path: path.clone(),
-        reason: error.to_string(),
-    })?;
-    if summary.schema_version != SUMMARY_SCHEMA_VERSION {
-        return Err(OutputError::Summary {
-            path,
-            reason: format!(
-                "schema_version is {}; this program reads {SUMMARY_SCHEMA_VERSION}",
-                summary.schema_version
-            ),
-        });
-    }
-    let path = folder.join(TRAJECTORY_FILE);
-    let trajectory =
-        Table::from_csv(&read(&path)?).map_err(|problem| OutputError::Table { path, problem })?;
+    let summary = read_summary(&folder.join(SUMMARY_FILE))?;
+    let (_, trajectory) = read_trajectory(&folder.join(TRAJECTORY_FILE))?;
     Ok(report::page(&summary, &trajectory)?)
+}
+
+/// Reads a run's summary.
+///
+/// # Errors
+/// A file that is missing or no summary.
+pub fn read_summary(path: &Path) -> Result<Summary, OutputError> {
+    let refuse = |reason| OutputError::Summary {
+        path: path.to_path_buf(),
+        reason,
+    };
+    let summary: Summary =
+        serde_json::from_str(&read(path)?).map_err(|error| refuse(error.to_string()))?;
+    if summary.schema_version != SUMMARY_SCHEMA_VERSION {
+        return Err(refuse(format!(
+            "schema_version is {}; this program reads {SUMMARY_SCHEMA_VERSION}",
+            summary.schema_version
+        )));
+    }
+    Ok(summary)
+}
+
+/// Largest trajectory that is read, bytes.
+const LARGEST_TRAJECTORY: u64 = 1 << 30;
+
+/// Reads a run's trajectory: its text and its table.
+///
+/// # Errors
+/// A file that is missing or no table.
+pub fn read_trajectory(path: &Path) -> Result<(String, Table), OutputError> {
+    let text = read_text_up_to(path, LARGEST_TRAJECTORY).map_err(|problem| OutputError::File {
+        path: path.to_path_buf(),
+        problem,
+    })?;
+    let table = Table::from_csv(&text).map_err(|problem| OutputError::Table {
+        path: path.to_path_buf(),
+        problem,
+    })?;
+    Ok((text, table))
 }
 
 fn read(path: &Path) -> Result<String, OutputError> {

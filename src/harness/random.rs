@@ -20,6 +20,22 @@ pub enum Purpose {
     WordLoss,
     /// Bits inverted on the link.
     BitErrors,
+    /// The plant's inertia.
+    Inertia,
+}
+
+/// What a stream of a campaign's generator is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CampaignStream {
+    /// The run of this index.
+    Run(u64),
+    /// The drawn number of this index, in all runs.
+    Number(u64),
+}
+
+/// Bits as a number in (0, 1): the middle of one of 2^52 intervals.
+pub fn open_unit(bits: u64) -> f64 {
+    ((bits >> 12) as f64 + 0.5) * (1.0 / (1u64 << 52) as f64)
 }
 
 /// ChaCha with 8 rounds: the same numbers on every machine.
@@ -32,6 +48,29 @@ impl Random {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(purpose as u64);
         Self(generator)
+    }
+
+    /// A stream of a campaign with this seed: of one of its runs or of one of its drawn numbers.
+    pub fn of_campaign(seed: u64, stream: CampaignStream) -> Self {
+        // Far from the streams of the purposes.
+        const RUNS: u64 = 1 << 62;
+        const NUMBERS: u64 = 1 << 63;
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(match stream {
+            CampaignStream::Run(run) => RUNS | run,
+            CampaignStream::Number(number) => NUMBERS | number,
+        });
+        Self(generator)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// Uniform in (0, 1), without its ends.
+    pub fn open_uniform(&mut self) -> f64 {
+        open_unit(self.bits())
     }
 
     /// Uniform in [0, 1).

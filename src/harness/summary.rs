@@ -101,6 +101,16 @@ pub struct Summary {
     pub shortest_interval_s: Option<f64>,
     /// Mean time between two messages, s.
     pub mean_interval_s: Option<f64>,
+    /// Messages sent per second of the run.
+    #[serde(default)]
+    pub triggers_per_s: f64,
+    /// What the sampling allows: no two messages are closer, s; null when the trigger is watched
+    /// continuously.
+    #[serde(default)]
+    pub min_inter_event_s: Option<f64>,
+    /// Its inverse, 1/s.
+    #[serde(default)]
+    pub max_transmissions_per_s: Option<f64>,
     /// Samples that the controller could not use.
     pub held_samples: u64,
     /// The first reason for that.

@@ -93,6 +93,11 @@ impl Scaling {
                     .iter()
                     .map(|a| &d_inverse * a * &d)
                     .collect(),
+                descriptors: system
+                    .descriptors
+                    .iter()
+                    .map(|descriptor| &d_inverse * descriptor * &d)
+                    .collect(),
                 input: &d_inverse * &system.input * &e,
                 disturbance: &d_inverse * &system.disturbance * c,
                 output: &system.output * &d,

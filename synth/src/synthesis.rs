@@ -19,4 +19,4 @@ pub use run::{
 pub(crate) use run::{containment_weights, scaled, STATE_UNITS};
 pub(crate) use search::Search;
 pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, Sought};
-pub(crate) use subject::Subject;
+pub(crate) use subject::{Part, Subject};

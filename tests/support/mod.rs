@@ -6,6 +6,8 @@ pub mod json_schema;
 pub mod random;
 pub mod refusals;
 pub mod solvers;
+pub mod sweeps;
+pub mod tools;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -30,7 +30,29 @@ pub struct FigureError {
     pub reason: String,
 }
 
-/// A figure over time.
+/// A filled region between two curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    /// Name in the legend.
+    pub name: String,
+    /// Place, lower and upper value, in order of the places.
+    pub points: Vec<(f64, f64, f64)>,
+    /// How much of the first line's colour it has, between 0 and 1.
+    pub strength: f64,
+}
+
+/// A horizontal axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Horizontal {
+    /// Name and unit.
+    pub label: String,
+    /// Where it begins.
+    pub start: f64,
+    /// Where it ends.
+    pub end: f64,
+}
+
+/// A figure, over time when nothing else is said.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
     /// Title; it stands above the figure in the page.
@@ -45,6 +67,12 @@ pub struct Figure {
     pub logarithmic: bool,
     /// End of the time axis, s.
     pub end_s: f64,
+    /// The horizontal axis where it is not time from 0 to `end_s`.
+    pub horizontal: Option<Horizontal>,
+    /// Vertical lines.
+    pub marks: Vec<f64>,
+    /// Filled regions, behind the lines.
+    pub bands: Vec<Band>,
 }
 
 impl Figure {
@@ -71,29 +99,29 @@ impl Figure {
 
     /// Name and colour (as in HTML) of each line, when there are several.
     pub fn legend(&self) -> Vec<(&str, String)> {
-        if self.lines.len() < 2 {
+        if self.lines.len() + self.bands.len() < 2 {
             return Vec::new();
         }
         let pairs = self.lines.iter().zip(COLOURS.iter().cycle());
-        pairs
-            .map(|(line, RGBColor(red, green, blue))| {
-                (
-                    line.name.as_str(),
-                    format!("#{red:02x}{green:02x}{blue:02x}"),
-                )
-            })
-            .collect()
+        let lines = pairs.map(|(line, colour)| (line.name.as_str(), hexadecimal(*colour)));
+        let bands = self.bands.iter().map(|band| {
+            let opacity = (255.0 * band.strength).round() as u8;
+            let colour = format!("{}{opacity:02x}", hexadecimal(COLOURS[0]));
+            (band.name.as_str(), colour)
+        });
+        lines.chain(bands).collect()
     }
 
     fn draw(&self, svg: &mut String) -> Result<(), String> {
         let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
         root.fill(&WHITE).map_err(text)?;
         let (low, high) = self.range();
+        let across = self.across();
         let mut chart = ChartBuilder::on(&root)
             .margin(12)
             .x_label_area_size(44)
             .y_label_area_size(78)
-            .build_cartesian_2d(0.0..self.end_s.max(f64::MIN_POSITIVE), low..high)
+            .build_cartesian_2d(across.start..across.end, low..high)
             .map_err(text)?;
         let logarithmic = self.logarithmic;
         chart
@@ -101,7 +129,7 @@ impl Figure {
             .light_line_style(TRANSPARENT)
             .bold_line_style(RGBColor(225, 225, 225))
             .axis_style(RGBColor(90, 90, 90))
-            .x_desc("time (s)")
+            .x_desc(across.label.as_str())
             .y_desc(self.label.as_str())
             .x_labels(11)
             .y_labels(7)
@@ -116,9 +144,19 @@ impl Figure {
             })
             .draw()
             .map_err(text)?;
-        for &limit in &self.limits {
+        for (band, colour) in self.bands.iter().zip(COLOURS.iter().take(1).cycle()) {
+            let outline = self.outline(band, low);
+            let style = colour.mix(band.strength).filled();
+            chart
+                .draw_series(std::iter::once(Polygon::new(outline, style)))
+                .map_err(text)?;
+        }
+        let horizontal = self.limits.iter().map(|&limit| {
             let value = self.scaled(limit);
-            let ends = [(0.0, value), (self.end_s, value)];
+            [(across.start, value), (across.end, value)]
+        });
+        let vertical = self.marks.iter().map(|&at| [(at, low), (at, high)]);
+        for ends in horizontal.chain(vertical) {
             let style = LIMIT_COLOUR.stroke_width(1);
             chart
                 .draw_series(DashedLineSeries::new(ends, 6, 4, style))
@@ -143,6 +181,29 @@ impl Figure {
         root.present().map_err(text)
     }
 
+    fn across(&self) -> Horizontal {
+        let time = || Horizontal {
+            label: "time (s)".to_string(),
+            start: 0.0,
+            end: self.end_s.max(f64::MIN_POSITIVE),
+        };
+        self.horizontal.clone().unwrap_or_else(time)
+    }
+
+    /// The outline of a band; what a logarithm does not have is at the lower end.
+    fn outline(&self, band: &Band, low: f64) -> Vec<(f64, f64)> {
+        let shown =
+            |value: f64| Some(self.scaled(value).max(low)).filter(|value| value.is_finite());
+        let upper = band
+            .points
+            .iter()
+            .filter_map(|&(x, _, y)| Some((x, shown(y)?)));
+        let lower = band.points.iter().rev();
+        upper
+            .chain(lower.filter_map(|&(x, y, _)| Some((x, shown(y)?))))
+            .collect()
+    }
+
     fn scaled(&self, value: f64) -> f64 {
         if self.logarithmic {
             value.log10()
@@ -157,7 +218,10 @@ impl Figure {
             .lines
             .iter()
             .flat_map(|line| line.points.iter().map(|point| point.1));
-        let values = values.chain(self.limits.iter().copied());
+        let ends = self.bands.iter().flat_map(|band| &band.points);
+        let values = values
+            .chain(ends.flat_map(|&(_, lower, upper)| [lower, upper]))
+            .chain(self.limits.iter().copied());
         let scaled = values
             .map(|value| self.scaled(value))
             .filter(|value| value.is_finite());
@@ -175,6 +239,10 @@ impl Figure {
         };
         (low - HEADROOM * least, high + HEADROOM * least)
     }
+}
+
+fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 fn text(error: impl std::fmt::Display) -> String {

@@ -1,5 +1,6 @@
 //! The report page: one HTML file with its figures inside, readable offline.
 
+pub mod campaign;
 mod figures;
 mod inner;
 mod intermittent;
@@ -7,6 +8,6 @@ mod page;
 mod prescribed;
 mod series;
 
-pub use figures::{Figure, FigureError};
-pub use page::{document, escape, page, short};
+pub use figures::{Band, Figure, FigureError, Horizontal};
+pub use page::{document, document_with_style, escape, page, short};
 pub use series::Line;

@@ -36,10 +36,15 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
 
 /// A page around its body.
 pub fn document(title: &str, body: &str) -> String {
+    document_with_style(title, "", body)
+}
+
+/// A page around its body, with further lines of style.
+pub fn document_with_style(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+         <title>{}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
         escape(title)
     )
 }
@@ -68,7 +73,7 @@ pub fn escape(text: &str) -> String {
 }
 
 /// Writing to a string cannot fail.
-fn put(body: &mut String, text: std::fmt::Arguments) {
+pub(super) fn put(body: &mut String, text: std::fmt::Arguments) {
     let _ = body.write_fmt(text);
 }
 
@@ -108,7 +113,7 @@ fn header(summary: &Summary, body: &mut String) {
 }
 
 /// The head of a section and a table of names and values; the section stays open.
-fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
+pub(super) fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
     put(
         body,
         format_args!("<section><h2>{title}</h2>\n<table class=\"numbers\">\n"),

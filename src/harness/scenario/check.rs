@@ -4,6 +4,7 @@ use sha2::{Digest, Sha256};
 use synth::model::{check_positive, finite, parse, FileError, Kind, ModelError};
 
 use super::controllers::{check_controller, ControllerChoice};
+use super::dispersions::{check_dispersions, Dispersions};
 use super::file::{
     InstantsFile, IntegratorFile, MetricsFile, RequirementFile, SamplingFile, ScenarioFile,
     SCENARIO_SCHEMA_VERSION,
@@ -64,6 +65,8 @@ pub struct Scenario {
     pub requirements: Vec<RequirementFile>,
     /// Longest time between two rows of the trajectory, s.
     pub output_interval_s: f64,
+    /// What a campaign draws anew for every run.
+    pub dispersions: Option<Dispersions>,
 }
 
 impl Scenario {
@@ -82,9 +85,7 @@ impl Scenario {
     /// A field that is missing, unknown or of the wrong type.
     pub fn read(text: &str) -> Result<(ScenarioFile, String), FileError> {
         let file: ScenarioFile = parse(text, Kind::Scenario)?;
-        let digest = Sha256::digest(text.as_bytes());
-        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok((file, sha256))
+        Ok((file, sha256_of(text)))
     }
 
     /// Checks a scenario file.
@@ -99,7 +100,7 @@ impl Scenario {
             });
         }
         check_positive("duration_s", file.duration_s)?;
-        let system = check_system(&file.system)?;
+        let system = check_system(&file.system, file.random.seed)?;
         let controller = check_controller(&file.controller, &system)?;
         let instants = check_sampling(&file.sampling, file.duration_s)?;
         let method = check_integrator(&file.integrator, file.duration_s)?;
@@ -108,6 +109,9 @@ impl Scenario {
         check_continuous(&instants, &method, &system, &controller)?;
         check_metrics(&file.metrics, file.duration_s)?;
         check_requirements(&file.requirements)?;
+        let dispersions = file.dispersions.as_ref();
+        let dispersions = dispersions.map(|all| check_dispersions(all, &file.system));
+        let dispersions = dispersions.transpose();
         let tolerance_deg = file.metrics.settle_tolerance_deg;
         Ok(Self {
             name: file.name.clone(),
@@ -135,8 +139,15 @@ impl Scenario {
                 .unwrap_or(DEFAULT_TAIL * file.duration_s),
             requirements: file.requirements.clone(),
             output_interval_s: check_output(file)?,
+            dispersions: dispersions.map_err(|error| error.within("dispersions"))?,
         })
     }
+}
+
+/// SHA-256 of a text, in hexadecimal.
+pub fn sha256_of(text: &str) -> String {
+    let digest = Sha256::digest(text.as_bytes());
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// A value that must satisfy a condition, and be finite and of sensible magnitude.

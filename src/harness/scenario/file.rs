@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::controller_file::ControllerFile;
+use super::dispersions_file::DispersionsFile;
 use super::link_file::LinkFile;
 use super::system_file::SystemFile;
 
@@ -48,6 +49,9 @@ pub struct ScenarioFile {
     /// What is written of the trajectory.
     #[serde(default)]
     pub output: OutputFile,
+    /// What a campaign draws anew for every run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dispersions: Option<DispersionsFile>,
 }
 
 /// The generator of random numbers.

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use synth::model::VerticesPlant;
+use synth::model::{InertiaUncertaintyFile, VerticesPlant};
 
 /// The kinds of systems.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,6 +20,10 @@ pub enum SystemFile {
 pub struct RigidBodyFile {
     /// Inertia matrix, symmetric positive definite [kg m^2].
     pub inertia_kg_m2: [[f64; 3]; 3],
+    /// The inertia is drawn from this set about `inertia_kg_m2` with the scenario's seed, every entry
+    /// uniform and independent of the others; it is `inertia_kg_m2` itself when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia_drawn_within: Option<InertiaUncertaintyFile>,
     /// Attitude at the start.
     pub initial_attitude: AttitudeFile,
     /// Body rate at the start [rad/s].

@@ -4,10 +4,12 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use runtime::attitude::{Quaternion, NORM_TOLERANCE};
 use synth::fuzzy::VertexSystem;
 use synth::model::{
-    check_positive, finite, ExactPlant, Model, ModelError, ModelFile, Plant, PlantFile, Specs,
+    check_positive, finite, ExactPlant, InertiaUncertaintyFile, Model, ModelError, ModelFile,
+    Plant, PlantFile, Specs,
 };
 
 use super::check::{each, not_negative, require};
+use super::inertia::drawn;
 use super::system_file::{
     ActuatorsFile, AttitudeFile, FaultFile, MixingFile, ReferenceFile, RigidBodyFile, SensorsFile,
     SystemFile, TakagiSugenoFile, TorqueFile,
@@ -38,6 +40,8 @@ pub enum System {
 pub struct RigidBodySystem {
     /// The body.
     pub body: RigidBody,
+    /// Whether its inertia was drawn from a set.
+    pub inertia_is_drawn: bool,
     /// Attitude at the start.
     pub attitude: Quaternion,
     /// Body rate at the start, rad/s.
@@ -70,10 +74,10 @@ pub struct TakagiSugenoSystem {
 }
 
 /// Checks the system of a file.
-pub(super) fn check_system(file: &SystemFile) -> Result<System, ModelError> {
+pub(super) fn check_system(file: &SystemFile, seed: u64) -> Result<System, ModelError> {
     match file {
         SystemFile::RigidBody(body) => {
-            let body = rigid_body(body).map_err(|error| error.within("system.rigid_body"))?;
+            let body = rigid_body(body, seed).map_err(|error| error.within("system.rigid_body"))?;
             Ok(System::RigidBody(Box::new(body)))
         }
         SystemFile::TakagiSugeno(model) => {
@@ -83,8 +87,12 @@ pub(super) fn check_system(file: &SystemFile) -> Result<System, ModelError> {
     }
 }
 
-fn rigid_body(file: &RigidBodyFile) -> Result<RigidBodySystem, ModelError> {
-    let inertia = inertia(&file.inertia_kg_m2)?;
+fn rigid_body(file: &RigidBodyFile, seed: u64) -> Result<RigidBodySystem, ModelError> {
+    let nominal = inertia(&file.inertia_kg_m2)?;
+    let inertia = match &file.inertia_drawn_within {
+        None => nominal,
+        Some(set) => drawn(&file.inertia_kg_m2, set, seed)?,
+    };
     let body = RigidBody::new(inertia).ok_or(ModelError::NotPositiveDefinite {
         field: "inertia_kg_m2".to_string(),
         smallest: inertia.symmetric_eigenvalues().min(),
@@ -99,6 +107,7 @@ fn rigid_body(file: &RigidBodyFile) -> Result<RigidBodySystem, ModelError> {
     }
     Ok(RigidBodySystem {
         body,
+        inertia_is_drawn: file.inertia_drawn_within.is_some(),
         attitude: attitude("initial_attitude", &file.initial_attitude)?,
         rate_rad_s: Vector3::from(file.initial_rate_rad_s),
         reference: reference(&file.reference)?,
@@ -136,15 +145,24 @@ fn placeholder(plant: PlantFile) -> ModelFile {
 
 /// The same rules as for the inertia of a model file.
 pub(super) fn inertia(rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
+    spacecraft(rows, None).map_err(|error| relocated(error, "plant.exact.", ""))?;
+    Ok(Matrix3::from_fn(|r, c| rows[r][c]))
+}
+
+/// A spacecraft of which only the inertia plays a part; errors are those of a model file.
+pub(super) fn spacecraft(
+    rows: &[[f64; 3]; 3],
+    inertia_uncertainty: Option<InertiaUncertaintyFile>,
+) -> Result<Plant, ModelError> {
     let model = placeholder(PlantFile::Exact(ExactPlant {
         inertia_kg_m2: *rows,
+        inertia_uncertainty,
         torque_limit_nm: [1.0; 3],
         disturbance_bound_nm: 0.0,
         rate_rad_s: [1.0; 3],
         q0_min: 0.5,
     }));
-    Model::new(model).map_err(|error| relocated(error, "plant.exact.", ""))?;
-    Ok(Matrix3::from_fn(|r, c| rows[r][c]))
+    Ok(Model::new(model)?.plant)
 }
 
 /// The same error at another place.
@@ -152,7 +170,8 @@ pub(super) fn relocated(mut error: ModelError, from: &str, to: &str) -> ModelErr
     if let ModelError::OutOfRange { field, .. }
     | ModelError::WrongShape { field, .. }
     | ModelError::NotSymmetric { field, .. }
-    | ModelError::NotPositiveDefinite { field, .. } = &mut error
+    | ModelError::NotPositiveDefinite { field, .. }
+    | ModelError::Choice { field, .. } = &mut error
     {
         if let Some(rest) = field.strip_prefix(from) {
             *field = format!("{to}{rest}");
@@ -161,7 +180,8 @@ pub(super) fn relocated(mut error: ModelError, from: &str, to: &str) -> ModelErr
     error
 }
 
-fn attitude(field: &str, file: &AttitudeFile) -> Result<Quaternion, ModelError> {
+/// The attitude of a field.
+pub(crate) fn attitude(field: &str, file: &AttitudeFile) -> Result<Quaternion, ModelError> {
     match file {
         AttitudeFile::QuaternionScalarFirst(parts) => {
             let field = format!("{field}.quaternion_scalar_first");

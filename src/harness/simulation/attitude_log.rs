@@ -14,7 +14,8 @@ use crate::harness::link::LinkOutcome;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::plant::{body_rate, RigidBodyState};
 use crate::harness::pointing::ErrorStatistics;
-use crate::harness::recorder::Recorder;
+use crate::harness::profile::Profile;
+use crate::harness::recorder::{Recorder, Table};
 use crate::harness::reference::Reference;
 use crate::harness::usage::Usage;
 
@@ -40,6 +41,8 @@ const COLUMNS: [&str; 16] = [
 const FIRST_TORQUE: usize = 8;
 /// Columns with a link, after the controller's signals.
 const LINK_COLUMNS: [&str; 3] = ["link_step_1", "link_step_2", "link_step_3"];
+/// Quantities of the profile: the error's angle and the norm of the body rate.
+pub(super) const PROFILE_QUANTITIES: usize = 2;
 /// Columns with a certificate.
 const CERTIFICATE_COLUMNS: [&str; 2] = ["lyapunov", "lyapunov_bound"];
 /// Columns with a second, inner certificate.
@@ -75,6 +78,8 @@ pub struct AttitudeLog {
     pub threshold: Option<Usage>,
     /// How often it switched the actuators.
     pub switches: Option<SwitchCount>,
+    /// Error and rate on a grid of times.
+    pub profile: Profile,
     settle: SettleRule,
     recorder: Option<Recorder>,
     row: Vec<f64>,
@@ -122,6 +127,7 @@ impl AttitudeLog {
             funnel: None,
             threshold: None,
             switches: None,
+            profile: Profile::new(&[], PROFILE_QUANTITIES),
             settle,
             row: Vec::with_capacity(columns.len()),
             link_steps: linked.then_some([0.0; 3]),
@@ -131,9 +137,11 @@ impl AttitudeLog {
         }
     }
 
-    /// The trajectory.
-    pub fn into_table(self) -> Option<crate::harness::recorder::Table> {
-        self.recorder.map(Recorder::into_table)
+    /// The profile of a run that was `completed` or diverged, and the trajectory.
+    pub fn into_records(self, completed: bool) -> (Vec<f32>, Option<Table>) {
+        let last = self.last.as_ref().map(quantities).unwrap_or_default();
+        let profile = self.profile.into_values(completed, &last);
+        (profile, self.recorder.map(Recorder::into_table))
     }
 
     fn write<C: Controller<AttitudeMeasurement, 3>>(
@@ -181,6 +189,12 @@ impl AttitudeLog {
         let threshold = controller.threshold_ratio(time_s, error);
         Usage::record(&mut self.threshold, time_s, threshold);
     }
+}
+
+/// What a profile holds of an error, deg and rad/s: the rate is the body's where the reference rests.
+fn quantities(error: &AttitudeMeasurement) -> [f64; PROFILE_QUANTITIES] {
+    let angle = error.error.rotation_angle_rad().to_degrees();
+    [angle, error.rate_rad_s.norm()]
 }
 
 /// What counts as settled.
@@ -244,6 +258,9 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
             inner.start(&fuzzy_state(&error), disturbance.norm_squared());
         }
         self.watch(0.0, &error, controller);
+        if self.profile.due(0.0) {
+            self.profile.record(0.0, &quantities(&error));
+        }
         if self.recorder.is_some() {
             self.write(0.0, &error, false, controller);
         }
@@ -319,6 +336,9 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
             inner.step(time_s, step_s, &fuzzy_state(&error), square);
         }
         self.watch(time_s, &error, controller);
+        if self.profile.due(time_s) {
+            self.profile.record(time_s, &quantities(&error));
+        }
         self.last = Some(error);
         self.disturbance = *disturbance;
         if self

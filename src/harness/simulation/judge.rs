@@ -17,6 +17,7 @@ use crate::harness::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
 };
+use crate::harness::transmissions::TransmissionBound;
 use crate::harness::usage::Usage;
 
 /// What every kind of plant measures.
@@ -56,6 +57,8 @@ pub(super) fn summary(
         .map_or(0, CertificateOutcome::violations);
     let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
     let violations = broken.max(left);
+    let bound = TransmissionBound::of_instants(&scenario.instants);
+    notes.extend(closer_samples(design, bound));
     Summary {
         schema_version: SUMMARY_SCHEMA_VERSION,
         scenario: scenario.name.clone(),
@@ -85,6 +88,9 @@ pub(super) fn summary(
         steps: parts.steps,
         shortest_interval_s: events.shortest_interval_s,
         mean_interval_s: events.mean_interval_s(),
+        triggers_per_s: 0.0,
+        min_inter_event_s: bound.map(|bound| bound.min_inter_event_s),
+        max_transmissions_per_s: bound.map(|bound| bound.max_transmissions_per_s),
         held_samples: events.held,
         first_hold: events.first_hold.map(|reason| reason.to_string()),
         samples_outside_box: events.outside_box,
@@ -111,6 +117,18 @@ pub(super) fn summary(
             integrator: integrator(&scenario.method),
         },
     }
+}
+
+/// What is to be said when the scenario samples faster than the design's model allows.
+fn closer_samples(design: Option<&Design>, bound: Option<TransmissionBound>) -> Option<String> {
+    let promised = TransmissionBound::of_model(&design?.model).min_inter_event_s;
+    let shortest = bound?.min_inter_event_s;
+    (shortest < promised * (1.0 - ROUNDING)).then(|| {
+        format!(
+            "Samples may be {shortest} s apart, closer than the model's {promised} s, so its minimum \
+             inter-event time does not hold in this run."
+        )
+    })
 }
 
 fn integrator(method: &Method) -> String {
@@ -202,9 +220,34 @@ impl CertificateOutcome {
     }
 }
 
+/// The inertia that was drawn, in words.
+fn drawn_inertia(scenario: &Scenario) -> Option<String> {
+    let System::RigidBody(system) = &scenario.system else {
+        return None;
+    };
+    let inertia = system.body.inertia();
+    system.inertia_is_drawn.then(|| {
+        format!(
+            "The inertia was drawn: {} {} {} / {} {} / {} kg m^2 (upper triangle, row by row).",
+            inertia[(0, 0)],
+            inertia[(0, 1)],
+            inertia[(0, 2)],
+            inertia[(1, 1)],
+            inertia[(1, 2)],
+            inertia[(2, 2)]
+        )
+    })
+}
+
 /// Judges the requirements and the proof.
 pub(super) fn conclude(scenario: &Scenario, summary: &mut Summary, end: End) {
     let diverged = matches!(end, End::Diverged { .. });
+    let length_s = match end {
+        End::Diverged { time_s } => time_s,
+        _ => scenario.duration_s,
+    };
+    summary.triggers_per_s = summary.triggers as f64 / length_s.max(f64::MIN_POSITIVE);
+    summary.notes.extend(drawn_inertia(scenario));
     let broken = summary
         .certificate
         .as_ref()

@@ -23,6 +23,25 @@ pub struct Outcome {
     pub summary: Summary,
     /// Its trajectory, when asked for.
     pub trajectory: Option<Table>,
+    /// Its profile, one quantity of [`profile_quantities`] after the other.
+    pub profile: Vec<f32>,
+}
+
+/// What is recorded of a run beside its metrics.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Recording<'a> {
+    /// Whether the trajectory is kept.
+    pub trajectory: bool,
+    /// Times of the profile, s, increasing; none for no profile.
+    pub profile_times_s: &'a [f64],
+}
+
+/// The quantities of a profile, with units.
+pub fn profile_quantities(system: &System) -> Vec<&'static str> {
+    match system {
+        System::RigidBody(_) => vec!["error_deg", "rate_rad_s"],
+        System::TakagiSugeno(_) => vec!["state_norm"],
+    }
 }
 
 /// Why a scenario cannot be run.
@@ -83,12 +102,28 @@ pub fn simulate(
     design: Option<&Design>,
     trajectory: bool,
 ) -> Result<Outcome, SimulateError> {
+    let recording = Recording {
+        trajectory,
+        ..Recording::default()
+    };
+    simulate_recording(scenario, design, &recording)
+}
+
+/// Runs a scenario and records more or less of it. What is recorded does not change the run.
+///
+/// # Errors
+/// A design that is missing, not asked for or does not fit; parameters that the flight code refuses.
+pub fn simulate_recording(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    recording: &Recording,
+) -> Result<Outcome, SimulateError> {
     check_design(scenario, design)?;
     match &scenario.system {
-        System::RigidBody(body) => rigid_body::run(scenario, body, design, trajectory),
+        System::RigidBody(body) => rigid_body::run(scenario, body, design, recording),
         System::TakagiSugeno(model) => {
             let design = design.ok_or(SimulateError::NoDesign)?;
-            takagi_sugeno::run(scenario, model, design, trajectory)
+            takagi_sugeno::run(scenario, model, design, recording)
         }
     }
 }

@@ -6,10 +6,10 @@ use runtime::membership::{GaussianRules, Membership};
 use runtime::{lei2022, wu2018, xu2020};
 use synth::model::Plant;
 
-use super::attitude_log::{AttitudeLog, SettleRule};
+use super::attitude_log::{AttitudeLog, SettleRule, PROFILE_QUANTITIES};
 use super::designed::{designed, on_the_box, Use};
 use super::judge::{self, Parts};
-use super::{ordered, Outcome, SimulateError};
+use super::{ordered, Outcome, Recording, SimulateError};
 use crate::harness::closed_loop::{ClosedLoop, End};
 use crate::harness::controller::{AnyController, Controller, XuAttitude};
 use crate::harness::design::Design;
@@ -18,6 +18,7 @@ use crate::harness::link::Link;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::padding;
 use crate::harness::plant::rigid_body_state;
+use crate::harness::profile::Profile;
 use crate::harness::sampling::Sampling;
 use crate::harness::scenario::{ControllerChoice, RigidBodySystem, Scenario, XuChoice};
 use crate::harness::sensor::AttitudeSensor;
@@ -29,7 +30,7 @@ pub(super) fn run(
     scenario: &Scenario,
     system: &RigidBodySystem,
     design: Option<&Design>,
-    trajectory: bool,
+    recording: &Recording,
 ) -> Result<Outcome, SimulateError> {
     let monitors = (
         design.map(|design| LyapunovMonitor::new(design.claims::<6>())),
@@ -40,7 +41,7 @@ pub(super) fn run(
     let watch = Watch {
         monitors,
         link: link.transpose().map_err(SimulateError::Link)?,
-        trajectory,
+        recording,
     };
     let (end, log, name, limit) = match (&scenario.controller, design) {
         (ControllerChoice::Wu(parameters), _) => {
@@ -82,13 +83,13 @@ pub(super) fn run(
 }
 
 /// What is between the controller and the actuators, and what is watched beside the metrics.
-struct Watch {
+struct Watch<'a> {
     /// The link.
     link: Option<Link<3>>,
     /// The claims of a certificate, and of the inner one where there are two.
     monitors: (Option<LyapunovMonitor<6>>, Option<InnerMonitor<6>>),
-    /// Whether the trajectory is kept.
-    trajectory: bool,
+    /// What is recorded.
+    recording: &'a Recording<'a>,
 }
 
 /// The closed loop with a controller.
@@ -106,10 +107,14 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
         },
         scenario.duration_s - scenario.tail_s,
         watch.monitors,
-        watch.trajectory.then_some(scenario.output_interval_s),
+        watch
+            .recording
+            .trajectory
+            .then_some(scenario.output_interval_s),
         controller.signal_names(),
         watch.link.is_some(),
     );
+    log.profile = Profile::new(watch.recording.profile_times_s, PROFILE_QUANTITIES);
     let mut breakpoints_s = system.actuators.fault_edges_s();
     breakpoints_s.extend(system.reference.kinks_s());
     breakpoints_s.extend(system.disturbance.kinks_s());
@@ -280,8 +285,10 @@ fn finish(
     }
     summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
+    let (profile, trajectory) = log.into_records(end == End::Completed);
     Outcome {
         summary,
-        trajectory: log.into_table(),
+        trajectory,
+        profile,
     }
 }

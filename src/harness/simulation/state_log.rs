@@ -8,6 +8,7 @@ use crate::harness::effort::Effort;
 use crate::harness::events::EventCount;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::pointing::ErrorStatistics;
+use crate::harness::profile::Profile;
 use crate::harness::recorder::{Recorder, Table};
 
 /// Metrics, certificate and trajectory of one run, for a padded state.
@@ -29,6 +30,8 @@ pub struct StateLog<const N: usize, const M: usize> {
     pub last: SVector<f64, N>,
     /// The certificate's claims along the run.
     pub lyapunov: LyapunovMonitor<N>,
+    /// Norm of the state on a grid of times.
+    pub profile: Profile,
     recorder: Option<Recorder>,
     input: SVector<f64, M>,
 }
@@ -60,6 +63,7 @@ impl<const N: usize, const M: usize> StateLog<N, M> {
             start: SVector::zeros(),
             last: SVector::zeros(),
             lyapunov,
+            profile: Profile::new(&[], 1),
             recorder: interval_s.map(|interval| Recorder::new(columns, interval)),
             input: SVector::zeros(),
         }
@@ -94,6 +98,9 @@ impl<C, const N: usize, const M: usize> Observer<C, N, M, N> for StateLog<N, M> 
         self.error.start(state.norm_squared());
         self.lyapunov.start(state, disturbance.norm_squared());
         self.write(0.0, state, false);
+        if self.profile.due(0.0) {
+            self.profile.record(0.0, &[state.norm()]);
+        }
     }
 
     fn sample(
@@ -137,6 +144,9 @@ impl<C, const N: usize, const M: usize> Observer<C, N, M, N> for StateLog<N, M> 
         self.lyapunov
             .step(time_s, step_s, state, disturbance.norm_squared());
         self.last = *state;
+        if self.profile.due(time_s) {
+            self.profile.record(time_s, &[state.norm()]);
+        }
         if self
             .recorder
             .as_ref()

@@ -8,7 +8,7 @@ use synth::model::Plant;
 use super::designed::{designed, Use};
 use super::judge::{self, Parts};
 use super::state_log::StateLog;
-use super::{Outcome, SimulateError};
+use super::{Outcome, Recording, SimulateError};
 use crate::harness::actuator::ActuatorData;
 use crate::harness::closed_loop::{ClosedLoop, End};
 use crate::harness::controller::XuState;
@@ -16,6 +16,7 @@ use crate::harness::design::Design;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::padding;
 use crate::harness::plant::{Mixing, TakagiSugenoPlant};
+use crate::harness::profile::Profile;
 use crate::harness::sampling::Sampling;
 use crate::harness::scenario::{Scenario, TakagiSugenoSystem};
 use crate::harness::sensor::StateSensor;
@@ -25,15 +26,15 @@ pub(super) fn run(
     scenario: &Scenario,
     system: &TakagiSugenoSystem,
     design: &Design,
-    trajectory: bool,
+    recording: &Recording,
 ) -> Result<Outcome, SimulateError> {
     let (states, inputs) = system.system.input_matrix.shape();
     let disturbances = system.system.disturbance_matrix.ncols();
     let outputs = design.model.plant.sizes().3;
     match (states.max(disturbances).max(outputs), inputs) {
-        (..=2, ..=1) => run_padded::<2, 1>(scenario, system, design, trajectory),
-        (..=6, ..=3) => run_padded::<6, 3>(scenario, system, design, trajectory),
-        _ => run_padded::<24, 12>(scenario, system, design, trajectory),
+        (..=2, ..=1) => run_padded::<2, 1>(scenario, system, design, recording),
+        (..=6, ..=3) => run_padded::<6, 3>(scenario, system, design, recording),
+        _ => run_padded::<24, 12>(scenario, system, design, recording),
     }
 }
 
@@ -41,7 +42,7 @@ fn run_padded<const N: usize, const M: usize>(
     scenario: &Scenario,
     system: &TakagiSugenoSystem,
     design: &Design,
-    trajectory: bool,
+    recording: &Recording,
 ) -> Result<Outcome, SimulateError> {
     let size = system.system.input_matrix.shape();
     let limit = design.model.plant.takagi_sugeno().input_limit;
@@ -51,13 +52,14 @@ fn run_padded<const N: usize, const M: usize>(
         ..ActuatorData::ideal()
     };
     let rules = mixing_rules(system, design)?;
-    let log = StateLog::new(
+    let mut log = StateLog::new(
         size,
         scenario.settle_tolerance_state,
         scenario.duration_s - scenario.tail_s,
         LyapunovMonitor::new(design.claims::<N>()),
-        trajectory.then_some(scenario.output_interval_s),
+        recording.trajectory.then_some(scenario.output_interval_s),
     );
+    log.profile = Profile::new(recording.profile_times_s, 1);
     let fly = Fly {
         scenario,
         system,
@@ -102,6 +104,10 @@ fn run_padded<const N: usize, const M: usize>(
     judge::conclude(scenario, &mut summary, end);
     Ok(Outcome {
         summary,
+        profile: log
+            .profile
+            .clone()
+            .into_values(end == End::Completed, &[log.last.norm()]),
         trajectory: log.into_table(),
     })
 }

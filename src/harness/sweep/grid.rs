@@ -47,7 +47,7 @@ impl Grid {
         let mut known: Vec<(Parameter, Vec<f64>)> = Vec::new();
         for axis in axes {
             let parameter = Parameter::find(file, &axis.name)?;
-            if known.iter().any(|(other, _)| *other == parameter) {
+            if known.iter().any(|(other, _)| other.overlaps(&parameter)) {
                 return Err(GridError::Twice {
                     name: parameter.name,
                 });
@@ -89,6 +89,11 @@ impl Grid {
     pub fn axes(&self) -> impl Iterator<Item = (&str, &[f64])> {
         let axes = self.axes.iter();
         axes.map(|(parameter, values)| (parameter.name.as_str(), values.as_slice()))
+    }
+
+    /// Whether each number that is varied must be whole, in the order of the axes.
+    pub fn whole(&self) -> impl Iterator<Item = bool> + '_ {
+        self.axes.iter().map(|(parameter, _)| parameter.whole)
     }
 
     /// Values of a point, in the order of the axes; `index` counts from 0.

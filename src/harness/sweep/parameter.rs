@@ -7,13 +7,13 @@ const LISTED: usize = 4;
 /// Likeness below which a name is no near miss.
 const LEAST_LIKENESS: f64 = 0.7;
 
-/// A number of a file.
+/// A number of a file, or all numbers of a list at once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its full name, such as `controller.wu2018.torque_limit_nm[0]`.
+    /// Its full name, such as `controller.wu2018.torque_limit_nm[0]`; `[*]` stands for every entry.
     pub name: String,
-    /// Where it is, as a JSON pointer.
-    pointer: String,
+    /// Where it is, as JSON pointers.
+    pointers: Vec<String>,
     /// Whether it must be a whole number.
     pub whole: bool,
 }
@@ -95,9 +95,17 @@ impl Parameter {
         Err(missing(file, name, &wanted, &all))
     }
 
-    /// The file's value.
+    /// The file's value, where it is one.
     pub fn value(&self, file: &Value) -> Option<f64> {
-        file.pointer(&self.pointer).and_then(Value::as_f64)
+        let value = |pointer: &String| file.pointer(pointer).and_then(Value::as_f64);
+        let first = self.pointers.first().and_then(value);
+        first.filter(|_| self.pointers.iter().all(|pointer| value(pointer) == first))
+    }
+
+    /// Whether both set the same number.
+    pub fn overlaps(&self, other: &Parameter) -> bool {
+        let mut own = self.pointers.iter();
+        own.any(|pointer| other.pointers.contains(pointer))
     }
 
     /// Sets the number.
@@ -113,8 +121,10 @@ impl Parameter {
             name: self.name.clone(),
             value,
         })?;
-        if let Some(place) = file.pointer_mut(&self.pointer) {
-            *place = Value::Number(number);
+        for pointer in &self.pointers {
+            if let Some(place) = file.pointer_mut(pointer) {
+                *place = Value::Number(number.clone());
+            }
         }
         Ok(())
     }
@@ -142,15 +152,33 @@ fn normalised(name: &str) -> String {
     out
 }
 
+fn is_whole(number: &Number) -> bool {
+    number.is_u64() || number.is_i64()
+}
+
+/// All entries of a list of two numbers or more as one.
+fn every_entry(entries: &[Value], name: &str, pointer: &str) -> Option<Parameter> {
+    let numbers: Option<Vec<&Number>> = entries.iter().map(Value::as_number).collect();
+    let numbers = numbers.filter(|numbers| numbers.len() > 1)?;
+    Some(Parameter {
+        name: format!("{name}[*]"),
+        pointers: (0..numbers.len())
+            .map(|index| format!("{pointer}/{index}"))
+            .collect(),
+        whole: numbers.into_iter().all(is_whole),
+    })
+}
+
 /// Every number below `value`.
 fn collect(value: &Value, name: &str, pointer: &str, out: &mut Vec<Parameter>) {
     match value {
         Value::Number(number) => out.push(Parameter {
             name: name.to_string(),
-            pointer: pointer.to_string(),
-            whole: number.is_u64() || number.is_i64(),
+            pointers: vec![pointer.to_string()],
+            whole: is_whole(number),
         }),
         Value::Array(entries) => {
+            out.extend(every_entry(entries, name, pointer));
             for (index, entry) in entries.iter().enumerate() {
                 let name = format!("{name}[{index}]");
                 collect(entry, &name, &format!("{pointer}/{index}"), out);

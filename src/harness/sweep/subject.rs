@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
-use serde_json::Value;
+use nalgebra::DMatrix;
+use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::{Answer, Decision};
 use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile};
@@ -93,6 +94,38 @@ impl Subject {
         }
     }
 
+    /// SHA-256 of the design's file, for a scenario that has one.
+    pub fn design_sha256(&self) -> Option<&str> {
+        match self {
+            Subject::Scenario { design, .. } => {
+                design.as_ref().map(|design| design.sha256.as_str())
+            }
+            Subject::Model { .. } => None,
+        }
+    }
+
+    /// The solver with the form of its problems, for a model.
+    pub fn solver(&self) -> Option<String> {
+        match self {
+            Subject::Scenario { .. } => None,
+            Subject::Model { solver, .. } => {
+                let form = format!("{:?}", solver.form).to_lowercase();
+                Some(format!("{}, {form} form", (solver.backend)().name()))
+            }
+        }
+    }
+
+    /// Unit of a number that is varied or of a metric; empty where it has none.
+    pub fn unit(&self, name: &str) -> &'static str {
+        let body = self.file().pointer("/system/rigid_body").is_some();
+        match name {
+            "max_rate" => "rad/s",
+            "max_torque" if body => "N m",
+            "impulse" if body => "N m s",
+            name => unit_of_key(name),
+        }
+    }
+
     /// Runs one point. A synthesis ends early when `stop` is set; its outcome is of no use then.
     pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
         let row = values.to_vec();
@@ -105,6 +138,30 @@ impl Subject {
             Subject::Model { solver, .. } => run_model(row, &text, *solver, stop),
         }
     }
+}
+
+/// Ends of keys and the units that they name, the longer ones first.
+const UNITS: [(&str, &str); 12] = [
+    ("_kg_m2", "kg m^2"),
+    ("_rad_s2", "rad/s^2"),
+    ("_rad_s", "rad/s"),
+    ("_deg_s", "deg/s"),
+    ("_nm_s", "N m s"),
+    ("_per_s", "1/s"),
+    ("_seconds", "s"),
+    ("_deg", "deg"),
+    ("_rad", "rad"),
+    ("_nm", "N m"),
+    ("_kg", "kg"),
+    ("_s", "s"),
+];
+
+/// The unit that the last key of a name ends with.
+fn unit_of_key(name: &str) -> &'static str {
+    let key = name.rsplit('.').next().unwrap_or(name);
+    let key = key.split('[').next().unwrap_or(key);
+    let found = UNITS.iter().find(|(end, _)| key.ends_with(end));
+    found.map_or("", |(_, unit)| unit)
 }
 
 /// The files' types hold numbers, texts and lists only, so they can always be written.
@@ -125,6 +182,7 @@ fn run_scenario(values: Vec<f64>, text: &str, design: Option<&Design>) -> PointO
                 verdict: word(&summary["verdict"]),
                 reason: why_not(&outcome.summary),
                 metrics: numbers_of(&summary),
+                worst_condition: None,
             }
         }
         Err(error) => PointOutcome::invalid(values, error),
@@ -177,25 +235,60 @@ fn run_model(
     }
 }
 
+/// Metrics of a model, whatever its points come to.
+const MODEL_METRICS: [&str; 7] = [
+    "gamma",
+    "guaranteed_gain",
+    "xi",
+    "certified_angle_deg",
+    "worst_margin",
+    "gain_norm",
+    "slack",
+];
+
+/// The metrics of a model with the values that a point has.
+fn model_metrics(values: &[(&str, Option<f64>)]) -> Vec<(String, Option<Number>)> {
+    let of = |name: &str| {
+        let found = values.iter().find(|(own, _)| *own == name);
+        found.and_then(|(_, value)| value.and_then(Number::from_f64))
+    };
+    MODEL_METRICS
+        .map(|name| (name.to_string(), of(name)))
+        .to_vec()
+}
+
 fn designed(values: Vec<f64>, design: &Synthesized) -> PointOutcome {
     let (part, report) = (&design.file.certificate, &design.report);
     let proved = report.verdict == Verdict::Proved;
-    let worst = report.worst().map(|condition| condition.margin);
-    let angle = certified_angle_deg(part.certified_vector_part);
+    let worst = report.worst();
     PointOutcome {
         values,
         verdict: if proved { "proved" } else { "not_proved" }.to_string(),
         reason: (!proved).then(|| not_proved(report)),
-        metrics: [
+        metrics: model_metrics(&[
             ("gamma", Some(part.gamma)),
             ("guaranteed_gain", Some(part.guaranteed_gain)),
             ("xi", Some(part.xi)),
-            ("certified_angle_deg", angle),
-            ("worst_margin", worst),
-        ]
-        .map(|(name, value)| (name.to_string(), value))
-        .to_vec(),
+            (
+                "certified_angle_deg",
+                certified_angle_deg(part.certified_vector_part),
+            ),
+            ("worst_margin", worst.map(|condition| condition.margin)),
+            ("gain_norm", gain_norm(&design.file.controller.gains)),
+        ]),
+        worst_condition: worst.map(|condition| condition.name.clone()),
     }
+}
+
+/// Largest singular value of any of the gains.
+fn gain_norm(gains: &[Vec<Vec<f64>>]) -> Option<f64> {
+    let norms = gains.iter().map(|rows| {
+        let columns = rows.first().map_or(0, Vec::len);
+        let entries = rows.iter().flatten().copied();
+        let matrix = DMatrix::from_row_iterator(rows.len(), columns, entries);
+        matrix.singular_values().max()
+    });
+    norms.reduce(f64::max)
 }
 
 fn not_proved(report: &Report) -> String {
@@ -216,6 +309,7 @@ fn failed(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome 
         values,
         verdict: verdict.to_string(),
         reason: Some(reason),
-        metrics: vec![("slack".to_string(), decision.slack)],
+        metrics: model_metrics(&[("slack", decision.slack)]),
+        worst_condition: None,
     }
 }

@@ -246,6 +246,7 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
             at_most(Metric::ThresholdRatio, 1.0),
         ],
         output: OutputFile::default(),
+        dispersions: None,
     }
 }
 
@@ -272,6 +273,7 @@ fn system(requirements: &Requirements, start: &Start) -> SystemFile {
     };
     SystemFile::RigidBody(Box::new(RigidBodyFile {
         inertia_kg_m2: requirements.file.spacecraft.inertia_kg_m2,
+        inertia_drawn_within: None,
         initial_attitude: AttitudeFile::AxisAngle(AxisAngleFile {
             axis: start.axis.into(),
             angle_deg: requirements.file.manoeuvre.angle_deg,

@@ -15,7 +15,7 @@ pub mod theorem1;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fuzzy::RuleModel;
+use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
 use definite::{prove_positive_definite, IntervalMatrix};
 use interval::Interval;
@@ -130,7 +130,7 @@ fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
     match &model.plant {
         Plant::Rules(rules) => rules_not_covered(rules, &mut out),
         Plant::Spacecraft(craft) => {
-            out.push("an inertia equal to the model's, and a rigid body".to_string());
+            out.push(inertia_assumed(model, craft));
             out.push("a scalar part q0 that starts positive".to_string());
             out.push(format!(
                 "a disturbance torque whose norm stays within {} N m",
@@ -146,6 +146,22 @@ fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
         }
     }
     out
+}
+
+fn inertia_assumed(model: &Model, craft: &ExactSpacecraft) -> String {
+    if !model.plant.has_uncertain_inertia() {
+        return "an inertia equal to the model's, and a rigid body".to_string();
+    }
+    let set = &craft.inertia_uncertainty;
+    let amount = match set.off_diagonal_amount {
+        0.0 => String::new(),
+        amount => format!(" + {amount} kg m^2"),
+    };
+    format!(
+        "a constant inertia, each diagonal entry within {} % and each off-diagonal entry within {} %{amount} of \
+         the model's, and a rigid body",
+        set.diagonal_percent, set.off_diagonal_percent
+    )
 }
 
 fn rules_not_covered(rules: &RuleModel, out: &mut Vec<String>) {

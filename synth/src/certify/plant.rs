@@ -2,6 +2,8 @@
 //!
 //! For the rigid spacecraft the equation of motion is kept multiplied by E = diag(J, I), so that the
 //! inertia enters as the doubles of the file and its inverse never does.
+//!
+//! An uncertain inertia gives one such plant for each vertex of its set ([`DescriptorPlant::each_inertia`]).
 
 use nalgebra::{DMatrix, Matrix3, Vector4};
 
@@ -44,10 +46,23 @@ pub struct DescriptorPlant<S> {
 }
 
 impl<S: Scalar> DescriptorPlant<S> {
-    /// The plant of a model.
+    /// The plants at the vertices of the inertia's set; for an inertia that is known, or a plant without
+    /// one, the plant of [`DescriptorPlant::new`] alone.
+    pub fn each_inertia(plant: &Plant) -> Vec<Self> {
+        let Plant::Spacecraft(craft) = plant else {
+            return vec![DescriptorPlant::new(plant)];
+        };
+        let vertices = inertia_vertices(craft);
+        vertices
+            .iter()
+            .map(|inertia| spacecraft(craft, inertia))
+            .collect()
+    }
+
+    /// The plant of a model; where its inertia is uncertain, that with the nominal one.
     pub fn new(plant: &Plant) -> Self {
         match plant {
-            Plant::Spacecraft(craft) => spacecraft(craft),
+            Plant::Spacecraft(craft) => spacecraft(craft, &exact_inertia(&craft.inertia)),
             Plant::Vertices(system) => vertex_system(system),
             Plant::Rules(rules) => rule_model(rules),
         }
@@ -99,14 +114,81 @@ fn inverse_of_descriptor<S: Scalar>(descriptor: &Matrix<S>) -> Matrix<S> {
     out
 }
 
-fn spacecraft<S: Scalar>(craft: &ExactSpacecraft) -> DescriptorPlant<S> {
+/// The vertices of the inertia's set: every combination of J_ij -+ (percent / 100 |J_ij| + amount), each
+/// enclosed. Their convex hull holds every inertia of the set.
+fn inertia_vertices<S: Scalar>(craft: &ExactSpacecraft) -> Vec<Matrix<S>> {
+    let nominal: Matrix<S> = exact_inertia(&craft.inertia);
+    let uncertainty = &craft.inertia_uncertainty;
+    let entries = uncertainty.uncertain_entries(&craft.inertia);
+    let mut out = vec![nominal];
+    for (row, column) in entries {
+        let width = half_width::<S>(craft, (row, column));
+        let lowered = out.iter().map(|inertia| {
+            let low = inertia.at(row, column).clone() - width.clone();
+            with_entry(inertia, (row, column), low)
+        });
+        let raised = out.iter().map(|inertia| {
+            let high = inertia.at(row, column).clone() + width.clone();
+            with_entry(inertia, (row, column), high)
+        });
+        out = lowered.chain(raised).collect();
+    }
+    out
+}
+
+/// percent / 100 |J_ij| + amount.
+fn half_width<S: Scalar>(craft: &ExactSpacecraft, entry: (usize, usize)) -> S {
+    let (percent, amount) = craft.inertia_uncertainty.of_entry(entry);
+    let magnitude = S::from_f64(craft.inertia[entry].abs());
+    S::from_f64(percent) * magnitude / S::from_f64(100.0) + S::from_f64(amount)
+}
+
+/// A symmetric matrix with one entry, and its mirror, replaced.
+fn with_entry<S: Scalar>(matrix: &Matrix<S>, (row, column): (usize, usize), value: S) -> Matrix<S> {
+    let mut out = matrix.clone();
+    out.set(row, column, value.clone());
+    out.set(column, row, value);
+    out
+}
+
+/// Matrices that, positive definite, show that the whole set of inertias is: `J0 - T W T` with W the
+/// half-widths and T = diag(1, +-1, +-1). For every J of the set and every x, with T the signs of x,
+/// `x'Jx >= x'J0 x - |x|'W|x| = x'(J0 - T W T)x`. Empty for an inertia that is known, which was checked
+/// when the model was read.
+pub fn inertia_bounds<S: Scalar>(craft: &ExactSpacecraft) -> Vec<Matrix<S>> {
+    let entries = craft.inertia_uncertainty.uncertain_entries(&craft.inertia);
+    if entries.is_empty() {
+        return Vec::new();
+    }
+    let signs = [[false, false], [false, true], [true, false], [true, true]];
+    let bound = |[second, third]: [bool; 2]| {
+        let negative = [false, second, third];
+        let nominal: Matrix<S> = exact_inertia(&craft.inertia);
+        entries.iter().fold(nominal, |out, &(row, column)| {
+            let width = half_width::<S>(craft, (row, column));
+            let entry = out.at(row, column).clone();
+            let lowered = match negative[row] == negative[column] {
+                true => entry - width,
+                false => entry + width,
+            };
+            with_entry(&out, (row, column), lowered)
+        })
+    };
+    signs.map(bound).into_iter().collect()
+}
+
+fn exact_inertia<S: Scalar>(inertia: &Matrix3<f64>) -> Matrix<S> {
+    Matrix::from_fn(3, 3, |r, c| S::from_f64(inertia[(r, c)]))
+}
+
+fn spacecraft<S: Scalar>(craft: &ExactSpacecraft, inertia: &Matrix<S>) -> DescriptorPlant<S> {
     let corners = (0..SPACECRAFT_VERTICES).map(|vertex| craft.corner(vertex));
     let places: Vec<Vector4<f64>> = corners.collect();
     DescriptorPlant {
         input_limit: exact_limits(craft.torque_limit.iter()),
         disturbance_bound: S::from_f64(craft.disturbance_bound),
         region: spacecraft_region(craft),
-        ..rigid_body(&craft.inertia, &places)
+        ..rigid_body(inertia, &places)
     }
 }
 
@@ -115,8 +197,7 @@ fn exact_limits<'a, S: Scalar>(limits: impl Iterator<Item = &'a f64>) -> Vec<S> 
 }
 
 /// The rigid body with A frozen at the given (omega, q0); no limits, no disturbance, no region.
-fn rigid_body<S: Scalar>(inertia: &Matrix3<f64>, places: &[Vector4<f64>]) -> DescriptorPlant<S> {
-    let inertia: Matrix<S> = Matrix::from_fn(3, 3, |r, c| S::from_f64(inertia[(r, c)]));
+fn rigid_body<S: Scalar>(inertia: &Matrix<S>, places: &[Vector4<f64>]) -> DescriptorPlant<S> {
     let mut descriptor = Matrix::identity(6, S::one());
     let mut input = Matrix::zeros(6, 3);
     for row in 0..3 {
@@ -129,7 +210,7 @@ fn rigid_body<S: Scalar>(inertia: &Matrix3<f64>, places: &[Vector4<f64>]) -> Des
         descriptor,
         vertices: places
             .iter()
-            .map(|place| frozen_matrix(place, &inertia))
+            .map(|place| frozen_matrix(place, inertia))
             .collect(),
         disturbance: input.clone(),
         input,
@@ -218,7 +299,7 @@ fn rule_model<S: Scalar>(rules: &RuleModel) -> DescriptorPlant<S> {
             input_limit: common.input_limit,
             disturbance_bound: common.disturbance_bound,
             region: common.region,
-            ..rigid_body(inertia, &rules.frozen_at)
+            ..rigid_body(&exact_inertia(inertia), &rules.frozen_at)
         },
     }
 }

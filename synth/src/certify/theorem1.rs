@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::matrix::{Matrix, SymmetricBlocks};
-use super::plant::DescriptorPlant;
+use super::plant::{inertia_bounds, DescriptorPlant};
 use super::scalar::Scalar;
 use crate::conditions::xu2020::gain_suffix;
 use crate::model::{Mismatch, Model, Plant};
@@ -114,7 +114,11 @@ pub struct Statement<S> {
 /// Everything the conditions need, over one scalar type.
 struct Assembly<'a, S> {
     certificate: &'a Certificate,
+    /// The plant; of an uncertain inertia the nominal one, for all that does not depend on it.
     plant: DescriptorPlant<S>,
+    /// The plants at the vertices of the inertia's set: (18) is affine in (J, A), and (J, A) lies in their
+    /// convex hull, so it holds for every inertia and every state of the box when it holds at all of them.
+    plants: Vec<DescriptorPlant<S>>,
     phi: S,
     hbar: S,
     /// Not below e^(phi hbar).
@@ -142,6 +146,7 @@ pub fn for_each_condition<S: Scalar>(
 ) {
     let assembly = Assembly::new(model, certificate);
     let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
+    inertia_positive(model, &mut tell);
     assembly.positivity(&mut tell);
     assembly.mismatch(&mut tell);
     assembly.decrease(&mut tell);
@@ -150,6 +155,15 @@ pub fn for_each_condition<S: Scalar>(
     assembly.region(&mut tell);
     assembly.must_contain(model, &mut tell);
     assembly.certified_attitudes(model, &mut tell);
+}
+
+/// Every inertia of the set is positive definite.
+fn inertia_positive<S: Scalar>(model: &Model, tell: &mut impl FnMut(String, Matrix<S>)) {
+    if let Plant::Spacecraft(craft) = &model.plant {
+        for (index, bound) in inertia_bounds(craft).into_iter().enumerate() {
+            tell(format!("inertia positive {}", index + 1), bound);
+        }
+    }
 }
 
 impl<'a, S: Scalar> Assembly<'a, S> {
@@ -183,6 +197,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
                 _ => None,
             },
             certificate,
+            plants: DescriptorPlant::each_inertia(&model.plant),
             plant,
             phi,
             hbar,
@@ -219,18 +234,23 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         for interval in [1, 2] {
             let added = self.mismatch_term(interval);
             for (rule, gains) in self.gains.iter().enumerate() {
-                let mut common = self.decrease_without_vertex(interval, gains);
+                let mut common = self.decrease_without_plant(interval, gains);
                 if let Some(added) = &added {
                     common = common.plus(added);
                 }
-                for (index, vertex) in self.plant.vertices.iter().enumerate() {
-                    let name = format!("decrease r={interval} vertex {}", index + 1);
-                    let name = match self.matched {
-                        Some(_) if rule != index => continue,
-                        Some(_) => name,
-                        None => name + &gain_suffix(count, rule),
-                    };
-                    tell(name, self.with_vertex(&common, vertex).negated());
+                let mut index = 0;
+                for plant in &self.plants {
+                    let common = self.with_descriptor(&common, plant);
+                    for (own_rule, vertex) in plant.vertices.iter().enumerate() {
+                        index += 1;
+                        let name = format!("decrease r={interval} vertex {index}");
+                        let name = match self.matched {
+                            Some(_) if rule != own_rule => continue,
+                            Some(_) => name,
+                            None => name + &gain_suffix(count, rule),
+                        };
+                        tell(name, self.with_vertex(&common, vertex).negated());
+                    }
                 }
             }
         }
@@ -329,7 +349,8 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         }
     }
 
-    fn decrease_without_vertex(
+    /// (18) without 2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) (A x - E x').
+    fn decrease_without_plant(
         &self,
         interval: usize,
         (gain, anti_windup): &(Matrix<S>, Matrix<S>),
@@ -350,7 +371,6 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let bf = plant.input.times(gain);
         let nm = anti_windup.transposed().times(&sector);
         let nu_weight = weight.scaled(&self.nu);
-        let e = &plant.descriptor;
         let xi = S::from_f64(self.certificate.disturbance_weight);
 
         let mut sizes = vec![n, n, n, n, m, d];
@@ -360,21 +380,15 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let mut out = SymmetricBlocks::new(&sizes);
         let decay = self.lyapunov.scaled(&self.phi);
         out.set(0, 0, &decay.plus(&l1.symmetrised()));
-        out.set(0, 1, &self.lyapunov.minus(&q1.times(e)));
+        out.set(0, 1, &self.lyapunov);
         out.set(0, 2, &q1.times(&bf).minus(&l1).plus(&l2.transposed()));
         out.set(0, 3, &q1.times(&bf).negated());
         out.set(0, 4, &q1.times(&plant.input).negated());
         out.set(0, 5, &q1.times(&plant.disturbance));
-        let rate = q2.times(e).symmetrised().negated();
-        out.set(
-            1,
-            1,
-            &match interval {
-                1 => rate.plus(&integral.scaled(&self.hbar)),
-                _ => rate,
-            },
-        );
-        out.set(1, 2, &q2.times(&bf).minus(&q3.times(e).transposed()));
+        if interval == 1 {
+            out.set(1, 1, &integral.scaled(&self.hbar));
+        }
+        out.set(1, 2, &q2.times(&bf));
         out.set(1, 3, &q2.times(&bf).negated());
         out.set(1, 4, &q2.times(&plant.input).negated());
         out.set(1, 5, &q2.times(&plant.disturbance));
@@ -403,23 +417,22 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn with_vertex(&self, common: &Matrix<S>, vertex: &Matrix<S>) -> Matrix<S> {
         let n = self.plant.states();
         let [q1a, q2a, q3a] = [0, 1, 2].map(|k| self.multipliers[k].times(vertex));
-        let first = q1a.symmetrised();
         let mut out = common.clone();
-        let mut add = |r: usize, c: usize, value: &S| {
-            let sum = out.at(r, c).clone() + value.clone();
-            out.set(c, r, sum.clone());
-            out.set(r, c, sum);
-        };
-        for r in 0..n {
-            for c in 0..n {
-                if r <= c {
-                    add(r, c, first.at(r, c));
-                }
-                // Row block x, columns x' and x(t_k^l): A' Q2', A' Q3'.
-                add(r, n + c, q2a.at(c, r));
-                add(r, 2 * n + c, q3a.at(c, r));
-            }
-        }
+        // Row block x, columns x' and x(t_k^l): A' Q2', A' Q3'.
+        add_mirrored(&mut out, (0, 0), &q1a.symmetrised());
+        add_mirrored(&mut out, (0, n), &q2a.transposed());
+        add_mirrored(&mut out, (0, 2 * n), &q3a.transposed());
+        out
+    }
+
+    /// Adds `-2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) E x'`.
+    fn with_descriptor(&self, common: &Matrix<S>, plant: &DescriptorPlant<S>) -> Matrix<S> {
+        let n = plant.states();
+        let [q1e, q2e, q3e] = [0, 1, 2].map(|k| self.multipliers[k].times(&plant.descriptor));
+        let mut out = common.clone();
+        add_mirrored(&mut out, (0, n), &q1e.negated());
+        add_mirrored(&mut out, (n, n), &q2e.symmetrised().negated());
+        add_mirrored(&mut out, (n, 2 * n), &q3e.transposed().negated());
         out
     }
 
@@ -499,5 +512,24 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             unit - square.clone() * self.lyapunov.at(r + 3, c + 3).clone()
         });
         tell("certified attitudes".into(), room);
+    }
+}
+
+/// Adds a block at (row, column), on or above the diagonal, and its transpose at the mirrored place. A
+/// block on the diagonal must be symmetric; its part above the diagonal is read.
+fn add_mirrored<S: Scalar>(
+    matrix: &mut Matrix<S>,
+    (row, column): (usize, usize),
+    block: &Matrix<S>,
+) {
+    for r in 0..block.nrows() {
+        for c in 0..block.ncols() {
+            let place = (row + r, column + c);
+            if place.0 <= place.1 {
+                let sum = matrix.at(place.0, place.1).clone() + block.at(r, c).clone();
+                matrix.set(place.1, place.0, sum.clone());
+                matrix.set(place.0, place.1, sum);
+            }
+        }
     }
 }

@@ -14,7 +14,7 @@ mod start;
 pub use anti_windup::gain_suffix;
 pub use decrease::{
     condition_name, decrease, decrease_form, full_condition, full_matched_condition, vertex_term,
-    Coordinates, Interval,
+    vertex_term_at, Coordinates, Interval,
 };
 
 pub use mismatch::MismatchUnknowns;

@@ -5,14 +5,15 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use crate::certify::infeasible::{
-    HeldMoments, InputWeight, Moments, RegionWeight, VertexWeight, Weights,
+    DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
+    VertexWeight, Weights,
 };
-use crate::conditions::xu2020::{condition_name, Interval};
+use crate::conditions::xu2020::{condition_name, gain_suffix, Interval, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
 use crate::lmi::svec_index;
 use crate::model::Model;
 use crate::scaling::Scaling;
-use crate::synthesis::Assembled;
+use crate::synthesis::{Assembled, Part};
 
 /// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not left to the balance of the multiplier,
 /// which divides by it.
@@ -44,6 +45,45 @@ impl<'a> Duals<'a> {
     }
 }
 
+/// The quantities that (18) is stated in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Quantity {
+    State,
+    Multiplied,
+    Sample,
+    Held,
+    DeadZone,
+    Disturbance,
+    Integral,
+}
+
+use Quantity::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
+
+/// The cliques of (18) and their quantities, in the order of their rows. Not split, all are in the root.
+const CLIQUES: [(&str, &[Quantity]); 7] = [
+    ("root", &[State, Multiplied, Sample]),
+    ("disturbance", &[Disturbance, Multiplied]),
+    ("held state", &[Held, Multiplied, Sample]),
+    ("dead zone", &[DeadZone, Multiplied, Held]),
+    ("integral", &[Integral, State, Sample]),
+    (
+        "root",
+        &[State, Multiplied, Sample, Held, DeadZone, Disturbance],
+    ),
+    (
+        "root",
+        &[
+            State,
+            Multiplied,
+            Sample,
+            Held,
+            DeadZone,
+            Disturbance,
+            Integral,
+        ],
+    ),
+];
+
 /// Where the dual solution came from.
 pub struct Source<'a> {
     pub model: &'a Model,
@@ -53,6 +93,10 @@ pub struct Source<'a> {
     pub duals: &'a [Vec<f64>],
     /// About minus the constant that they give.
     pub size: f64,
+    /// The given gains that the weights speak of, in SI units; none where the gain is free.
+    pub given: &'a [DMatrix<f64>],
+    /// Which of them, and of the model's vertices, the task has.
+    pub part: Part<'a>,
 }
 
 impl Source<'_> {
@@ -61,27 +105,10 @@ impl Source<'_> {
     /// held state is taken for the sample, which it almost is.
     pub fn weights(&self) -> Option<Weights> {
         let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
-        let system = self.model.plant.takagi_sugeno();
-        let mut start = self.moments(&duals, Interval::Start)?;
-        let mut end = self.moments(&duals, Interval::End)?;
-        if self.model.file.specs.nu < self.task.specification.trigger_threshold {
-            start.held = None;
-            end.held = None;
-        }
-        if self.model.file.specs.eps[2].abs() >= SMALLEST_SAMPLE_WEIGHT {
-            end.multiplied_sample = None;
-        }
+        let count = self.task.gains.count;
+        let gains = (0..count).map(|rule| self.gain(&duals, rule));
+        let system = self.model.plant.nominal().takagi_sugeno();
         let n = system.states();
-        let integral = duals.get("decrease r=2 clique integral")?;
-        let integral = self.state(&integral.view((0, 0), (n, n)).into_owned());
-        let inputs = (0..system.inputs()).map(|input| {
-            let dual = duals.get(&format!("anti-windup input {}", input + 1))?;
-            let unit = self.scaling.input[input];
-            Some(InputWeight {
-                state: self.state(&dual.view((0, 0), (n, n)).into_owned()) / (unit * unit),
-                unit: dual[(n, n)],
-            })
-        });
         let bounds = system.region.iter().zip(&self.task.system.region);
         let region = bounds.map(|(bound, scaled)| {
             let dual = duals.get(&format!("box {}", bound.name))?;
@@ -101,49 +128,136 @@ impl Source<'_> {
             Some(self.state(dual))
         });
         Some(Weights {
+            given: self.given.to_vec(),
             containment_weight: self.task.specification.containment_weight,
-            integral: integral / self.integral_factor(),
-            start,
-            end,
-            inputs: inputs.collect::<Option<_>>()?,
+            gains: gains.collect::<Option<_>>()?,
             region: region.collect::<Option<_>>()?,
             must_contain: must_contain.collect::<Option<_>>()?,
         })
     }
 
-    fn moments(&self, duals: &Duals, interval: Interval) -> Option<Moments> {
-        let system = &self.task.system;
-        let (n, d) = (system.states(), system.disturbance.ncols());
-        let clique = |name: &str| {
-            let name = format!("decrease r={} clique {name}", interval.index());
-            duals.get(&name)
-        };
-        let root = clique("root")?;
-        let disturbance = clique("disturbance")?;
-        let held = clique("held state")?;
-        let part = |matrix: &DMatrix<f64>, row: usize, column: usize| {
-            self.state(&matrix.view((row, column), (n, n)).into_owned())
-        };
-        let vertices = (0..system.vertices.len()).filter_map(|vertex| {
-            let dual = duals.get(&condition_name(interval, vertex))?;
+    /// The weights of one gain of the task.
+    fn gain(&self, duals: &Duals, rule: usize) -> Option<GainWeights> {
+        let suffix = gain_suffix(self.task.gains.count, rule);
+        let mut start = self.moments(duals, Interval::Start, &suffix)?;
+        let mut end = self.moments(duals, Interval::End, &suffix)?;
+        if self.model.file.specs.nu < self.task.specification.trigger_threshold {
+            start.held = None;
+            end.held = None;
+        }
+        let divisible = self.model.file.specs.eps[2].abs() >= SMALLEST_SAMPLE_WEIGHT;
+        let determinable = self.given.is_empty() || end.held.is_some();
+        if rule == 0 && divisible && determinable {
+            end.multiplied_sample = None;
+        }
+        let at = |a, b| self.moment(duals, Interval::End, &suffix, a, b);
+        let n = self.task.system.states();
+        let inputs = (0..self.task.system.inputs()).map(|input| {
+            let dual = duals.get(&format!("anti-windup input {}{suffix}", input + 1))?;
+            let unit = self.scaling.input[input];
+            Some(InputWeight {
+                state: self.state(&dual.view((0, 0), (n, n)).into_owned()) / (unit * unit),
+                unit: dual[(n, n)],
+            })
+        });
+        Some(GainWeights {
+            gain: *self.part.gains.get(rule)?,
+            integral: at(Integral, Integral)?,
+            integral_cross: match rule {
+                0 => None,
+                _ => Some(IntegralCross {
+                    state: at(State, Integral)?,
+                    sample: at(Sample, Integral)?,
+                }),
+            },
+            inputs: inputs.collect::<Option<_>>()?,
+            start,
+            end,
+        })
+    }
+
+    fn moments(&self, duals: &Duals, interval: Interval, suffix: &str) -> Option<Moments> {
+        let at = |a, b| self.moment(duals, interval, suffix, a, b);
+        let vertices = (0..self.task.system.vertices.len()).filter_map(|vertex| {
+            let dual = duals.get(&(condition_name(interval, vertex) + suffix))?;
             let moments = self.pair(dual);
+            let vertex = match self.part.vertices {
+                Some(chosen) => *chosen.get(vertex)?,
+                None => vertex,
+            };
             Some(VertexWeight { vertex, moments })
         });
-        let unit = self.scaling.disturbance;
-        let cross = disturbance.view((0, d), (d, n)).transpose();
+        let dead_zone = match self.given {
+            [] => None,
+            _ => Some(DeadZoneMoments {
+                multiplied: at(Multiplied, DeadZone)?,
+                held: at(Held, DeadZone)?,
+                own: at(DeadZone, DeadZone)?,
+            }),
+        };
         Some(Moments {
             vertices: vertices.collect(),
-            state_sample: part(root, 0, 2 * n),
-            multiplied_sample: Some(part(root, n, 2 * n)),
-            sample: part(root, 2 * n, 2 * n),
-            multiplied_disturbance: unit * self.to_state() * cross,
-            disturbance: unit * unit * disturbance.view((0, 0), (d, d)),
+            state_sample: at(State, Sample)?,
+            multiplied_sample: Some(at(Multiplied, Sample)?),
+            sample: at(Sample, Sample)?,
+            multiplied_disturbance: at(Multiplied, Disturbance)?,
+            disturbance: at(Disturbance, Disturbance)?,
             held: Some(HeldMoments {
-                multiplied_held: part(held, n, 0),
-                sample_held: part(held, 2 * n, 0),
-                held: part(held, 0, 0),
+                multiplied_held: at(Multiplied, Held)?,
+                sample_held: at(Sample, Held)?,
+                held: at(Held, Held)?,
             }),
+            dead_zone,
         })
+    }
+
+    /// Second moments of two quantities, SI, from a clique that has both.
+    fn moment(
+        &self,
+        duals: &Duals,
+        interval: Interval,
+        suffix: &str,
+        row: Quantity,
+        column: Quantity,
+    ) -> Option<DMatrix<f64>> {
+        CLIQUES.iter().find_map(|(name, quantities)| {
+            let sizes = quantities.iter().map(|&of| (of, self.units(of).len()));
+            let place = |wanted: Quantity| {
+                quantities.contains(&wanted).then(|| {
+                    let before = sizes.clone().take_while(|(of, _)| *of != wanted);
+                    before.map(|(_, size)| size).sum::<usize>()
+                })
+            };
+            let (from_row, from_column) = (place(row)?, place(column)?);
+            let name = format!("decrease r={}{suffix} clique {name}", interval.index());
+            let side: usize = sizes.clone().map(|(_, size)| size).sum();
+            let dual = duals.get(&name).filter(|dual| dual.nrows() == side)?;
+            let (rows, columns) = (self.units(row), self.units(column));
+            let view = dual.view((from_row, from_column), (rows.len(), columns.len()));
+            Some(DMatrix::from_fn(rows.len(), columns.len(), |r, c| {
+                rows[r] * view[(r, c)] * columns[c]
+            }))
+        })
+    }
+
+    /// What turns each entry of a quantity's solver coordinate into SI units.
+    fn units(&self, quantity: Quantity) -> Vec<f64> {
+        let system = &self.task.system;
+        let state = self.scaling.state.iter().map(|unit| 1.0 / unit);
+        match quantity {
+            State | Multiplied | Sample | Held => state.collect(),
+            // The solver's coordinate is the root of this factor times the proof's.
+            Integral => {
+                let root = self.integral_factor().sqrt();
+                state.map(|unit| unit / root).collect()
+            }
+            DeadZone if self.given.is_empty() => Vec::new(),
+            DeadZone => {
+                let inputs = self.scaling.input.iter();
+                inputs.map(|unit| DEAD_ZONE_UNIT / unit).collect()
+            }
+            Disturbance => vec![self.scaling.disturbance; system.disturbance.ncols()],
+        }
     }
 
     fn to_state(&self) -> DMatrix<f64> {

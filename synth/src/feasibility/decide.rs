@@ -1,4 +1,4 @@
-//! One solve, one proof.
+//! One solve, one proof. With an uncertain inertia the proof of a no is for the nominal one.
 
 use super::candidate::Source;
 use super::centre::centred;
@@ -10,10 +10,10 @@ use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::lmi::Affine;
 use crate::model::Model;
 use crate::scaling::Scaling;
-use crate::solve::{Backend, Observer, Solution, Status};
+use crate::solve::{Backend, Observer, Solution, Status, Structured};
 use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Subject, SynthesisError,
-    Synthesized, STATE_UNITS,
+    blocking, containment_weights, scaled, Assembled, Form, Goal, Part, Search, Subject,
+    SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 
 /// A proved no.
@@ -66,16 +66,25 @@ pub fn decide(
     decide_after(subject(model, model_text, &model.task()), &mut search)
 }
 
-/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`].
+/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`]. The given
+/// solver is asked where the structured one, which is faster here, does not know.
 pub(super) fn look_for_a_design(
     model: &Model,
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut search = Search::new(Form::Reduced, backend, observer);
+    let structured = Structured::default();
+    let mut searches = [
+        Search::new(Form::Slack, &structured, observer.clone()),
+        Search::new(Form::Reduced, backend, observer),
+    ];
     let task = model.task();
-    let found = settle(subject(model, "", &task), &mut search, Sought::Design)?;
-    Ok(found.decision(&search))
+    settle(
+        subject(model, "", &task),
+        &mut searches,
+        Sought::Design,
+        STATE_UNITS.len(),
+    )
 }
 
 fn subject<'a>(model: &'a Model, model_text: &'a str, task: &'a Task) -> Subject<'a> {
@@ -83,6 +92,8 @@ fn subject<'a>(model: &'a Model, model_text: &'a str, task: &'a Task) -> Subject
         model,
         model_text,
         task,
+        given: &[],
+        part: Part::FIRST,
         gains_text: None,
         form: Form::Reduced,
     }
@@ -93,15 +104,44 @@ pub(crate) fn decide_after(
     subject: Subject,
     search: &mut Search,
 ) -> Result<Decision, SynthesisError> {
-    // Only the reduced form's dual solution has the blocks of a proof.
-    let mut own = search.fresh(Form::Reduced);
+    let structured = Structured::default();
+    // The full form's dual solution has not the blocks of a proof.
+    let mut searches = [
+        search.fresh(Form::Reduced),
+        search.with_backend(Form::Slack, &structured),
+    ];
     let subject = Subject {
         form: Form::Reduced,
         ..subject
     };
-    let found = settle(subject, &mut own, Sought::Proof);
-    search.runs.append(&mut own.runs);
-    Ok(found?.decision(search))
+    let found = settle(subject, &mut searches, Sought::Proof, STATE_UNITS.len());
+    for other in &mut searches {
+        search.runs.append(&mut other.runs);
+    }
+    let mut decision = found?;
+    decision.solve_seconds = search.seconds();
+    decision.runs = search.runs.clone();
+    if let Answer::Feasible(design) = &mut decision.answer {
+        design.solve_seconds = search.seconds();
+        design.file.provenance.solver_runs = search.runs.clone();
+    }
+    Ok(decision)
+}
+
+/// Looks for weights that refute the subject's gains in its part of the conditions, and for nothing else, in
+/// at most so many state units.
+pub(super) fn refute_part(
+    subject: Subject,
+    most_units: usize,
+    observer: Option<Observer>,
+) -> Result<Decision, SynthesisError> {
+    let structured = Structured::default();
+    let mut searches = [Search::new(Form::Slack, &structured, observer)];
+    let subject = Subject {
+        form: Form::Slack,
+        ..subject
+    };
+    settle(subject, &mut searches, Sought::Refutation, most_units)
 }
 
 /// What is sought.
@@ -111,78 +151,88 @@ enum Sought {
     Proof,
     /// A design; where the solver says that there is none, nothing more.
     Design,
+    /// A proof that there is none; where the solver says that there is one, nothing more.
+    Refutation,
 }
 
 struct Found {
-    answer: Answer,
     slack: Option<f64>,
     blocking: Vec<(String, f64)>,
 }
 
-impl Found {
-    fn decision(self, search: &Search) -> Decision {
-        Decision {
-            answer: self.answer,
-            slack: self.slack,
-            blocking: self.blocking,
-            solve_seconds: search.seconds(),
-            runs: search.runs.clone(),
-        }
-    }
-}
-
 /// What one containment weight gave.
-enum Part {
+enum End {
     Point(Box<Synthesized>),
     Refuted(Box<WeightsFile>, Refutation),
-    /// The solver says that there is no design, and nobody asked for a proof.
+    /// The solver says that there is none of what is sought, and nobody asked for a proof of that.
     Denied,
     Open,
 }
 
-fn settle(subject: Subject, search: &mut Search, sought: Sought) -> Result<Found, SynthesisError> {
+/// Asks one solver after the other, in one state unit after the other (at most so many), until there is an
+/// answer.
+fn settle(
+    subject: Subject,
+    searches: &mut [Search],
+    sought: Sought,
+    most_units: usize,
+) -> Result<Decision, SynthesisError> {
     let mut out = Found {
-        answer: Answer::Unknown,
         slack: None,
         blocking: Vec::new(),
     };
     let mut refuted = Vec::new();
+    let mut design = None;
     let mut open = false;
-    let mut last_units = None;
+    let mut units = FIRST_UNITS;
     for &containment_weight in containment_weights(subject.model) {
-        let mut part = Part::Open;
-        for state_fraction in STATE_UNITS {
-            let units = ProblemUnits {
-                state_fraction,
-                containment_weight,
-            };
-            last_units = Some(units);
-            part = attempt(subject, search, units, sought, &mut out)?;
-            if !matches!(part, Part::Open) {
+        units.containment_weight = containment_weight;
+        let mut end = End::Open;
+        let solvers = searches.len();
+        let fractions = STATE_UNITS.iter().take(most_units);
+        let tries = fractions.flat_map(|&fraction| (0..solvers).map(move |k| (fraction, k)));
+        for (state_fraction, solver) in tries {
+            units.state_fraction = state_fraction;
+            end = attempt(subject, &mut searches[solver], units, sought, &mut out)?;
+            if !matches!(end, End::Open) {
                 break;
             }
         }
-        match part {
-            Part::Point(mut design) => {
-                design.solve_seconds = search.seconds();
-                design.file.provenance.solver_runs = search.runs.clone();
-                out.answer = Answer::Feasible(design);
-                return Ok(out);
+        match end {
+            End::Point(found) => {
+                design = Some(found);
+                break;
             }
-            Part::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
-            Part::Denied | Part::Open => open = true,
+            End::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
+            End::Denied | End::Open => open = true,
         }
     }
-    if let (false, Some(units)) = (open, last_units) {
-        let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
-        let bound = bounds.fold(f64::MAX, f64::min);
-        let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
-        let mut provenance = subject.provenance(units);
-        provenance.solver_runs = search.runs.clone();
-        let file = InfeasibilityFile::new(subject.model, weights, provenance);
-        out.answer = Answer::Infeasible(Box::new(Infeasible { file, bound }));
-    }
-    Ok(out)
+    let runs: Vec<SolverRun> = searches.iter().flat_map(|s| s.runs.clone()).collect();
+    let solve_seconds = searches.iter().map(Search::seconds).sum();
+    let answer = match design {
+        Some(mut design) => {
+            design.solve_seconds = solve_seconds;
+            design.file.provenance.solver_runs = runs.clone();
+            Answer::Feasible(design)
+        }
+        None if open => Answer::Unknown,
+        None => {
+            let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
+            let bound = bounds.fold(f64::MAX, f64::min);
+            let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
+            let mut provenance = subject.provenance(units);
+            provenance.solver_runs = runs.clone();
+            let file = InfeasibilityFile::new(subject.model, subject.given, weights, provenance);
+            Answer::Infeasible(Box::new(Infeasible { file, bound }))
+        }
+    };
+    Ok(Decision {
+        answer,
+        slack: out.slack,
+        blocking: out.blocking,
+        solve_seconds,
+        runs,
+    })
 }
 
 fn attempt(
@@ -191,10 +241,8 @@ fn attempt(
     units: ProblemUnits,
     sought: Sought,
     out: &mut Found,
-) -> Result<Part, SynthesisError> {
-    let (scaling, mut task) = scaled(subject.task, units);
-    let threshold = &mut task.specification.trigger_threshold;
-    *threshold = threshold.max(SMALLEST_THRESHOLD);
+) -> Result<End, SynthesisError> {
+    let (scaling, task) = solved_task(subject.task, units);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
     let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
     if usable {
@@ -204,46 +252,106 @@ fn attempt(
             out.blocking = blocking(&assembled.problem.conditions, &solution);
         }
     }
-    if solution.objective < task.specification.margin {
+    let margin = task.specification.margin;
+    if solution.objective < margin {
+        if sought == Sought::Refutation {
+            return Ok(End::Denied);
+        }
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
-            return Ok(Part::Point(design));
+            return Ok(End::Point(design));
         }
     }
     if usable && sought == Sought::Design {
-        return Ok(Part::Denied);
+        return Ok(End::Denied);
     }
-    // The weights speak of one gain that is free.
-    if task.gains != GainPlan::constant() {
-        return Ok(Part::Open);
+    if sought == Sought::Design || !refutable(&task) {
+        return Ok(End::Open);
     }
+    if subject.model.plant.has_uncertain_inertia() {
+        return refute_nominal(subject, search, units);
+    }
+    Ok(refuted(subject, &scaling, &task, &assembled, &solution))
+}
+
+/// The task in its units, with a threshold that leaves its dual an inside.
+fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+    let (scaling, mut task) = scaled(task, units);
+    let threshold = &mut task.specification.trigger_threshold;
+    *threshold = threshold.max(SMALLEST_THRESHOLD);
+    (scaling, task)
+}
+
+/// A set of inertias has no design when the nominal one, which belongs to it, has none. Given gains are
+/// left open.
+fn refute_nominal(
+    subject: Subject,
+    search: &mut Search,
+    units: ProblemUnits,
+) -> Result<End, SynthesisError> {
+    if !subject.given.is_empty() {
+        return Ok(End::Open);
+    }
+    let mut nominal = subject.model.clone();
+    nominal.plant = nominal.plant.nominal();
+    let (scaling, task) = solved_task(&nominal.task(), units);
+    let mut own = search.fresh(Form::Reduced);
+    let solved = own.solve(&task, Goal::SmallestSlack);
+    search.runs.append(&mut own.runs);
+    let (assembled, solution) = solved?;
+    let subject = Subject {
+        model: &nominal,
+        ..subject
+    };
+    Ok(refuted(subject, &scaling, &task, &assembled, &solution))
+}
+
+/// The proof that the dual solution gives, if it gives one.
+fn refuted(
+    subject: Subject,
+    scaling: &Scaling,
+    task: &Task,
+    assembled: &Assembled,
+    solution: &Solution,
+) -> End {
     let margin = task.specification.margin;
     let excess = solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
-        return Ok(Part::Open);
+        return End::Open;
     }
     let problem = assembled.problem.lower();
-    let centre = centred(&problem, &solution.duals, -(margin + KEPT * excess));
-    let source = Source {
-        model: subject.model,
-        scaling: &scaling,
-        task: &task,
-        assembled: &assembled,
-        duals: centre.as_ref().unwrap_or(&solution.duals),
-        size: KEPT * excess,
-    };
-    if let Some((file, weights)) = as_read(&source) {
-        let refutation = refute(subject.model, &weights);
-        if refutation.proved {
-            return Ok(Part::Refuted(Box::new(file), refutation));
+    for kept in KEPT {
+        let centre = centred(&problem, &solution.duals, -(margin + kept * excess));
+        let source = Source {
+            model: subject.model,
+            scaling,
+            task,
+            assembled,
+            duals: centre.as_ref().unwrap_or(&solution.duals),
+            size: kept * excess,
+            given: subject.given,
+            part: subject.part,
+        };
+        if let Some((file, weights)) = as_read(&source) {
+            let refutation = refute(subject.model, &weights);
+            if refutation.proved {
+                return End::Refuted(Box::new(file), refutation);
+            }
         }
     }
-    Ok(Part::Open)
+    End::Open
+}
+
+/// Weights speak of one free gain; or of given gains, in any mixture or each with its own vertex.
+fn refutable(task: &Task) -> bool {
+    let gains = &task.gains;
+    let stated = gains.given.is_some() && gains.matched().is_none_or(|kappa| kappa == 0.0);
+    *gains == GainPlan::constant() || stated
 }
 
 /// The weights as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
-    let file = WeightsFile::new(&source.weights()?, source.model);
-    let weights = file.weights(source.model).ok()?;
+    let file = WeightsFile::new(&source.weights()?, source.model)?;
+    let weights = file.weights(source.model, source.given).ok()?;
     Some((file, weights))
 }
 
@@ -252,8 +360,9 @@ fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
 /// out, see [`Source::weights`].
 const SMALLEST_THRESHOLD: f64 = 1e-6;
 
-/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
-const KEPT: f64 = 0.25;
+/// Parts of the slack above the margin that the weights of a proof keep, tried one after the other; the rest
+/// moves them inside. Near the edge only the second leaves room enough.
+const KEPT: [f64; 2] = [0.25, 0.02];
 
 /// Stands for a gain bound that is not known yet.
 const UNKNOWN_GAIN: f64 = 1e300;

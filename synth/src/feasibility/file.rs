@@ -4,14 +4,10 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::certify::infeasible::{
-    refute, HeldMoments, InputWeight, Moments, Refutation, RegionWeight, VertexWeight, Weights,
-};
+use super::convert::rows;
+use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::design::Provenance;
-use crate::model::{
-    check_matrix, check_positive, check_symmetric, finite, parse, FileError, Kind, Model,
-    ModelError, ModelFile,
-};
+use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
 
 /// The version this program reads and writes.
 pub const INFEASIBILITY_SCHEMA_VERSION: u32 = 1;
@@ -27,6 +23,9 @@ pub struct InfeasibilityFile {
     pub name: String,
     /// The model, whole.
     pub model: ModelFile,
+    /// The given gains F_j, each m x n, for which no proof exists; left out, no constant gain has a design.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gains: Vec<Vec<Vec<f64>>>,
     /// The weights; one set for each weight rho of the containment condition, a single one when the
     /// model has no states that must be contained.
     pub infeasibility: Vec<WeightsFile>,
@@ -42,6 +41,9 @@ pub struct WeightsFile {
     /// that must be contained.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub containment_weight: Option<f64>,
+    /// Number of the given gain, from 1, that the next four keys are about; left out without given gains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<usize>,
     /// Weights of (18), r = 1.
     pub decrease_start: MomentsFile,
     /// Weights of (18), r = 2.
@@ -50,11 +52,34 @@ pub struct WeightsFile {
     pub integral: Vec<Vec<f64>>,
     /// Weights of (19), one for each input.
     pub anti_windup: Vec<InputWeightFile>,
+    /// Weights of further given gains. Gains that do not occur have weight 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further_gains: Vec<GainWeightsFile>,
     /// Weights of the region's conditions, in their order.
     pub region: Vec<RegionWeightFile>,
     /// Weights of the containment conditions, one for each state: n x n, symmetric.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub must_contain: Vec<Vec<Vec<f64>>>,
+}
+
+/// Weights of the conditions of a given gain beyond the first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GainWeightsFile {
+    /// Number of the gain, from 1.
+    pub gain: usize,
+    /// Weights of (18), r = 1.
+    pub decrease_start: MomentsFile,
+    /// Weights of (18), r = 2.
+    pub decrease_end: MomentsFile,
+    /// E[s s'] of r = 2: n x n, symmetric.
+    pub integral: Vec<Vec<f64>>,
+    /// E[x s'] of r = 2, n x n.
+    pub state_integral: Vec<Vec<f64>>,
+    /// E[x(t_k^l) s'] of r = 2, n x n.
+    pub sample_integral: Vec<Vec<f64>>,
+    /// Weights of (19), one for each input.
+    pub anti_windup: Vec<InputWeightFile>,
 }
 
 /// Weights of (18) at one end of the sampling interval, as second moments of its coordinates.
@@ -78,6 +103,21 @@ pub struct MomentsFile {
     /// Moments with the held state w = x(t_k); left out, w = x(t_k^l).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub held: Option<HeldMomentsFile>,
+    /// Moments with the dead zone p; exactly for given gains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dead_zone: Option<DeadZoneMomentsFile>,
+}
+
+/// Moments with the dead zone p. m inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeadZoneMomentsFile {
+    /// E[v p'], n x m.
+    pub multiplied_zone: Vec<Vec<f64>>,
+    /// E[w p'], n x m.
+    pub held_zone: Vec<Vec<f64>>,
+    /// E[p p'], m x m, symmetric.
+    pub zone: Vec<Vec<f64>>,
 }
 
 /// Weight of (18) at one vertex.
@@ -128,6 +168,7 @@ impl InfeasibilityFile {
     /// Puts a file together.
     pub(super) fn new(
         model: &Model,
+        given: &[DMatrix<f64>],
         infeasibility: Vec<WeightsFile>,
         provenance: Provenance,
     ) -> Self {
@@ -135,6 +176,7 @@ impl InfeasibilityFile {
             schema_version: INFEASIBILITY_SCHEMA_VERSION,
             name: model.file.name.clone(),
             model: model.file.clone(),
+            gains: given.iter().map(rows).collect(),
             infeasibility,
             provenance,
         }
@@ -156,6 +198,20 @@ impl InfeasibilityFile {
         Ok((file, model))
     }
 
+    /// The given gains whose conditions have weights, numbered from 1: together they cannot hold. Empty
+    /// where no gains are given.
+    pub fn blocking_gains(&self) -> Vec<usize> {
+        let sets = self.infeasibility.iter();
+        let gains = sets.flat_map(|set| {
+            let further = set.further_gains.iter().map(|weights| weights.gain);
+            set.gain.into_iter().chain(further)
+        });
+        let mut gains: Vec<usize> = gains.collect();
+        gains.sort_unstable();
+        gains.dedup();
+        gains
+    }
+
     /// The file's text: JSON whose numbers read back exactly.
     pub fn to_json(&self) -> String {
         // The file holds finite numbers and string keys only, so it can always be written.
@@ -171,9 +227,14 @@ impl InfeasibilityFile {
                 expected: "at least 1".to_string(),
             });
         }
+        let (n, m, _, _) = model.plant.sizes();
+        let given = self.gains.iter().enumerate().map(|(index, gain)| {
+            check_matrix(&format!("gains[{index}]"), gain, (Some(m), Some(n)))
+        });
+        let given = given.collect::<Result<Vec<_>, _>>()?;
         let sets = self.infeasibility.iter().enumerate();
         sets.map(|(index, set)| {
-            let weights = set.weights(model);
+            let weights = set.weights(model, &given);
             weights.map_err(|error| error.within(&format!("infeasibility[{index}]")))
         })
         .collect()
@@ -185,210 +246,4 @@ impl InfeasibilityFile {
         let sets = self.weights(model)?;
         Ok(sets.iter().map(|weights| refute(model, weights)).collect())
     }
-}
-
-impl WeightsFile {
-    /// The numbers as written. Those too small to be allowed in a file become 0.
-    pub(super) fn new(weights: &Weights, model: &Model) -> Self {
-        let input = |weight: &InputWeight| InputWeightFile {
-            state: rows(&weight.state),
-            unit: flushed(weight.unit),
-        };
-        let region = |weight: &RegionWeight| RegionWeightFile {
-            state: rows(&weight.state),
-            cross: rows(&weight.cross),
-            unit: rows(&weight.unit),
-        };
-        let contains = !model.file.specs.must_contain.is_empty();
-        WeightsFile {
-            containment_weight: contains.then_some(weights.containment_weight),
-            decrease_start: MomentsFile::new(&weights.start),
-            decrease_end: MomentsFile::new(&weights.end),
-            integral: rows(&weights.integral),
-            anti_windup: weights.inputs.iter().map(input).collect(),
-            region: weights.region.iter().map(region).collect(),
-            must_contain: weights.must_contain.iter().map(rows).collect(),
-        }
-    }
-
-    /// Checked numbers.
-    pub(super) fn weights(&self, model: &Model) -> Result<Weights, ModelError> {
-        let system = model.plant.takagi_sugeno();
-        let (n, m) = (system.states(), system.inputs());
-        check_length("anti_windup", self.anti_windup.len(), m)?;
-        check_length("region", self.region.len(), system.region.len())?;
-        let contained = model.file.specs.must_contain.len();
-        check_length("must_contain", self.must_contain.len(), contained)?;
-        let inputs = self.anti_windup.iter().enumerate().map(|(index, weight)| {
-            let field = format!("anti_windup[{index}]");
-            finite(&format!("{field}.unit"), weight.unit)?;
-            Ok(InputWeight {
-                state: symmetric(&format!("{field}.state"), &weight.state, n)?,
-                unit: weight.unit,
-            })
-        });
-        let bounds = self.region.iter().zip(&system.region).enumerate();
-        let region = bounds.map(|(index, (weight, bound))| {
-            let field = format!("region[{index}]");
-            let k = bound.rows.nrows();
-            let cross = (Some(n), Some(k));
-            Ok(RegionWeight {
-                state: symmetric(&format!("{field}.state"), &weight.state, n)?,
-                cross: check_matrix(&format!("{field}.cross"), &weight.cross, cross)?,
-                unit: symmetric(&format!("{field}.unit"), &weight.unit, k)?,
-            })
-        });
-        let must_contain = self.must_contain.iter().enumerate();
-        let must_contain =
-            must_contain.map(|(index, rows)| symmetric(&format!("must_contain[{index}]"), rows, n));
-        let start = self.decrease_start.moments(model);
-        let start = start.map_err(|error| error.within("decrease_start"))?;
-        if start.multiplied_sample.is_none() {
-            return Err(ModelError::WrongShape {
-                field: "decrease_start.multiplied_sample".to_string(),
-                found: "nothing".to_string(),
-                expected: format!("{n} x {n}"),
-            });
-        }
-        let end = self.decrease_end.moments(model);
-        let end = end.map_err(|error| error.within("decrease_end"))?;
-        if end.multiplied_sample.is_none() && model.file.specs.eps[2] == 0.0 {
-            return Err(ModelError::WrongShape {
-                field: "decrease_end.multiplied_sample".to_string(),
-                found: "nothing".to_string(),
-                expected: format!("{n} x {n}, because eps[2] is 0"),
-            });
-        }
-        Ok(Weights {
-            containment_weight: self.containment(contained > 0)?,
-            start,
-            end,
-            integral: symmetric("integral", &self.integral, n)?,
-            inputs: inputs.collect::<Result<_, _>>()?,
-            region: region.collect::<Result<_, _>>()?,
-            must_contain: must_contain.collect::<Result<_, _>>()?,
-        })
-    }
-
-    fn containment(&self, needed: bool) -> Result<f64, ModelError> {
-        match (needed, self.containment_weight) {
-            (true, Some(weight)) => {
-                check_positive("containment_weight", weight)?;
-                Ok(weight)
-            }
-            (true, None) => Err(ModelError::WrongShape {
-                field: "containment_weight".to_string(),
-                found: "nothing".to_string(),
-                expected: "a number above 0, because the model has must_contain states".to_string(),
-            }),
-            (false, Some(value)) => Err(ModelError::OutOfRange {
-                field: "containment_weight".to_string(),
-                value,
-                allowed: "left out: the model has no must_contain states".to_string(),
-            }),
-            (false, None) => Ok(1.0),
-        }
-    }
-}
-
-impl MomentsFile {
-    fn new(moments: &Moments) -> Self {
-        let vertex = |weight: &VertexWeight| VertexWeightFile {
-            vertex: weight.vertex + 1,
-            moments: rows(&weight.moments),
-        };
-        let held = |held: &HeldMoments| HeldMomentsFile {
-            multiplied_held: rows(&held.multiplied_held),
-            sample_held: rows(&held.sample_held),
-            held: rows(&held.held),
-        };
-        MomentsFile {
-            vertices: moments.vertices.iter().map(vertex).collect(),
-            state_sample: rows(&moments.state_sample),
-            multiplied_sample: moments.multiplied_sample.as_ref().map(rows),
-            sample: rows(&moments.sample),
-            multiplied_disturbance: rows(&moments.multiplied_disturbance),
-            disturbance: rows(&moments.disturbance),
-            held: moments.held.as_ref().map(held),
-        }
-    }
-
-    fn moments(&self, model: &Model) -> Result<Moments, ModelError> {
-        let (n, _, d, _) = model.plant.sizes();
-        let count = model.plant.takagi_sugeno().vertices.len();
-        let square = (Some(n), Some(n));
-        let vertices = self.vertices.iter().enumerate().map(|(index, weight)| {
-            let field = format!("vertices[{index}]");
-            if !(1..=count).contains(&weight.vertex) {
-                return Err(ModelError::OutOfRange {
-                    field: format!("{field}.vertex"),
-                    value: weight.vertex as f64,
-                    allowed: format!("1 to {count}"),
-                });
-            }
-            Ok(VertexWeight {
-                vertex: weight.vertex - 1,
-                moments: symmetric(&format!("{field}.moments"), &weight.moments, 2 * n)?,
-            })
-        });
-        let multiplied_sample = self.multiplied_sample.as_ref();
-        let multiplied_sample =
-            multiplied_sample.map(|rows| check_matrix("multiplied_sample", rows, square));
-        let held = self.held.as_ref().map(|held| {
-            Ok(HeldMoments {
-                multiplied_held: check_matrix(
-                    "held.multiplied_held",
-                    &held.multiplied_held,
-                    square,
-                )?,
-                sample_held: check_matrix("held.sample_held", &held.sample_held, square)?,
-                held: symmetric("held.held", &held.held, n)?,
-            })
-        });
-        Ok(Moments {
-            vertices: vertices.collect::<Result<_, _>>()?,
-            state_sample: check_matrix("state_sample", &self.state_sample, square)?,
-            multiplied_sample: multiplied_sample.transpose()?,
-            sample: symmetric("sample", &self.sample, n)?,
-            multiplied_disturbance: check_matrix(
-                "multiplied_disturbance",
-                &self.multiplied_disturbance,
-                (Some(n), Some(d)),
-            )?,
-            disturbance: symmetric("disturbance", &self.disturbance, d)?,
-            held: held.transpose()?,
-        })
-    }
-}
-
-fn check_length(field: &str, found: usize, expected: usize) -> Result<(), ModelError> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{found} entries"),
-        expected: format!("{expected} entries"),
-    })
-}
-
-fn symmetric(field: &str, rows: &[Vec<f64>], side: usize) -> Result<DMatrix<f64>, ModelError> {
-    let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
-    check_symmetric(field, &matrix)?;
-    Ok(matrix)
-}
-
-/// Files hold no numbers below 1e-30 but 0.
-const SMALLEST: f64 = 1e-30;
-
-fn flushed(value: f64) -> f64 {
-    match value.abs() < SMALLEST {
-        true => 0.0,
-        false => value,
-    }
-}
-
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
-    (0..matrix.nrows()).map(row).collect()
 }

@@ -7,12 +7,16 @@
 
 mod candidate;
 mod centre;
+mod convert;
 mod decide;
 mod file;
+mod given;
 mod relax;
 
 pub use decide::{decide, Answer, Decision, Infeasible};
-pub use file::{InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
+pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
 pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
 
+pub(crate) use centre::centred;
 pub(crate) use decide::decide_after;
+pub(crate) use given::refute_given;

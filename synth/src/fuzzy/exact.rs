@@ -9,10 +9,14 @@
 //! is x' = A(omega, q0) x + B (sat(u) + tau), because q^x omega = -omega^x q. A is affine in the
 //! four scheduling variables (omega_1, omega_2, omega_3, q0), so on a box of them the plant is the
 //! convex combination of the 16 corner systems: nothing is approximated.
+//!
+//! An inertia that is only known to lie in a box is kept on the left-hand side: `diag(J, I) x' =
+//! [-omega^x J, 0; 1/2 q0 I, -1/2 omega^x] x + [I; 0] (sat(u) + tau)` is affine in each of J and (omega, q0)
+//! while the other is fixed, so the corners of both boxes together are the vertices.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector4, Vector6};
 
-use super::{BoxCondition, TakagiSugeno};
+use super::{BoxCondition, InertiaUncertainty, TakagiSugeno};
 
 /// Number of scheduling variables: omega_1, omega_2, omega_3, q0.
 pub const SCHEDULING_VARIABLES: usize = 4;
@@ -24,6 +28,8 @@ pub const SPACECRAFT_VERTICES: usize = 1 << SCHEDULING_VARIABLES;
 pub struct ExactSpacecraft {
     /// Inertia J [kg m^2], symmetric positive definite.
     pub inertia: Matrix3<f64>,
+    /// How far the true inertia may be from it.
+    pub inertia_uncertainty: InertiaUncertainty,
     /// Torque limit of each axis [N m].
     pub torque_limit: Vector3<f64>,
     /// Bound on the Euclidean norm of the disturbance torque [N m].
@@ -55,12 +61,17 @@ impl ExactSpacecraft {
         })
     }
 
-    /// A(omega, q0), 6 x 6, for rates in rad/s.
+    /// A(omega, q0), 6 x 6, for rates in rad/s and the nominal inertia.
     pub fn state_matrix(&self, scheduling: &Vector4<f64>) -> DMatrix<f64> {
+        self.state_matrix_for(&self.inertia, scheduling)
+    }
+
+    /// diag(J0, I)^-1 [-omega^x J, 0; 1/2 q0 I, -1/2 omega^x] for the nominal J0 and any J.
+    fn state_matrix_for(&self, inertia: &Matrix3<f64>, scheduling: &Vector4<f64>) -> DMatrix<f64> {
         let spin = skew(&scheduling.fixed_rows::<3>(0).into_owned());
         let mut a = DMatrix::zeros(6, 6);
         a.view_mut((0, 0), (3, 3))
-            .copy_from(&(-self.inverse_inertia() * spin * self.inertia));
+            .copy_from(&(-self.inverse_inertia() * spin * inertia));
         a.view_mut((3, 0), (3, 3))
             .copy_from(&(Matrix3::identity() * (0.5 * scheduling[3])));
         a.view_mut((3, 3), (3, 3)).copy_from(&(-0.5 * spin));
@@ -107,15 +118,37 @@ impl ExactSpacecraft {
         out
     }
 
-    /// The T-S model: 16 vertices, output y = x.
+    /// The same spacecraft with the nominal inertia for certain.
+    pub fn nominal(&self) -> Self {
+        ExactSpacecraft {
+            inertia_uncertainty: InertiaUncertainty::default(),
+            ..self.clone()
+        }
+    }
+
+    /// The T-S model: 16 vertices for each vertex of the inertia's set (the box runs fastest), output
+    /// y = x. With an uncertain inertia the equation of motion is multiplied by the nominal inertia's
+    /// inverse only.
     pub fn takagi_sugeno(&self) -> TakagiSugeno {
         let mut input = DMatrix::zeros(6, 3);
         input
             .view_mut((0, 0), (3, 3))
             .copy_from(&self.inverse_inertia());
-        let corners = (0..SPACECRAFT_VERTICES).map(|vertex| self.corner(vertex));
+        let inertias = self.inertia_uncertainty.vertices(&self.inertia);
+        let certain = inertias.len() == 1;
+        let mut vertices = Vec::with_capacity(inertias.len() * SPACECRAFT_VERTICES);
+        let mut descriptors = Vec::new();
+        for inertia in &inertias {
+            for vertex in 0..SPACECRAFT_VERTICES {
+                vertices.push(self.state_matrix_for(inertia, &self.corner(vertex)));
+                if !certain {
+                    descriptors.push(self.descriptor_for(inertia));
+                }
+            }
+        }
         TakagiSugeno {
-            vertices: corners.map(|corner| self.state_matrix(&corner)).collect(),
+            vertices,
+            descriptors,
             disturbance: input.clone(),
             input,
             output: DMatrix::identity(6, 6),
@@ -139,6 +172,14 @@ impl ExactSpacecraft {
             bound_squared: 1.0 - self.scalar_part_min * self.scalar_part_min,
         };
         rates.chain([attitude]).collect()
+    }
+
+    /// diag(J0^-1 J, I) for the nominal J0 and any J.
+    fn descriptor_for(&self, inertia: &Matrix3<f64>) -> DMatrix<f64> {
+        let mut out = DMatrix::identity(6, 6);
+        out.view_mut((0, 0), (3, 3))
+            .copy_from(&(self.inverse_inertia() * inertia));
+        out
     }
 
     fn inverse_inertia(&self) -> Matrix3<f64> {

@@ -1,10 +1,12 @@
 //! Takagi-Sugeno (T-S) models: a nonlinear plant as a convex combination of linear vertex systems.
 
 mod exact;
+mod inertia_set;
 mod rules;
 mod vertices;
 
 pub use exact::{ExactSpacecraft, SCHEDULING_VARIABLES, SPACECRAFT_VERTICES};
+pub use inertia_set::{triangle_excess, InertiaUncertainty, INERTIA_ENTRIES};
 pub use rules::{ModelError as RuleModelError, RuleModel};
 pub use vertices::VertexSystem;
 
@@ -21,12 +23,15 @@ pub struct BoxCondition {
     pub bound_squared: f64,
 }
 
-/// The vertex systems `x' = A_i x + B sat(u) + B_w tau`, `y = C x` of a T-S model, its region and
+/// The vertex systems `E_i x' = A_i x + B sat(u) + B_w tau`, `y = C x` of a T-S model, its region and
 /// its limits, in physical units. Input and output matrices are common to all vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TakagiSugeno {
     /// State matrices A_i, n x n.
     pub vertices: Vec<DMatrix<f64>>,
+    /// E_i, n x n, one for each state matrix; empty when all are the identity. An uncertain inertia makes
+    /// them differ.
+    pub descriptors: Vec<DMatrix<f64>>,
     /// Input matrix B, n x m.
     pub input: DMatrix<f64>,
     /// Disturbance matrix B_w, n x d (the paper takes B_w = B).

@@ -46,6 +46,7 @@ impl VertexSystem {
         });
         TakagiSugeno {
             vertices: self.state_matrices.clone(),
+            descriptors: Vec::new(),
             input: self.input_matrix.clone(),
             disturbance: self.disturbance_matrix.clone(),
             output: self.output_matrix.clone(),

@@ -49,6 +49,10 @@ pub enum PlantFile {
 pub struct ExactPlant {
     /// Inertia matrix, symmetric positive definite [kg m^2].
     pub inertia_kg_m2: [[f64; 3]; 3],
+    /// How far the true inertia may be from it; known exactly when left out. The design is then proved for
+    /// every inertia of the set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia_uncertainty: Option<InertiaUncertaintyFile>,
     /// Torque limit of each axis, above 0 [N m].
     pub torque_limit_nm: [f64; 3],
     /// Bound on the norm of the disturbance torque, not negative [N m].
@@ -57,6 +61,23 @@ pub struct ExactPlant {
     pub rate_rad_s: [f64; 3],
     /// The box: smallest scalar part q0 of the error quaternion, in (0, 1].
     pub q0_min: f64,
+}
+
+/// A box of inertia matrices: each of the six entries, independently of the others, within its own
+/// half-width of `inertia_kg_m2`. Every matrix of the box must be positive definite.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InertiaUncertaintyFile {
+    /// Half-width of each diagonal entry, in percent of it, in [0, 100].
+    #[serde(default)]
+    pub diagonal_percent: f64,
+    /// Half-width of each off-diagonal entry, in percent of its magnitude, in [0, 100]; an entry that
+    /// is 0 gets no width from it.
+    #[serde(default)]
+    pub off_diagonal_percent: f64,
+    /// Added to the half-width of each off-diagonal entry, not negative [kg m^2].
+    #[serde(default)]
+    pub off_diagonal_kg_m2: f64,
 }
 
 /// x' = A(t) x + B sat(u) + B_w tau, y = C x, with A(t) in the convex hull of the state matrices.

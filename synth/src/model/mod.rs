@@ -4,6 +4,7 @@ mod error;
 mod explain;
 mod file;
 mod gains;
+mod inertia;
 mod outer;
 mod read;
 mod rules;
@@ -11,10 +12,10 @@ mod validate;
 
 pub use error::{FileError, Kind, ModelError};
 pub use file::{
-    ExactPlant, FuzzySetFile, GainForm, GaussianFile, LinearBound, LocalRuleFile, Mismatch,
-    ModelFile, Objective, PlantFile, PremiseFile, RulesLinear, RulesPlant, RulesSpacecraft,
-    RulesSystem, Specs, ThresholdUpdate, TrapezoidalFile, TriangularFile, VerticesPlant,
-    MODEL_SCHEMA_VERSION,
+    ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound,
+    LocalRuleFile, Mismatch, ModelFile, Objective, PlantFile, PremiseFile, RulesLinear, RulesPlant,
+    RulesSpacecraft, RulesSystem, Specs, ThresholdUpdate, TrapezoidalFile, TriangularFile,
+    VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
 pub use outer::OuterSpecs;
@@ -52,7 +53,27 @@ impl Plant {
         }
     }
 
-    /// The factor E of the plant's equation E x' = ...: diag(J, I) for a spacecraft, else the identity.
+    /// True when the proof is for a set of inertias.
+    pub fn has_uncertain_inertia(&self) -> bool {
+        match self {
+            Plant::Spacecraft(craft) => {
+                let uncertain = craft.inertia_uncertainty.uncertain_entries(&craft.inertia);
+                !uncertain.is_empty()
+            }
+            Plant::Vertices(_) | Plant::Rules(_) => false,
+        }
+    }
+
+    /// The same plant with the nominal inertia for certain.
+    pub fn nominal(&self) -> Self {
+        match self {
+            Plant::Spacecraft(craft) => Plant::Spacecraft(craft.nominal()),
+            other => other.clone(),
+        }
+    }
+
+    /// The factor E of the plant's equation E x' = ...: diag(J, I) for a spacecraft (J the nominal
+    /// inertia), else the identity.
     pub fn descriptor(&self) -> DMatrix<f64> {
         let states = self.sizes().0;
         let mut out = DMatrix::identity(states, states);

@@ -139,6 +139,7 @@ fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<Shared, ModelErr
 /// The spacecraft whose A(x) the rules freeze.
 fn body(inertia: &Matrix3<f64>) -> ExactSpacecraft {
     ExactSpacecraft {
+        inertia_uncertainty: Default::default(),
         inertia: *inertia,
         torque_limit: nalgebra::Vector3::repeat(1.0),
         disturbance_bound: 0.0,

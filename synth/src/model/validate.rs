@@ -6,6 +6,7 @@ use super::file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, PlantFile, Specs, VerticesPlant,
     MODEL_SCHEMA_VERSION,
 };
+use super::inertia::{check_set, inertia_uncertainty};
 use super::outer::check_outer;
 use super::rules::rule_model;
 use super::{parse, FileError, Kind, ModelError, Plant};
@@ -121,6 +122,11 @@ fn check_gain_form(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
                 "in [0, 1]",
             )?;
         }
+    }
+    if plant.has_uncertain_inertia() {
+        let reason = "scheduled gains are designed for a known inertia only; with \
+                      plant.exact.inertia_uncertainty use \"constant\"";
+        return refuse("gains", reason.to_string());
     }
     match plant.membership_count() {
         None => {
@@ -275,13 +281,20 @@ fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
     check_not_negative(disturbance, exact.disturbance_bound_nm)?;
     let q0 = exact.q0_min;
     require(q0 > 0.0 && q0 <= 1.0, "plant.exact.q0_min", q0, "in (0, 1]")?;
-    Ok(ExactSpacecraft {
+    let inertia_uncertainty = match &exact.inertia_uncertainty {
+        Some(file) => inertia_uncertainty(file, &inertia)?,
+        None => Default::default(),
+    };
+    let craft = ExactSpacecraft {
         inertia,
+        inertia_uncertainty,
         torque_limit: Vector3::from(exact.torque_limit_nm),
         disturbance_bound: exact.disturbance_bound_nm,
         rate_bound: Vector3::from(exact.rate_rad_s),
         scalar_part_min: q0,
-    })
+    };
+    check_set(&craft)?;
+    Ok(craft)
 }
 
 pub(super) fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {

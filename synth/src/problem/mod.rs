@@ -16,7 +16,9 @@ pub use file::{
     HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile,
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
 };
-pub use run::{first_program, synthesize, ProblemFailure, ProblemOutcome, ProblemSynthesized};
+pub use run::{
+    first_program, synthesize, Excluded, ProblemFailure, ProblemOutcome, ProblemSynthesized,
+};
 
 use crate::certify::matrix::Matrix;
 use crate::certify::scalar::Scalar;

@@ -7,11 +7,13 @@ use nalgebra::DMatrix;
 use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
 use super::{with_problem, DesignTask};
+use crate::certify::exclusion::exclude;
 use crate::certify::{Report, Verdict};
 use crate::conditions::state_feedback::{DesignProblem, Hatted, StateFeedback, Units, VertexPlant};
 use crate::conditions::xu2020::Strictness;
 use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
-use crate::lmi::{self, Affine, Semidefinite, Unknowns};
+use crate::feasibility::centred;
+use crate::lmi::{self, svec_index, Affine, Cone, Semidefinite, Unknowns};
 use crate::solve::{Accuracy, Backend, Observer, Solution, Status};
 use crate::synthesis::{blocking, generator, now, run_solver, sha256_of, Sought, SynthesisError};
 
@@ -31,6 +33,12 @@ const SLACK_MARGIN: f64 = 1e-2;
 /// Share of that margin which the smallest slack takes when the conditions cannot hold.
 const SLACK_SHARE: f64 = 0.5;
 
+/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
+const KEPT: f64 = 0.25;
+
+/// Shares of their mean eigenvalue by which dual matrices are pushed inside their cones.
+const PUSHES: [f64; 4] = [1e-12, 1e-10, 1e-8, 1e-6];
+
 /// A feedback and how it was found.
 #[derive(Debug, Clone)]
 pub struct ProblemSynthesized {
@@ -47,6 +55,8 @@ pub struct ProblemSynthesized {
 pub struct ProblemFailure {
     /// The smallest slack with which all conditions hold, in scaled units, where the solver found it.
     pub slack: Option<f64>,
+    /// Where it is proved that there is no solution.
+    pub excluded: Option<Excluded>,
     /// The conditions with the largest share of the dual solution: those that block.
     pub blocking: Vec<(String, f64)>,
     /// Time spent in solvers (s).
@@ -70,8 +80,12 @@ pub enum ProblemOutcome {
 #[derive(Clone, Copy)]
 enum Goal {
     SmallestObjective,
-    LargestMargin { objective: f64 },
+    LargestMargin {
+        objective: f64,
+    },
     SmallestSlack,
+    /// No optimum: the conditions with this margin.
+    Margin(f64),
 }
 
 impl Goal {
@@ -80,6 +94,7 @@ impl Goal {
             Goal::SmallestObjective => "smallest objective",
             Goal::LargestMargin { .. } => "largest margin",
             Goal::SmallestSlack => "smallest slack",
+            Goal::Margin(_) => "margin",
         }
     }
 
@@ -87,7 +102,7 @@ impl Goal {
         let (relative_gap, objective_unit) = match self {
             Goal::SmallestObjective => (1e-8, 1e-3),
             Goal::LargestMargin { .. } => (1e-2, 1.0),
-            Goal::SmallestSlack => (1e-6, SLACK_MARGIN),
+            Goal::SmallestSlack | Goal::Margin(_) => (1e-6, SLACK_MARGIN),
         };
         Accuracy {
             relative_gap,
@@ -108,6 +123,7 @@ fn program<P: DesignProblem>(asked: &P, plant: &VertexPlant, goal: Goal) -> Prog
     let mut hatted = Hatted::new::<P>(&mut unknowns, plant);
     let (strictness, objective) = match goal {
         Goal::SmallestObjective => (Strictness::fixed(MARGIN), hatted.objective.clone()),
+        Goal::Margin(margin) => (Strictness::fixed(margin), hatted.objective.clone()),
         Goal::LargestMargin { objective } => {
             let margin = unknowns.scalar("margin");
             hatted.objective = Affine::identity(1, objective);
@@ -178,6 +194,55 @@ fn recover<P: DesignProblem>(
     usable.then_some(found)
 }
 
+/// Where the conditions have no solution: proved for the numbers of the scaled problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excluded {
+    /// No solution has all scalar unknowns below this in magnitude; infinite when no bound is needed.
+    pub radius: f64,
+    /// What every condition exceeds in such a solution; 0 excludes solutions that are not strict too. Conditions
+    /// without a constant part hold at zero, and only a margin excludes anything.
+    pub margin: f64,
+}
+
+/// Dual weights of the smallest slack as a proof that there is no solution.
+fn excluded<P: DesignProblem>(
+    asked: &P,
+    plant: &VertexPlant,
+    smallest_slack: &Program,
+    solution: &Solution,
+) -> Option<Excluded> {
+    let problem = smallest_slack.problem.lower();
+    let excess = solution.objective - SLACK_MARGIN;
+    let targets = [SLACK_MARGIN + KEPT * excess.max(0.0), SLACK_MARGIN];
+    let centres = targets.map(|target| centred(&problem, &solution.duals, -target));
+    let pushes = PUSHES.iter();
+    let pushed = pushes.map(|&push| pushed(&problem, &solution.duals, push));
+    let candidates: Vec<_> = centres.into_iter().flatten().chain(pushed).collect();
+    [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
+        let bare = program(asked, plant, Goal::Margin(margin)).problem.lower();
+        let radii = candidates
+            .iter()
+            .map(|weights| exclude(&bare, weights).radius);
+        let radius = radii.fold(0.0, f64::max);
+        (radius > 0.0).then_some(Excluded { radius, margin })
+    })
+}
+
+/// The dual matrices with a share of the mean of their eigenvalues added to each.
+fn pushed(problem: &Semidefinite, duals: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
+    let diagonal = |side: usize| (0..side).map(|k| svec_index(k, k));
+    let sides: usize = problem.cones.iter().map(|cone| cone.side).sum();
+    let cones = || problem.cones.iter().zip(duals);
+    let traces = cones().flat_map(|(cone, dual)| diagonal(cone.side).map(|k| dual[k]));
+    let push = share * traces.sum::<f64>() / sides as f64;
+    let one = |(cone, dual): (&Cone, &Vec<f64>)| {
+        let mut out = dual.clone();
+        diagonal(cone.side).for_each(|k| out[k] += push);
+        out
+    };
+    cones().map(one).collect()
+}
+
 struct Run<'a> {
     problem: &'a Problem,
     text: &'a str,
@@ -240,6 +305,7 @@ impl Run<'_> {
                 ProblemOutcome::Infeasible(failure)
             }
             None if refused => ProblemOutcome::Infeasible(failure),
+            _ if failure.excluded.is_some() => ProblemOutcome::Infeasible(failure),
             // The solver contradicts itself, or never got anywhere.
             _ => ProblemOutcome::SolverFailed(failure),
         })
@@ -298,6 +364,7 @@ impl Run<'_> {
     ) -> Result<ProblemFailure, SynthesisError> {
         let (program, solution) = self.run(asked, plant, Goal::SmallestSlack)?;
         Ok(ProblemFailure {
+            excluded: excluded(asked, plant, &program, &solution),
             slack: usable(&solution).then_some(solution.objective),
             blocking: blocking(&program.problem.conditions, &solution),
             solve_seconds: self.seconds(),

@@ -36,14 +36,23 @@ pub fn decrease_conditions(
     strictness: &Strictness,
     cliques: Cliques,
 ) -> Vec<Condition> {
-    if task.gains.matched().is_some() {
-        return rule_slack::conditions(task, unknowns, design, strictness);
+    let one_by_one = cliques == Cliques::Whole && task.gains.given.is_some();
+    match task.gains.matched() {
+        None => {}
+        // Without a mismatch every vertex may as well have the slack of its own gain.
+        Some(kappa) if kappa == 0.0 && one_by_one => {}
+        Some(_) => return rule_slack::conditions(task, unknowns, design, strictness),
     }
     let mut out = Vec::new();
     for rule in 0..design.gain_count() {
         let at_rule = design.with_rule(rule);
         let suffix = gain_suffix(design.gain_count(), rule);
         let how = (suffix.as_str(), cliques);
+        let own = [rule];
+        let chosen = match task.gains.matched() {
+            Some(_) => &own,
+            None => chosen,
+        };
         out.extend(vertex_slack::conditions(
             task, chosen, unknowns, &at_rule, strictness, how,
         ));

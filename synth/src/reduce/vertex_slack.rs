@@ -4,6 +4,10 @@
 //! through M_i = [0, Qh A_i'; A_i Qh', 0] on (x, v). The conditions hold for every vertex exactly
 //! when some Z_r >= M_i (all i) satisfies the r-th condition with Z_r in the place of M_i: take for
 //! Z_r the Schur complement of the rest.
+//!
+//! With an uncertain inertia the term is `2 v' (A_i Qh' x - (E_i - I) Qh' x')`, which x(t_k^l) enters too when
+//! eps3 is not 0, because v says what x' is in terms of x, v and x(t_k^l). The slack then acts on these three;
+//! the argument is the same.
 
 use nalgebra::DMatrix;
 
@@ -114,12 +118,33 @@ pub(super) fn margin_weight(at: &Coordinates, design: &DesignUnknowns) -> DMatri
     )
 }
 
-/// `Z - M_i >= 0` on (x, v) at one vertex.
+/// Blocks that the vertex slack acts on: x and v, and x(t_k^l) where E_i brings it in.
+fn slack_blocks(task: &Task) -> usize {
+    let sampled = task.specification.multiplier_weights[2] != 0.0;
+    match sampled && !task.system.descriptors.is_empty() {
+        true => 3,
+        false => 2,
+    }
+}
+
+/// `Z - M_i >= 0` on the blocks of the slack at one vertex.
 fn vertex_block(task: &Task, vertex: usize, design: &DesignUnknowns, slack: &Affine) -> Affine {
     let n = task.system.states();
-    let mut block = SymmetricBlocks::new(&[n, n]);
+    let blocks = slack_blocks(task);
+    let mut block = SymmetricBlocks::new(&vec![n; blocks]);
     let q_at = &design.multiplier * &task.system.vertices[vertex].transpose();
-    block.add(0, 1, &q_at);
+    block.add(STATE, MULTIPLIED, &q_at);
+    if let Some(descriptor) = task.system.descriptors.get(vertex) {
+        // -2 v' (E_i - I) Qh' x' with x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
+        let [e1, e2, e3] = task.specification.multiplier_weights;
+        let change = descriptor - DMatrix::identity(n, n);
+        let change = 1.0 / e2 * &(&design.multiplier * &change.transpose()); // Qh (E_i - I)' / eps2
+        block.add(STATE, MULTIPLIED, &(e1 * &change));
+        block.add(MULTIPLIED, MULTIPLIED, &-change.symmetrised());
+        if blocks > SAMPLE {
+            block.add(MULTIPLIED, SAMPLE, &(e3 * change.transposed()));
+        }
+    }
     slack - &block.finish()
 }
 
@@ -137,7 +162,7 @@ pub fn conditions(
     let mut out = Vec::new();
     for interval in Interval::BOTH {
         let r = interval.index();
-        let slack = unknowns.symmetric(&format!("Z{r}{suffix}"), 2 * n);
+        let slack = unknowns.symmetric(&format!("Z{r}{suffix}"), slack_blocks(task) * n);
         let at = coordinates(task, design, interval);
         let mut lhs = decrease_form(task, interval, design, &at);
         lhs.add_block(0, 0, &slack);

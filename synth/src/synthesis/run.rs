@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::search::Search;
-use super::subject::Subject;
+use super::subject::{Part, Subject};
 use super::{Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::{GainPlan, Task};
@@ -122,6 +122,8 @@ pub fn synthesize(
         model,
         model_text,
         task: &model.task(),
+        given: &[],
+        part: Part::FIRST,
         gains_text: None,
         form,
     };
@@ -154,13 +156,22 @@ pub fn analyse(
         mismatch,
         given: Some(gains.to_vec()),
     };
+    let all: Vec<usize> = (0..gains.len()).collect();
     let subject = Subject {
         model,
         model_text,
         task: &task,
+        given: gains,
+        part: Part {
+            gains: &all,
+            vertices: None,
+        },
         gains_text: Some(gains_text),
         form,
     };
+    if let Some(decision) = feasibility::refute_given(subject, observer.clone())? {
+        return Ok(Outcome::Infeasible(decision));
+    }
     let search = Search::new(form, backend, observer);
     Run { subject, search }.search()
 }

@@ -1,5 +1,7 @@
 //! What is designed for, and the files that say so.
 
+use nalgebra::DMatrix;
+
 use super::solver::{generator, now, sha256_of};
 use super::{Form, SynthesisError, Synthesized};
 use crate::certify::theorem1::Certificate;
@@ -18,9 +20,30 @@ pub(crate) struct Subject<'a> {
     pub model_text: &'a str,
     /// The task in SI units: the model's, or another with given gains.
     pub task: &'a Task,
+    /// The given gains that the answer is about (SI units, m x n each); none where gains are sought.
+    pub given: &'a [DMatrix<f64>],
+    /// The part of them, and of the model's vertices, that the task has.
+    pub part: Part<'a>,
     /// The text of the file that the gains come from.
     pub gains_text: Option<&'a str>,
     pub form: Form,
+}
+
+/// Which of the given gains and of the model's vertices a task has, in its order.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part<'a> {
+    /// Indices of gains, from 0.
+    pub gains: &'a [usize],
+    /// Indices of vertices, from 0; `None`: all of them.
+    pub vertices: Option<&'a [usize]>,
+}
+
+impl Part<'_> {
+    /// One gain, all vertices.
+    pub const FIRST: Part<'static> = Part {
+        gains: &[0],
+        vertices: None,
+    };
 }
 
 impl Subject<'_> {

@@ -141,10 +141,16 @@ impl Point {
         point.set("Qh", &invertible(stream, n));
         point.set("L1h", &uniform(stream, n, n, 1.0));
         point.set("L2h", &uniform(stream, n, n, 1.0));
-        point.set("Fh", &uniform(stream, m, n, 1.0));
+        if task.gains.given.is_none() {
+            point.set("Fh", &uniform(stream, m, n, 1.0));
+        }
         if sector == Sector::Unknown {
             let weight = vector(stream, m, 0.4).add_scalar(1.0);
             point.set("Nh", &(DEAD_ZONE_UNIT * uniform(stream, m, n, 1.0)));
+            for rule in 2..=task.gains.count {
+                let anti_windup = DEAD_ZONE_UNIT * uniform(stream, m, n, 1.0);
+                point.set(&format!("Nh{rule}"), &anti_windup);
+            }
             point.set(
                 "S",
                 &(DEAD_ZONE_UNIT.powi(2) * DMatrix::from_diagonal(&weight)),

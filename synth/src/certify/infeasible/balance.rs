@@ -2,13 +2,15 @@
 
 use nalgebra::DMatrix;
 
-use super::{HeldMoments, Moments, Weights};
+use super::end::End;
+use super::{GainWeights, IntegralCross, Moments, Weights};
 use crate::certify::interval::Interval;
 use crate::certify::matrix::{Matrix, SymmetricBlocks};
 use crate::certify::plant::DescriptorPlant;
 use crate::certify::rounding::add_up;
 use crate::certify::scalar::Scalar;
 use crate::certify::theorem1::Statement;
+use crate::conditions::xu2020::gain_suffix;
 use crate::model::Model;
 
 /// `sum_k <G_k(y), Z_k>` as a function of the unknowns y: the constant and, where it does not vanish
@@ -69,144 +71,23 @@ impl<S: Scalar> Numbers<S> {
     }
 }
 
-/// All moments of (18) that occur in it, at one end of the interval: `xv` is E[x v'] and so on.
-/// k is the sample x(t_k^l), w the held state.
-struct End<S> {
-    xx: Matrix<S>,
-    xv: Matrix<S>,
-    vv: Matrix<S>,
-    xk: Matrix<S>,
-    vk: Matrix<S>,
-    kk: Matrix<S>,
-    vt: Matrix<S>,
-    tt: Matrix<S>,
-    held: Option<[Matrix<S>; 3]>,
-    /// sum over the vertices of E_i[x v'] A_i.
-    driven: Matrix<S>,
-}
-
-impl<S: Scalar> End<S> {
-    /// `vk` is taken from the moments, or from `determined` where they leave it out.
-    fn new(
-        numbers: &Numbers<S>,
-        moments: &Moments,
-        determined: impl FnOnce(&Self) -> Option<Matrix<S>>,
-    ) -> Self {
-        let n = numbers.plant.states();
-        let mut sum = Matrix::zeros(2 * n, 2 * n);
-        let mut driven = Matrix::zeros(n, n);
-        for weight in &moments.vertices {
-            let matrix = Matrix::exactly(&weight.moments);
-            sum = sum.plus(&matrix);
-            let xv = matrix.block(0, n, n, n);
-            driven = driven.plus(&xv.times(&numbers.plant.vertices[weight.vertex]));
-        }
-        let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
-        let mut out = End {
-            xx: sum.block(0, 0, n, n),
-            xv: sum.block(0, n, n, n),
-            vv: sum.block(n, n, n, n),
-            xk: exactly(&moments.state_sample),
-            vk: Matrix::zeros(n, n),
-            kk: exactly(&moments.sample),
-            vt: exactly(&moments.multiplied_disturbance),
-            tt: exactly(&moments.disturbance),
-            held: moments.held.as_ref().map(|held| {
-                let HeldMoments {
-                    multiplied_held,
-                    sample_held,
-                    held,
-                } = held;
-                [multiplied_held, sample_held, held].map(exactly)
-            }),
-            driven,
-        };
-        let given = moments.multiplied_sample.as_ref().map(exactly);
-        if let Some(vk) = given.or_else(|| determined(&out)) {
-            out.vk = vk;
-        }
-        out
-    }
-
-    /// E[v w'].
-    fn vw(&self) -> &Matrix<S> {
-        self.held.as_ref().map_or(&self.vk, |[vw, _, _]| vw)
-    }
-
-    /// E[x x''] with eps2 x' = v - eps1 x - eps3 x(t_k^l) (x' is the rate, '' its transpose).
-    fn state_rate(&self, eps: &[S; 3]) -> Matrix<S> {
-        let [e1, e2, e3] = eps;
-        let rest = self.xx.scaled(e1).plus(&self.xk.scaled(e3));
-        self.xv.minus(&rest).scaled(&(S::one() / e2.clone()))
-    }
-
-    /// E[x' v'] without the part of x(t_k^l).
-    fn rate_multiplied_without_sample(&self, eps: &[S; 3]) -> Matrix<S> {
-        let [e1, e2, _] = eps;
-        let rest = self.vv.minus(&self.xv.scaled(e1));
-        rest.scaled(&(S::one() / e2.clone()))
-    }
-
-    /// E[x' v'] (x' the rate).
-    fn rate_multiplied(&self, eps: &[S; 3]) -> Matrix<S> {
-        let [_, e2, e3] = eps;
-        let sampled = self.vk.transposed().scaled(&(e3.clone() / e2.clone()));
-        self.rate_multiplied_without_sample(eps).minus(&sampled)
-    }
-
-    /// E[x' x''] of the rate.
-    fn rate_rate(&self, eps: &[S; 3]) -> Matrix<S> {
-        let [e1, e2, e3] = eps;
-        let square = |a: &S, b: &S| a.clone() * b.clone();
-        let sum = self
-            .vv
-            .minus(&self.xv.symmetrised().scaled(e1))
-            .minus(&self.vk.symmetrised().scaled(e3))
-            .plus(&self.xx.scaled(&square(e1, e1)))
-            .plus(&self.xk.symmetrised().scaled(&square(e1, e3)))
-            .plus(&self.kk.scaled(&square(e3, e3)));
-        sum.scaled(&(S::one() / square(e2, e2)))
-    }
-
-    /// nu E[w w'] - E[e e'] with e = x(t_k^l) - w.
-    fn trigger(&self, nu: &S) -> Option<Matrix<S>> {
-        let [_, kw, ww] = self.held.as_ref()?;
-        let error = self.kk.minus(&kw.symmetrised()).plus(ww);
-        Some(ww.scaled(nu).minus(&error))
-    }
-
-    fn tell(&self, r: usize, tell: &mut impl FnMut(String, Matrix<S>)) {
-        let (n, d) = (self.xx.nrows(), self.tt.nrows());
-        let mut root = SymmetricBlocks::new(&[n, n, n]);
-        root.set(0, 0, &self.xx);
-        root.set(0, 1, &self.xv);
-        root.set(0, 2, &self.xk);
-        root.set(1, 1, &self.vv);
-        root.set(1, 2, &self.vk);
-        root.set(2, 2, &self.kk);
-        tell(format!("decrease r={r} root"), root.finish());
-        let mut disturbance = SymmetricBlocks::new(&[n, d]);
-        disturbance.set(0, 0, &self.vv);
-        disturbance.set(0, 1, &self.vt);
-        disturbance.set(1, 1, &self.tt);
-        tell(format!("decrease r={r} disturbance"), disturbance.finish());
-        if let Some([vw, kw, ww]) = &self.held {
-            let mut held = SymmetricBlocks::new(&[n, n, n]);
-            held.set(0, 0, &self.vv);
-            held.set(0, 1, &self.vk);
-            held.set(0, 2, vw);
-            held.set(1, 1, &self.kk);
-            held.set(1, 2, kw);
-            held.set(2, 2, ww);
-            tell(format!("decrease r={r} held state"), held.finish());
-        }
-    }
+/// The conditions of one gain.
+struct Part<'a, S> {
+    weights: &'a GainWeights,
+    /// Both ends of the sampling interval.
+    ends: [End<S>; 2],
+    /// F_j where it is given.
+    gain: Option<Matrix<S>>,
+    /// E[x s'] and E[x(t_k^l) s'].
+    integral: [Matrix<S>; 2],
+    /// Ends the conditions' names.
+    suffix: String,
 }
 
 /// States every matrix that must be positive definite, one after the other, and returns the sum.
 ///
 /// # Panics
-/// When a vertex index or a shape does not fit the model; files are checked before.
+/// When an index or a shape does not fit the model; files are checked before.
 pub fn for_each_statement<S: Scalar>(
     model: &Model,
     weights: &Weights,
@@ -214,35 +95,114 @@ pub fn for_each_statement<S: Scalar>(
 ) -> Balance<S> {
     let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
     let numbers = Numbers::<S>::new(model, weights);
-    for (r, moments) in [(1, &weights.start), (2, &weights.end)] {
-        for weight in &moments.vertices {
-            let name = format!("decrease r={r} vertex {}", weight.vertex + 1);
-            tell(name, Matrix::exactly(&weight.moments));
-        }
+    let mut parts = parts(&numbers, weights);
+    let determined = first_end(weights).is_some_and(|end| end.multiplied_sample.is_none());
+    let residual = multiplier_share(&numbers, weights, &parts);
+    if determined {
+        determine_sample(&numbers, &residual, &mut parts);
     }
-    let outer = outer_multiplier_share(&numbers, weights);
-    let start = End::new(&numbers, &weights.start, |_| None);
-    let end = End::new(&numbers, &weights.end, |end| {
-        determined_sample(&numbers, &outer, &start, end)
-    });
-    start.tell(1, &mut tell);
-    end.tell(2, &mut tell);
-    integral(&numbers, weights, [&start, &end], &mut tell);
-    let units = inputs(&numbers, weights, [&start, &end], &mut tell);
-    positivity(&numbers, weights, [&start, &end], &mut tell);
+    determine_integral(&numbers, &mut parts);
+    for part in &parts {
+        part.tell(&numbers, &mut tell);
+    }
+    positivity(&numbers, weights, &parts, &mut tell);
+    for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
+        let unit = Matrix::<S>::exactly(&weight.unit);
+        let mut out = SymmetricBlocks::new(&[numbers.plant.states(), unit.nrows()]);
+        out.set(0, 0, &Matrix::exactly(&weight.state));
+        out.set(0, 1, &Matrix::exactly(&weight.cross));
+        out.set(1, 1, &unit);
+        tell(format!("box {}", bound.name), out.finish());
+    }
     for (index, weight) in weights.must_contain.iter().enumerate() {
         let name = format!("must contain state {}", index + 1);
         tell(name, Matrix::exactly(weight));
     }
-    let residual = weights.end.multiplied_sample.as_ref().map(|_| {
-        let rates = start
-            .rate_multiplied(&numbers.eps)
-            .plus(&end.rate_multiplied(&numbers.eps));
-        rates.minus(&start.driven).minus(&end.driven).plus(&outer)
-    });
     Balance {
-        constant: constant(model, &numbers, weights, [&start, &end], units),
-        residual,
+        constant: constant(model, &numbers, weights, &parts),
+        residual: (!determined).then_some(residual),
+    }
+}
+
+/// r = 2 of the first gain.
+fn first_end(weights: &Weights) -> Option<&Moments> {
+    weights.gains.first().map(|part| &part.end)
+}
+
+fn parts<'a, S: Scalar>(numbers: &Numbers<S>, weights: &'a Weights) -> Vec<Part<'a, S>> {
+    let n = numbers.plant.states();
+    let part = |part: &'a GainWeights| {
+        let ends = [&part.start, &part.end];
+        let cross = |of: fn(&IntegralCross) -> &DMatrix<f64>| match &part.integral_cross {
+            Some(cross) => Matrix::exactly(of(cross)),
+            None => Matrix::zeros(n, n),
+        };
+        Part {
+            weights: part,
+            ends: ends.map(|moments| End::new(&numbers.plant.vertices, moments)),
+            gain: weights.given.get(part.gain).map(Matrix::exactly),
+            integral: [cross(|cross| &cross.state), cross(|cross| &cross.sample)],
+            suffix: gain_suffix(weights.given.len().max(1), part.gain),
+        }
+    };
+    weights.gains.iter().map(part).collect()
+}
+
+fn total<S: Scalar>(
+    parts: &[Part<S>],
+    zero: Matrix<S>,
+    of: impl Fn(&End<S>) -> Matrix<S>,
+) -> Matrix<S> {
+    let ends = parts.iter().flat_map(|part| &part.ends);
+    ends.fold(zero, |sum, end| sum.plus(&of(end)))
+}
+
+/// Half the coefficient of Qh: sum (E[x' v'] - sum_i E_i[x v'] A_i - (E[w v'] B + E[w p']) F_j) + outer, the
+/// sum over the gains and both ends. The term of F_j is there for given gains only; a free gain has its own
+/// balance.
+fn multiplier_share<S: Scalar>(
+    numbers: &Numbers<S>,
+    weights: &Weights,
+    parts: &[Part<S>],
+) -> Matrix<S> {
+    let outer = outer_multiplier_share(numbers, weights);
+    let sum = total(parts, outer, |end| {
+        end.rate_multiplied(&numbers.eps).minus(&end.driven)
+    });
+    parts.iter().fold(sum, |sum, part| match &part.gain {
+        Some(gain) => part.ends.iter().fold(sum, |sum, end| {
+            sum.minus(&end.command(&numbers.plant.input).times(gain))
+        }),
+        None => sum,
+    })
+}
+
+/// E[v x(t_k^l)'] of r = 2 of the first gain such that the coefficient of Qh vanishes, which without it is
+/// `known`: its own part there is -eps3/eps2 E[x(t_k^l) v'].
+fn determine_sample<S: Scalar>(numbers: &Numbers<S>, known: &Matrix<S>, parts: &mut [Part<S>]) {
+    let [_, e2, e3] = &numbers.eps;
+    if let Some(first) = parts.first_mut() {
+        let scale = e2.clone() / e3.clone();
+        first.ends[1].vk = known.scaled(&scale).transposed();
+    }
+}
+
+/// The moments of the integral's coordinate s of the first gain, such that the coefficients of L1h and
+/// L2h vanish: sum E[x (x - x_k)'] + k sum E_2[x s'] = 0 and the same with x_k in the place of x.
+fn determine_integral<S: Scalar>(numbers: &Numbers<S>, parts: &mut [Part<S>]) {
+    let n = numbers.plant.states();
+    let zero = || Matrix::zeros(n, n);
+    let inverse = -(S::one() / numbers.factor.clone());
+    let path = [
+        total(parts, zero(), |end| end.xx.minus(&end.xk)),
+        total(parts, zero(), |end| end.xk.transposed().minus(&end.kk)),
+    ];
+    for (index, path) in path.iter().enumerate() {
+        let others = parts.iter().skip(1);
+        let known = others.fold(zero(), |sum, part| sum.plus(&part.integral[index]));
+        if let Some(first) = parts.first_mut() {
+            first.integral[index] = path.scaled(&inverse).minus(&known);
+        }
     }
 }
 
@@ -259,97 +219,76 @@ fn outer_multiplier_share<S: Scalar>(numbers: &Numbers<S>, weights: &Weights) ->
     sum
 }
 
-/// E[v x(t_k^l)'] of r = 2 such that the coefficient of Qh vanishes:
-/// sum_r (E[x' v'] - sum_i E_i[x v'] A_i) + outer = 0.
-fn determined_sample<S: Scalar>(
-    numbers: &Numbers<S>,
-    outer: &Matrix<S>,
-    start: &End<S>,
-    end: &End<S>,
-) -> Option<Matrix<S>> {
-    let [_, e2, e3] = &numbers.eps;
-    let known = start
-        .rate_multiplied(&numbers.eps)
-        .plus(&end.rate_multiplied_without_sample(&numbers.eps))
-        .minus(&start.driven)
-        .minus(&end.driven)
-        .plus(outer);
-    let scale = e2.clone() / e3.clone();
-    Some(known.scaled(&scale).transposed())
-}
-
-/// The clique of the integral's coordinate s. Its cross moments make the coefficients of L1h and
-/// L2h vanish: sum_r E[x (x - x_k)'] + k E[x s'] = 0 and the same with x_k in the place of x.
-fn integral<S: Scalar>(
-    numbers: &Numbers<S>,
-    weights: &Weights,
-    ends: [&End<S>; 2],
-    tell: &mut impl FnMut(String, Matrix<S>),
-) {
-    let n = numbers.plant.states();
-    let inverse = -(S::one() / numbers.factor.clone());
-    let [start, end] = ends;
-    let state = start.xx.plus(&end.xx).minus(&start.xk).minus(&end.xk);
-    let sample = start.xk.plus(&end.xk).transposed();
-    let sample = sample.minus(&start.kk).minus(&end.kk);
-    let mut out = SymmetricBlocks::new(&[n, n, n]);
-    out.set(0, 0, &end.xx);
-    out.set(0, 1, &end.xk);
-    out.set(0, 2, &state.scaled(&inverse));
-    out.set(1, 1, &end.kk);
-    out.set(1, 2, &sample.scaled(&inverse));
-    out.set(2, 2, &Matrix::exactly(&weights.integral));
-    tell("decrease r=2 integral".to_string(), out.finish());
-}
-
-/// The weights of (19) and of the region; returns the sum of their unit corners' traces. The cross
-/// part of (19) makes the coefficient of Fh vanish: its row s is that of sum_r B' E[v w'].
-fn inputs<S: Scalar>(
-    numbers: &Numbers<S>,
-    weights: &Weights,
-    ends: [&End<S>; 2],
-    tell: &mut impl FnMut(String, Matrix<S>),
-) -> S {
-    let n = numbers.plant.states();
-    let held = ends[0].vw().plus(ends[1].vw());
-    let cross = numbers.plant.input.transposed().times(&held);
-    let mut units = S::zero();
-    for (input, weight) in weights.inputs.iter().enumerate() {
-        let unit = S::from_f64(weight.unit);
-        let mut out = SymmetricBlocks::new(&[n, 1]);
-        out.set(0, 0, &Matrix::exactly(&weight.state));
-        out.set(0, 1, &cross.row(input).transposed());
-        out.set(1, 1, &Matrix::identity(1, unit.clone()));
-        tell(format!("anti-windup input {}", input + 1), out.finish());
-        units = units + unit;
+impl<S: Scalar> Part<'_, S> {
+    /// Every matrix of this gain.
+    fn tell(&self, numbers: &Numbers<S>, tell: &mut impl FnMut(String, Matrix<S>)) {
+        let suffix = &self.suffix;
+        for (r, moments) in [(1, &self.weights.start), (2, &self.weights.end)] {
+            for weight in &moments.vertices {
+                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex + 1);
+                tell(name, Matrix::exactly(&weight.moments));
+            }
+        }
+        for (index, end) in self.ends.iter().enumerate() {
+            end.tell(&format!("r={}{suffix}", index + 1), tell);
+        }
+        let n = numbers.plant.states();
+        let end = &self.ends[1];
+        let mut out = SymmetricBlocks::new(&[n, n, n]);
+        out.set(0, 0, &end.xx);
+        out.set(0, 1, &end.xk);
+        out.set(0, 2, &self.integral[0]);
+        out.set(1, 1, &end.kk);
+        out.set(1, 2, &self.integral[1]);
+        out.set(2, 2, &Matrix::exactly(&self.weights.integral));
+        tell(format!("decrease r=2{suffix} integral"), out.finish());
+        let cross = self.input_cross(numbers);
+        for (input, weight) in self.weights.inputs.iter().enumerate() {
+            let unit = S::from_f64(weight.unit);
+            let mut out = SymmetricBlocks::new(&[n, 1]);
+            out.set(0, 0, &Matrix::exactly(&weight.state));
+            out.set(0, 1, &cross.row(input).transposed());
+            out.set(1, 1, &Matrix::identity(1, unit));
+            tell(
+                format!("anti-windup input {}{suffix}", input + 1),
+                out.finish(),
+            );
+        }
     }
-    for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
-        let unit = Matrix::<S>::exactly(&weight.unit);
-        let mut out = SymmetricBlocks::new(&[n, unit.nrows()]);
-        out.set(0, 0, &Matrix::exactly(&weight.state));
-        out.set(0, 1, &Matrix::exactly(&weight.cross));
-        out.set(1, 1, &unit);
-        tell(format!("box {}", bound.name), out.finish());
-        units = units + unit.trace();
+
+    /// The cross parts of (19), one row for each input. For a free gain they make the coefficient of Fh
+    /// vanish: sum_r B' E[v w']. For a given one that of Nh_j: -sum_r E[p w'].
+    fn input_cross(&self, numbers: &Numbers<S>) -> Matrix<S> {
+        let zero = Matrix::zeros(numbers.plant.input.ncols(), numbers.plant.states());
+        let input = numbers.plant.input.transposed();
+        self.ends
+            .iter()
+            .fold(zero, |sum, end| match &end.dead_zone {
+                Some([_, wp, _]) => sum.minus(&wp.transposed()),
+                None => sum.plus(&input.times(end.vw())),
+            })
     }
-    units
 }
 
-/// The weights of Uh > 0, Yh > 0 and Wh > 0, which make the coefficients of Uh, Yh, Wh vanish.
+/// The weights of Uh > 0, Yh > 0, Wh > 0 and, for given gains, S > 0, which make the coefficients of these
+/// unknowns vanish.
 fn positivity<S: Scalar>(
     numbers: &Numbers<S>,
     weights: &Weights,
-    ends: [&End<S>; 2],
+    parts: &[Part<S>],
     tell: &mut impl FnMut(String, Matrix<S>),
 ) {
-    let [start, end] = ends;
-    let mut lyapunov = start.xx.plus(&end.xx).scaled(&numbers.phi);
-    for end in ends {
-        lyapunov = lyapunov.plus(&end.state_rate(&numbers.eps).symmetrised());
-    }
-    for (limit, weight) in numbers.plant.input_limit.iter().zip(&weights.inputs) {
-        let share = limit.clone() * limit.clone() / numbers.level.clone();
-        lyapunov = lyapunov.minus(&Matrix::exactly(&weight.state).scaled(&share));
+    let n = numbers.plant.states();
+    let zero = || Matrix::<S>::zeros(n, n);
+    let mut lyapunov = total(parts, zero(), |end| {
+        let rate = end.state_rate(&numbers.eps).symmetrised();
+        end.xx.scaled(&numbers.phi).plus(&rate)
+    });
+    for part in parts {
+        for (limit, weight) in numbers.plant.input_limit.iter().zip(&part.weights.inputs) {
+            let share = limit.clone() * limit.clone() / numbers.level.clone();
+            lyapunov = lyapunov.minus(&Matrix::exactly(&weight.state).scaled(&share));
+        }
     }
     for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
         let share = bound.bound_squared.clone() / numbers.level.clone();
@@ -360,20 +299,39 @@ fn positivity<S: Scalar>(
         lyapunov = lyapunov.plus(&Matrix::exactly(weight).scaled(&rho_squared));
     }
     tell("lyapunov positive".to_string(), lyapunov);
-    let rates = start.rate_rate(&numbers.eps).scaled(&numbers.hbar);
-    let integral = Matrix::exactly(&weights.integral).scaled(&numbers.factor);
-    tell(
-        "integral weight positive".to_string(),
-        rates.minus(&integral),
-    );
-    let triggers = ends.map(|end| end.trigger(&numbers.nu));
+    let integral = parts.iter().fold(zero(), |sum, part| {
+        let [start, _] = &part.ends;
+        let rates = start.rate_rate(&numbers.eps).scaled(&numbers.hbar);
+        let integral = Matrix::exactly(&part.weights.integral).scaled(&numbers.factor);
+        sum.plus(&rates.minus(&integral))
+    });
+    tell("integral weight positive".to_string(), integral);
+    let ends = parts.iter().flat_map(|part| &part.ends);
+    let triggers = ends.filter_map(|end| end.trigger(&numbers.nu));
     // With w = x(t_k^l) at one end its share is nu E[w w'], which is positive semidefinite.
-    let sum = match triggers {
-        [Some(start), Some(end)] => Some(start.plus(&end)),
-        [one, other] => one.or(other),
-    };
-    if let Some(trigger) = sum {
+    if let Some(trigger) = triggers.reduce(|sum, trigger| sum.plus(&trigger)) {
         tell("trigger weight positive".to_string(), trigger);
+    }
+    sector_positivity(numbers, parts, tell);
+}
+
+/// -2 sum (B' E[v p'] + E[p p'])_ss for every input s.
+fn sector_positivity<S: Scalar>(
+    numbers: &Numbers<S>,
+    parts: &[Part<S>],
+    tell: &mut impl FnMut(String, Matrix<S>),
+) {
+    let ends = parts.iter().flat_map(|part| &part.ends);
+    let zones = ends.filter_map(|end| end.dead_zone.as_ref());
+    let input = numbers.plant.input.transposed();
+    let sum = zones.map(|[vp, _, pp]| input.times(vp).plus(pp));
+    let Some(sum) = sum.reduce(|sum, zone| sum.plus(&zone)) else {
+        return;
+    };
+    for k in 0..sum.nrows() {
+        let weight = -(sum.at(k, k).clone() + sum.at(k, k).clone());
+        let name = format!("sector weight input {}", k + 1);
+        tell(name, Matrix::identity(1, weight));
     }
 }
 
@@ -382,14 +340,21 @@ fn constant<S: Scalar>(
     model: &Model,
     numbers: &Numbers<S>,
     weights: &Weights,
-    ends: [&End<S>; 2],
-    units: S,
+    parts: &[Part<S>],
 ) -> S {
-    let mut sum = units;
-    for end in ends {
-        let work = numbers.plant.disturbance.transposed().times(&end.vt);
-        sum = sum - (work.trace() + work.trace());
-        sum = sum + numbers.xi_max.clone() * end.tt.trace();
+    let mut sum = S::zero();
+    for part in parts {
+        for weight in &part.weights.inputs {
+            sum = sum + S::from_f64(weight.unit);
+        }
+        for end in &part.ends {
+            let work = numbers.plant.disturbance.transposed().times(&end.vt);
+            sum = sum - (work.trace() + work.trace());
+            sum = sum + numbers.xi_max.clone() * end.tt.trace();
+        }
+    }
+    for weight in &weights.region {
+        sum = sum + Matrix::<S>::exactly(&weight.unit).trace();
     }
     let states = &model.file.specs.must_contain;
     for (state, weight) in states.iter().zip(&weights.must_contain) {

@@ -15,10 +15,15 @@
 //! then does not depend on y at all, whatever the rounding. Where that is impossible (eps3 = 0) one
 //! residual remains, and the proof covers multipliers whose entries stay within a bound.
 //!
+//! With given gains F_j the conditions hold for every vertex with every gain, and there are unknowns of
+//! the dead zone p as well, Nh_j and S: their moments are a further clique {p, v, w} for each gain. Weights
+//! may leave gains and vertices out; what cannot hold for some cannot hold for all.
+//!
 //! Nothing here comes from a solver but the numbers of [`Weights`], and any numbers will do for
 //! which the matrices are positive definite and the constant is negative.
 
 pub mod balance;
+mod end;
 
 use nalgebra::DMatrix;
 
@@ -26,7 +31,7 @@ use self::balance::{for_each_statement, Balance};
 use super::interval::Interval;
 use super::rounding::{div_down, mul_up, next_down};
 use super::{judge, ConditionMargin};
-use crate::model::Model;
+use crate::model::{Mismatch, Model};
 
 /// Weight of (18) at one vertex: second moments of (x, v), 2n x 2n, symmetric.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,14 +53,26 @@ pub struct HeldMoments {
     pub held: DMatrix<f64>,
 }
 
-/// Weights of (18) at one end of the sampling interval. n states, d disturbances.
+/// Moments with the dead zone p, for given gains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeadZoneMoments {
+    /// E[v p'], n x m.
+    pub multiplied: DMatrix<f64>,
+    /// E[w p'], n x m.
+    pub held: DMatrix<f64>,
+    /// E[p p'], m x m, symmetric.
+    pub own: DMatrix<f64>,
+}
+
+/// Weights of (18) at one end of the sampling interval. n states, m inputs, d disturbances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moments {
     /// One weight for each vertex that matters; those left out have weight 0.
     pub vertices: Vec<VertexWeight>,
     /// E[x x(t_k^l)'], n x n.
     pub state_sample: DMatrix<f64>,
-    /// E[v x(t_k^l)'], n x n; `None` when the balance of the multiplier determines it (r = 2 only).
+    /// E[v x(t_k^l)'], n x n; `None` when the balance of the multiplier determines it (r = 2 of the first
+    /// gain only).
     pub multiplied_sample: Option<DMatrix<f64>>,
     /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
     pub sample: DMatrix<f64>,
@@ -65,6 +82,17 @@ pub struct Moments {
     pub disturbance: DMatrix<f64>,
     /// Moments with the held state; `None` stands for w = x(t_k^l) (no trigger error).
     pub held: Option<HeldMoments>,
+    /// Moments with the dead zone; `None` exactly where the gain is free.
+    pub dead_zone: Option<DeadZoneMoments>,
+}
+
+/// Moments of the integral's coordinate s with the states, r = 2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntegralCross {
+    /// E[x s'], n x n.
+    pub state: DMatrix<f64>,
+    /// E[x(t_k^l) s'], n x n.
+    pub sample: DMatrix<f64>,
 }
 
 /// Weight of one condition (19): `[ state, *; *, unit ]`.
@@ -87,24 +115,82 @@ pub struct RegionWeight {
     pub unit: DMatrix<f64>,
 }
 
-/// Weights that show that no design exists, in SI units.
+/// Weights of the conditions of one gain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weights {
-    /// The weight rho of the containment condition; above 0. Without effect when the model has no
-    /// states that must be contained.
-    pub containment_weight: f64,
+pub struct GainWeights {
+    /// Which of the given gains, from 0; 0 where the gain is free.
+    pub gain: usize,
     /// Weights of (18), r = 1.
     pub start: Moments,
     /// Weights of (18), r = 2.
     pub end: Moments,
     /// E[s s'], n x n, symmetric: the integral's coordinate in r = 2.
     pub integral: DMatrix<f64>,
+    /// Its moments with the states; `None` exactly for the first gain, where the balance of L1h and L2h
+    /// determines them.
+    pub integral_cross: Option<IntegralCross>,
     /// Weights of (19), one for each input.
     pub inputs: Vec<InputWeight>,
+}
+
+/// Weights that show that no design exists, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// The given gains F_j, m x n, that no design has; empty: no constant gain has one.
+    pub given: Vec<DMatrix<f64>>,
+    /// The weight rho of the containment condition; above 0. Without effect when the model has no
+    /// states that must be contained.
+    pub containment_weight: f64,
+    /// Weights of the conditions of each gain that matters: at least one, and exactly one where the gain is
+    /// free.
+    pub gains: Vec<GainWeights>,
     /// Weights of the region's conditions, in their order.
     pub region: Vec<RegionWeight>,
     /// Weights of the containment conditions, n x n, symmetric, one for each state.
     pub must_contain: Vec<DMatrix<f64>>,
+}
+
+impl Weights {
+    /// True when the model's conditions hold for rule i of the plant with gain i, not for every vertex
+    /// with every gain.
+    pub fn is_matched(&self, model: &Model) -> bool {
+        matches!(model.file.mismatch, Mismatch::Kappa(_))
+            && self.given.len() > 1
+            && model.plant.membership_count() == Some(self.given.len())
+    }
+
+    /// Every weight belongs to a condition that there is, and the parts that are determined or without
+    /// meaning are left out.
+    fn fits(&self, model: &Model) -> bool {
+        let free = self.given.is_empty();
+        let matched = self.is_matched(model);
+        let known = |part: &GainWeights| match free {
+            true => part.gain == 0,
+            false => part.gain < self.given.len(),
+        };
+        let pairs = |part: &GainWeights| {
+            let mut vertices = part.start.vertices.iter().chain(&part.end.vertices);
+            !matched || vertices.all(|weight| weight.vertex == part.gain)
+        };
+        let dead_zone = |part: &GainWeights| {
+            let ends = [&part.start, &part.end];
+            ends.iter().all(|end| end.dead_zone.is_none() == free)
+        };
+        let count = self.gains.len();
+        count > 0
+            && (count == 1 || !free)
+            && self.gains.iter().enumerate().all(|(index, part)| {
+                let first = index == 0;
+                let given = part.end.multiplied_sample.is_some();
+                let determinable = first && (free || part.end.held.is_some());
+                known(part)
+                    && pairs(part)
+                    && dead_zone(part)
+                    && part.integral_cross.is_none() == first
+                    && part.start.multiplied_sample.is_some()
+                    && (given || determinable)
+            })
+    }
 }
 
 /// The outcome of the check of [`Weights`].
@@ -131,6 +217,14 @@ impl Refutation {
 /// Checks that the weights show that no design exists for the model.
 pub fn refute(model: &Model, weights: &Weights) -> Refutation {
     let mut conditions = Vec::new();
+    if !weights.fits(model) {
+        return Refutation {
+            proved: false,
+            conditions,
+            constant: f64::INFINITY,
+            bound: 0.0,
+        };
+    }
     let mut definite = true;
     let balance = for_each_statement::<Interval>(model, weights, |statement| {
         let (proved, margin) = judge(&statement);

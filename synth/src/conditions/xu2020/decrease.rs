@@ -49,6 +49,30 @@ pub fn decrease(
     interval: Interval,
     unknowns: &DesignUnknowns,
 ) -> Affine {
+    let states = vertex.nrows();
+    let identity = DMatrix::identity(states, states);
+    decrease_with_descriptor(task, (vertex, &identity), interval, unknowns)
+}
+
+/// [`decrease`] at one of the model's vertices, with that vertex's own E_i.
+fn decrease_at(task: &Task, index: usize, interval: Interval, unknowns: &DesignUnknowns) -> Affine {
+    let vertex = &task.system.vertices[index];
+    match task.system.descriptors.get(index) {
+        None => decrease(task, vertex, interval, unknowns),
+        Some(descriptor) => {
+            decrease_with_descriptor(task, (vertex, descriptor), interval, unknowns)
+        }
+    }
+}
+
+/// [`decrease`] for E x' = A x + ..., given (A, E): wherever x' is multiplied by Qh' in the printed
+/// condition, it is multiplied by E Qh'.
+fn decrease_with_descriptor(
+    task: &Task,
+    (vertex, descriptor): (&DMatrix<f64>, &DMatrix<f64>),
+    interval: Interval,
+    unknowns: &DesignUnknowns,
+) -> Affine {
     let DesignUnknowns {
         lyapunov: uh,
         integral_weight: yh,
@@ -68,6 +92,7 @@ pub fn decrease(
 
     let a_qt = a * &qh.transposed(); // A Qh'
     let q_at = a_qt.transposed(); // Qh A'
+    let e_qt = descriptor * &qh.transposed(); // E Qh'
     let bf = b * fh;
 
     let m = if unknowns.sector.is_some() { m } else { 0 };
@@ -81,7 +106,7 @@ pub fn decrease(
         STATE,
         &((e1 * &a_qt).symmetrised() + phi * uh + l1h.symmetrised()),
     );
-    out.add(STATE, RATE, &(uh - &(e1 * qh.transposed()) + e2 * &q_at));
+    out.add(STATE, RATE, &(uh - &(e1 * &e_qt) + e2 * &q_at));
     out.add(
         STATE,
         SAMPLE,
@@ -89,8 +114,8 @@ pub fn decrease(
     );
     out.add(STATE, ERROR, &(-e1 * &bf));
     out.add(STATE, DISTURBANCE, &Affine::constant(&(e1 * bw)));
-    out.add(RATE, RATE, &(-e2 * qh.symmetrised()));
-    out.add(RATE, SAMPLE, &(-e3 * qh + e2 * &bf));
+    out.add(RATE, RATE, &(-e2 * e_qt.symmetrised()));
+    out.add(RATE, SAMPLE, &(-e3 * e_qt.transposed() + e2 * &bf));
     out.add(RATE, ERROR, &(-e2 * &bf));
     out.add(RATE, DISTURBANCE, &Affine::constant(&(e2 * bw)));
     out.add(
@@ -150,7 +175,7 @@ pub fn full_condition(
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Condition {
-    let lhs = decrease(task, &task.system.vertices[index], interval, unknowns);
+    let lhs = decrease_at(task, index, interval, unknowns);
     strictness.positive(condition_name(interval, index), -lhs)
 }
 
@@ -164,7 +189,7 @@ pub fn full_matched_condition(
     strictness: &Strictness,
 ) -> Condition {
     let at_rule = unknowns.with_rule(index);
-    let mut lhs = decrease(task, &task.system.vertices[index], interval, &at_rule);
+    let mut lhs = decrease_at(task, index, interval, &at_rule);
     if let Some(slack) = unknowns.mismatch.get(interval.index() - 1) {
         lhs += &slack
             .total(task)
@@ -209,6 +234,24 @@ pub fn vertex_term(task: &Task, vertex: &DMatrix<f64>, multiplier: &DMatrix<f64>
         block.copy_from(&(*weight * &a_qt));
     }
     &out + out.transpose()
+}
+
+/// The vertex term at one of the model's vertices, `2 v' (A_i Qh' x - (E_i - I) Qh' x')`, likewise.
+pub fn vertex_term_at(task: &Task, index: usize, multiplier: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = task.system.states();
+    let mut out = vertex_term(task, &task.system.vertices[index], multiplier);
+    let Some(descriptor) = task.system.descriptors.get(index) else {
+        return out;
+    };
+    let change = (descriptor - DMatrix::identity(n, n)) * multiplier.transpose();
+    for (row, weight) in task.specification.multiplier_weights.iter().enumerate() {
+        let block = *weight * &change;
+        let mut place = out.view_mut((row * n, n), (n, n));
+        place -= &block;
+        let mut mirrored = out.view_mut((n, row * n), (n, n));
+        mirrored -= block.transpose();
+    }
+    out
 }
 
 /// Name of (18) at one vertex, counted from 1 as in the paper.

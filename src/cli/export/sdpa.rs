@@ -1,56 +1,20 @@
 //! `steadfast export FILE --format sdpa`
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-
-use clap::ValueEnum;
 use synth::design::ProblemUnits;
 use synth::lmi::Semidefinite;
 use synth::model::{kind_of, Kind, Model, Objective};
 use synth::problem::{first_program, Problem};
 use synth::synthesis::{assemble, coupled_problem, scaled_task, Choice, Form, Goal, FIRST_UNITS};
 
-use super::synthesize::FormArg;
-use super::{files, print, CliError};
+use super::ExportArgs;
+use crate::cli::{files, CliError};
 
-/// Arguments of `export`.
-#[derive(clap::Args)]
-pub struct ExportArgs {
-    /// Model, design or problem file
-    file: PathBuf,
-    /// Format to write
-    #[arg(long)]
-    format: FormatArg,
-    /// Form of the decrease condition; a design's own by default, reduced for a model
-    #[arg(long)]
-    form: Option<FormArg>,
-    /// File to write; standard output when left out
-    #[arg(short, long)]
-    output: Option<PathBuf>,
-}
-
-/// Formats.
-#[derive(Clone, Copy, ValueEnum)]
-enum FormatArg {
-    /// SDPA sparse text (.dat-s): the first problem that synthesis solves, in its scaled units; the
-    /// optimum is gamma
-    Sdpa,
-}
-
-/// Writes the semidefinite program of a model, of a problem, or of what is inside a design.
-pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
-    if let Some(output) = &args.output {
-        files::check_output(output, &args.file)?;
-    }
-    let FormatArg::Sdpa = args.format;
+/// The semidefinite program of a model, of a problem, or of what is inside a design, as SDPA sparse text:
+/// the first problem that synthesis solves, in its scaled units; the optimum is gamma.
+pub fn export(args: &ExportArgs) -> Result<String, CliError> {
     let (program, what) = program(args)?;
     let title = format!("{what}, by steadfast {}", env!("CARGO_PKG_VERSION"));
-    let text = program.to_sdpa(&title);
-    match &args.output {
-        Some(path) => files::write(path, &text)?,
-        None => print(text.trim_end()),
-    }
-    Ok(ExitCode::SUCCESS)
+    Ok(program.to_sdpa(&title))
 }
 
 /// The program and its name.

@@ -1,0 +1,238 @@
+//! `steadfast campaign SCENARIO.json --runs N -o DIR`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::{json, Value};
+
+use super::progress::RunsProgress;
+use super::simulate::{design_of, design_path};
+use super::{files, print, CliError, EXIT_NO};
+use crate::harness::campaign::finish::{finish, finish_again};
+use crate::harness::campaign::parts::{Job, Watch};
+use crate::harness::campaign::plan::{Plan, PlanError, MAX_RUNS};
+use crate::harness::campaign::record::{Inputs, Results, Shard, State};
+use crate::harness::campaign::CampaignError;
+use crate::harness::scenario::Scenario;
+
+/// Most failed runs that are kept when the command line does not say.
+pub(super) const KEPT: usize = 100;
+
+/// Arguments of `campaign`.
+#[derive(clap::Args)]
+pub struct CampaignArgs {
+    /// Scenario file; its `dispersions` say what is drawn anew for every run
+    scenario: PathBuf,
+    /// Number of runs
+    #[arg(long, value_name = "N")]
+    runs: u64,
+    /// Seed; that of the scenario when left out
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Threads; one for each processor when left out
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    jobs: usize,
+    /// Make part i of n only, for `merge`
+    #[arg(long, value_name = "i/n")]
+    shard: Option<String>,
+    /// Most failed runs that are kept with their trajectory
+    #[arg(long, value_name = "K", default_value_t = KEPT)]
+    keep: usize,
+    /// Design file, for scenarios whose controller is a design
+    #[arg(long)]
+    design: Option<PathBuf>,
+    /// Folder for the results; the same command goes on with what is there
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Makes the runs. 0: every run met every requirement; 2: some did not.
+pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
+    check_runs(args.runs)?;
+    let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let text = files::text(&args.scenario)?;
+    let scenario =
+        Scenario::from_json(&text).map_err(|error| CliError::file(&args.scenario, error))?;
+    let given = args.design.as_deref();
+    let design = design_of(&scenario, &args.scenario, given)?;
+    let design_text = match design_path(&scenario, &args.scenario, given) {
+        Some(path) => Some(files::text(&path)?),
+        None => None,
+    };
+    let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
+        .map_err(|error| unplanned(&args.scenario, error))?;
+    if plan.columns.drawn.is_empty() {
+        eprintln!("note: the scenario has no dispersions; the runs differ in their noise only");
+    }
+    let told = |error| told(&args.scenario, error);
+    let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
+    let job = Job::new(&plan, design_sha256, shard, args.jobs, &args.output).map_err(told)?;
+    let state = job.prepare(&text, design_text.as_deref()).map_err(told)?;
+    let results = make(&job, state, args.keep).map_err(|error| {
+        let done = job.runs_done().unwrap_or(0);
+        stopped(&args.scenario, &job, done, error)
+    })?;
+    tell(&results, &job.inputs, &args.output, args.json);
+    Ok(match results.failures {
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::from(EXIT_NO),
+    })
+}
+
+fn make(job: &Job, state: State, keep: usize) -> Result<Results, CampaignError> {
+    let all = job.inputs.end_run - job.inputs.first_run;
+    let done = match state {
+        State::Running => job.runs_done()?,
+        State::Complete => all,
+    };
+    let progress = RunsProgress::start(all, done);
+    let watch = Watch {
+        done: &|| progress.done(),
+        stop: progress.stop(),
+    };
+    if state == State::Complete {
+        return finish_again(job, keep, &watch);
+    }
+    job.run(&watch)?;
+    finish(job, keep, &watch)
+}
+
+/// Refuses numbers of runs that are no campaign.
+pub(super) fn check_runs(runs: u64) -> Result<(), CliError> {
+    if (1..=MAX_RUNS).contains(&runs) {
+        return Ok(());
+    }
+    Err(CliError::Argument {
+        argument: "--runs",
+        reason: format!("{runs} is not allowed; it must be from 1 to {MAX_RUNS}"),
+    })
+}
+
+fn parse_shard(text: &str) -> Result<Shard, CliError> {
+    let parts = text.split_once('/');
+    let numbers = parts.and_then(|(index, count)| {
+        let (index, count) = (index.trim().parse().ok()?, count.trim().parse().ok()?);
+        Some(Shard { index, count })
+    });
+    let valid = numbers.filter(|shard| (1..=shard.count).contains(&shard.index));
+    valid.ok_or_else(|| CliError::Argument {
+        argument: "--shard",
+        reason: format!("'{text}' is not of the form i/n with i from 1 to n"),
+    })
+}
+
+/// A file that has no plan.
+pub(super) fn unplanned(scenario: &Path, error: PlanError) -> CliError {
+    match error {
+        PlanError::File(problem) => CliError::file(scenario, problem),
+        PlanError::Campaign(error) => told(scenario, error),
+    }
+}
+
+/// What is wrong, with the file that it is about.
+pub(super) fn told(scenario: &Path, error: CampaignError) -> CliError {
+    let argument = |argument, reason: String| CliError::Argument { argument, reason };
+    match error {
+        CampaignError::Shards(reason) => argument("--shard", reason),
+        CampaignError::Threads(error) => argument("--jobs", error.to_string()),
+        CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
+            CliError::Campaign(error.to_string())
+        }
+        error => CliError::unsuitable(scenario, error),
+    }
+}
+
+/// What is wrong, and what is done.
+fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliError {
+    let all = job.inputs.end_run - job.inputs.first_run;
+    let kept = format!(
+        "{done} of {all} runs are done and kept in {}; the same command goes on with the rest",
+        job.folder.display()
+    );
+    match error {
+        CampaignError::Interrupted => CliError::Campaign(format!("interrupted; {kept}")),
+        CampaignError::Run { .. } => told(scenario, error),
+        error => CliError::Campaign(format!("{}; {kept}", told(scenario, error))),
+    }
+}
+
+/// Prints the results.
+pub(super) fn tell(results: &Results, inputs: &Inputs, folder: &Path, json: bool) {
+    if json {
+        print(&object(results, inputs, folder).to_string());
+    } else {
+        print(&describe(results, inputs, folder));
+    }
+}
+
+fn object(results: &Results, inputs: &Inputs, folder: &Path) -> Value {
+    let mut object = serde_json::to_value(results).unwrap_or_default();
+    if let Value::Object(keys) = &mut object {
+        keys.insert("scenario".to_string(), json!(inputs.scenario));
+        keys.insert("seed".to_string(), json!(inputs.seed));
+        keys.insert("shard".to_string(), json!(inputs.shard));
+        let folder = folder.to_string_lossy().into_owned();
+        keys.insert("folder".to_string(), json!(folder));
+    }
+    object
+}
+
+fn describe(results: &Results, inputs: &Inputs, folder: &Path) -> String {
+    let interval = &results.pass_rate_interval;
+    let percent = |share: f64| 100.0 * share;
+    let mut lines = vec![
+        format!("scenario: {}", inputs.scenario),
+        format!("runs: {}; failures: {}", results.runs, results.failures),
+        format!(
+            "pass rate: {:.4} %, {} % confidence: {:.4} % to {:.4} % ({})",
+            percent(results.pass_rate),
+            percent(interval.confidence),
+            percent(interval.lower),
+            percent(interval.upper),
+            interval.method
+        ),
+    ];
+    for (verdict, count) in results.verdicts.iter().filter(|(_, count)| **count > 0) {
+        lines.push(format!("  {verdict}: {count}"));
+    }
+    if let Some(covered) = results.covered_runs {
+        lines.push(format!("runs that the proof covers: {covered}"));
+    }
+    for requirement in &results.requirements {
+        lines.push(format!(
+            "requirement {} {}: missed in {} runs",
+            requirement.name, requirement.limit, requirement.missed
+        ));
+    }
+    let title = ["metric", "runs", "min", "median", "p95", "max"];
+    lines.push(row(title.map(str::to_string)));
+    for (name, spread) in &results.metrics {
+        let number = |value: f64| format!("{value:.6}");
+        lines.push(row([
+            name.clone(),
+            spread.count.to_string(),
+            number(spread.min),
+            number(spread.median),
+            number(spread.p95),
+            number(spread.max),
+        ]));
+    }
+    if results.failures > 0 {
+        lines.push(format!(
+            "failed runs kept with their trajectory: {}; not kept: {} (simulate --run-index makes any again)",
+            results.kept.len(),
+            results.not_kept
+        ));
+    }
+    lines.push(format!("written: {}", folder.display()));
+    lines.join("\n")
+}
+
+fn row(cells: [String; 6]) -> String {
+    let [name, numbers @ ..] = cells;
+    let numbers = numbers.map(|cell| format!("{cell:>14}"));
+    format!("{name:<28}{}", numbers.concat())
+}

@@ -1,0 +1,155 @@
+//! What a table of runs says: quantiles of the metrics, the pass rate and how well it is known.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use statrs::function::beta::beta_reg;
+
+use super::record::{Interval, Quantiles, RequirementCount};
+use super::row::metric_columns;
+use super::table::column_f64;
+use super::CampaignError;
+
+/// Level of the confidence interval.
+const CONFIDENCE: f64 = 0.95;
+/// Halvings of the interval in which an end lies: more than a number has bits.
+const HALVINGS: usize = 80;
+
+/// The interval of Clopper and Pearson (1934) for `passed` of `runs` runs: whatever the probability
+/// is, it lies inside with at least the confidence, for independent runs.
+pub fn pass_rate_interval(passed: u64, runs: u64) -> Interval {
+    let tail = 0.5 * (1.0 - CONFIDENCE);
+    let (k, n) = (passed as f64, runs as f64);
+    Interval {
+        confidence: CONFIDENCE,
+        lower: if passed == 0 {
+            0.0
+        } else {
+            quantile_of_beta(k, n - k + 1.0, tail)
+        },
+        upper: if passed == runs {
+            1.0
+        } else {
+            quantile_of_beta(k + 1.0, n - k, 1.0 - tail)
+        },
+        method: "Clopper-Pearson".to_string(),
+    }
+}
+
+/// Where the distribution function of a beta distribution with parameters above 0 has that value.
+fn quantile_of_beta(a: f64, b: f64, share: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if beta_reg(a, b, middle) < share {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Quantiles of the values that are there; `None` when there is none. Between two values the quantile is
+/// on the straight line, as in numpy and pandas.
+pub fn quantiles(values: &[Option<f64>]) -> Option<Quantiles> {
+    let mut sorted: Vec<f64> = values.iter().copied().flatten().collect();
+    sorted.sort_by(f64::total_cmp);
+    let at = |share: f64| -> Option<f64> {
+        let place = share * (sorted.len().checked_sub(1)?) as f64;
+        let below = *sorted.get(place.floor() as usize)?;
+        let above = *sorted.get(place.ceil() as usize)?;
+        Some(below + (above - below) * place.fract())
+    };
+    Some(Quantiles {
+        count: sorted.len() as u64,
+        min: at(0.0)?,
+        median: at(0.5)?,
+        p95: at(0.95)?,
+        max: at(1.0)?,
+    })
+}
+
+/// Quantiles of every metric that at least one run has. Holds one column at a time.
+///
+/// # Errors
+/// A table that cannot be read.
+pub fn metric_quantiles(runs: &Path) -> Result<BTreeMap<String, Quantiles>, CampaignError> {
+    let mut out = BTreeMap::new();
+    for name in metric_columns() {
+        if let Some(found) = quantiles(&column_f64(runs, &name)?) {
+            out.insert(name, found);
+        }
+    }
+    Ok(out)
+}
+
+/// Counts anew how many runs missed each requirement.
+///
+/// # Errors
+/// A table that cannot be read.
+pub fn count_missed(
+    runs: &Path,
+    requirements: &mut [RequirementCount],
+) -> Result<(), CampaignError> {
+    for requirement in requirements {
+        let values = column_f64(runs, &requirement.metric)?;
+        let least = requirement.name.ends_with("at least");
+        let limit = requirement.limit;
+        let met = |value: f64| {
+            if least {
+                value >= limit
+            } else {
+                value <= limit
+            }
+        };
+        let missed = values.iter().filter(|value| !value.is_some_and(met));
+        requirement.missed = missed.count() as u64;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        let values = [Some(4.0), None, Some(1.0), Some(3.0), Some(2.0)];
+        let expected = Quantiles {
+            count: 4,
+            min: 1.0,
+            median: 2.5,
+            // numpy.quantile([1, 2, 3, 4], 0.95)
+            p95: 3.8499999999999996,
+            max: 4.0,
+        };
+        let found = quantiles(&values).unwrap();
+        assert!((found.p95 - expected.p95).abs() < 1e-15);
+        assert_eq!((found.min, found.median, found.max), (1.0, 2.5, 4.0));
+        assert_eq!(found.count, 4);
+        assert_eq!(quantiles(&[None]), None);
+    }
+
+    #[test]
+    fn the_interval_is_clopper_and_pearson_s() {
+        // All of n: the lower end is (tail)^(1/n), from the definition.
+        let interval = pass_rate_interval(10_000, 10_000);
+        assert!((interval.lower - 0.025_f64.powf(1e-4)).abs() < 1e-12);
+        assert_eq!(interval.upper, 1.0);
+        let interval = pass_rate_interval(0, 20);
+        assert_eq!(interval.lower, 0.0);
+        assert!((interval.upper - (1.0 - 0.025_f64.powf(0.05))).abs() < 1e-12);
+        // The binomial distribution itself at the ends for 3 of 8.
+        let interval = pass_rate_interval(3, 8);
+        let probability = |p: f64, from: u32, to: u32| -> f64 {
+            let term = |k: u32| {
+                let choose = (0..k).fold(1.0, |c, i| c * f64::from(8 - i) / f64::from(i + 1));
+                choose * p.powi(k as i32) * (1.0 - p).powi(8 - k as i32)
+            };
+            (from..=to).map(term).sum()
+        };
+        assert!((probability(interval.lower, 3, 8) - 0.025).abs() < 1e-10);
+        assert!((probability(interval.upper, 0, 3) - 0.025).abs() < 1e-10);
+    }
+}

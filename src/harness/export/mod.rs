@@ -1,0 +1,13 @@
+//! Designs and trajectories in the formats of other programs.
+//!
+//! A design becomes a list of [`quantity::Quantity`] with what is to be said of it
+//! ([`design::DesignData`]), a trajectory a table with units ([`trajectory::TrajectoryData`]); [`csv`],
+//! [`mat`], [`c_header`] and [`super::parquet`] write them. Every number is written so that it reads back
+//! as the same double.
+
+pub mod c_header;
+pub mod csv;
+pub mod design;
+pub mod mat;
+pub mod quantity;
+pub mod trajectory;
