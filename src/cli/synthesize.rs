@@ -279,13 +279,13 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
             "certified set: every attitude at rest up to {angle:.3} deg"
         ));
     }
-    print(&transmissions.describe());
     for line in both::outer_lines(&design.file, model) {
         print(&line);
     }
     for line in reach.lines() {
         print(&line);
     }
+    print(&transmissions.describe());
     print(&describe(&report));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))

@@ -68,13 +68,13 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
-        print(&transmissions.describe());
         for line in both::outer_lines(&design, &model) {
             print(&line);
         }
         for line in reach.lines() {
             print(&line);
         }
+        print(&transmissions.describe());
     }
     Ok(exit_code(report.verdict))
 }

@@ -60,6 +60,11 @@ fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile, ModelError
     let PlantFile::Exact(exact) = &mut out.plant else {
         return Err(choice("needs an 'exact' plant"));
     };
+    if exact.inertia_uncertainty.is_some() {
+        return Err(choice(
+            "needs an inertia that is known: no 'inertia_uncertainty'",
+        ));
+    }
     exact.rate_rad_s = outer.rate_rad_s;
     exact.q0_min = outer.q0_min;
     out.specs.phi_per_s = outer.phi_per_s;
