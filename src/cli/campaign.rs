@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 use serde_json::{json, Value};
 
-use super::progress::RunsProgress;
+use super::progress::{interrupted, RunsProgress};
 use super::simulate::{design_of, design_path};
 use super::{files, print, CliError, EXIT_NO};
 use crate::harness::campaign::finish::{finish, finish_again};
@@ -70,8 +72,10 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
     let told = |error| told(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let job = Job::new(&plan, design_sha256, shard, args.jobs, &args.output).map_err(told)?;
-    let state = job.prepare(&text, design_text.as_deref()).map_err(told)?;
-    let results = make(&job, state, args.keep).map_err(|error| {
+    let stop = interrupted();
+    let state = job.prepare(&text, design_text.as_deref(), &stop);
+    let results = state.and_then(|state| make(&job, state, args.keep, stop));
+    let results = results.map_err(|error| {
         let done = job.runs_done().unwrap_or(0);
         stopped(&args.scenario, &job, done, error)
     })?;
@@ -82,7 +86,12 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
     })
 }
 
-fn make(job: &Job, state: State, keep: usize) -> Result<Results, CampaignError> {
+fn make(
+    job: &Job,
+    state: State,
+    keep: usize,
+    stop: Arc<AtomicBool>,
+) -> Result<Results, CampaignError> {
     let all = job.inputs.end_run - job.inputs.first_run;
     let done = match state {
         State::Running => job.runs_done()?,
@@ -91,7 +100,7 @@ fn make(job: &Job, state: State, keep: usize) -> Result<Results, CampaignError> 
     let progress = RunsProgress::start(all, done);
     let watch = Watch {
         done: &|| progress.done(),
-        stop: progress.stop(),
+        stop,
     };
     if state == State::Complete {
         return finish_again(job, keep, &watch);
@@ -148,14 +157,17 @@ pub(super) fn told(scenario: &Path, error: CampaignError) -> CliError {
 /// What is wrong, and what is done.
 fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliError {
     let all = job.inputs.end_run - job.inputs.first_run;
-    let kept = format!(
-        "{done} of {all} runs are done and kept in {}; the same command goes on with the rest",
-        job.folder.display()
-    );
+    let kept = match done {
+        0 => "; nothing is done".to_string(),
+        _ => format!(
+            "; {done} of {all} runs are done and kept in {}; the same command goes on with the rest",
+            job.folder.display()
+        ),
+    };
     match error {
-        CampaignError::Interrupted => CliError::Campaign(format!("interrupted; {kept}")),
-        CampaignError::Run { .. } => told(scenario, error),
-        error => CliError::Campaign(format!("{}; {kept}", told(scenario, error))),
+        CampaignError::Interrupted => CliError::Campaign(format!("interrupted{kept}")),
+        error if done == 0 => told(scenario, error),
+        error => CliError::Campaign(format!("{}{kept}", told(scenario, error))),
     }
 }
 

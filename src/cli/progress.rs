@@ -16,7 +16,8 @@ pub struct SolverProgress {
 /// Set by Ctrl-C, for the whole process: a signal handler can be installed once only.
 static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-fn interrupted() -> Arc<AtomicBool> {
+/// Set by Ctrl-C, from the first call on.
+pub fn interrupted() -> Arc<AtomicBool> {
     let install = || {
         let flag = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&flag);
@@ -117,7 +118,6 @@ impl Drop for PartsProgress {
 /// otherwise.
 pub struct RunsProgress {
     bar: ProgressBar,
-    interrupted: Arc<AtomicBool>,
 }
 
 impl RunsProgress {
@@ -131,20 +131,12 @@ impl RunsProgress {
         // The rate is that of the runs to come.
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));
-        RunsProgress {
-            bar,
-            interrupted: interrupted(),
-        }
+        RunsProgress { bar }
     }
 
     /// One run more is done.
     pub fn done(&self) {
         self.bar.inc(1);
-    }
-
-    /// Set by Ctrl-C.
-    pub fn stop(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.interrupted)
     }
 }
 

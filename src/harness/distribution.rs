@@ -55,10 +55,9 @@ impl Distribution {
             }
             DistributionFile::Choice(values) => {
                 if values.is_empty() {
-                    return Err(ModelError::WrongShape {
+                    return Err(ModelError::Choice {
                         field: format!("{field}.choice"),
-                        found: "no value".to_string(),
-                        expected: "at least one".to_string(),
+                        reason: "the list is empty; it must have at least one value".to_string(),
                     });
                 }
                 for (index, &value) in values.iter().enumerate() {

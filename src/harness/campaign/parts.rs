@@ -154,11 +154,21 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// Creates the folder, or finds in it what is done of the same campaign.
+    /// Checks the runs that are not done, and creates the folder or finds in it what is done of the same
+    /// campaign.
     ///
     /// # Errors
-    /// A folder that cannot be written or that holds another campaign.
-    pub fn prepare(&self, scenario: &str, design: Option<&str>) -> Result<State, CampaignError> {
+    /// A folder that cannot be written or that holds another campaign; a run that cannot be made; it was
+    /// stopped.
+    pub fn prepare(
+        &self,
+        scenario: &str,
+        design: Option<&str>,
+        stop: &AtomicBool,
+    ) -> Result<State, CampaignError> {
+        if found(&self.folder, &self.inputs)? != Some(State::Complete) {
+            self.check(stop)?;
+        }
         let state = prepare(&self.folder, &self.inputs, scenario, design)?;
         if state == State::Running {
             create_folder(&self.folder.join(PARTS_FOLDER))?;
@@ -185,25 +195,33 @@ impl<'a> Job<'a> {
     /// Makes every run that is not done.
     ///
     /// # Errors
-    /// It was stopped; a run that cannot be made (found before any is begun); a file that cannot be
-    /// written. What was done before stays.
+    /// It was stopped; a file that cannot be written. What was done before stays.
     pub fn run(&self, watch: &Watch) -> Result<(), CampaignError> {
+        self.each_missing(&watch.stop, |part| self.run_part(part, watch))
+    }
+
+    /// Draws every run that is not done, without making it.
+    fn check(&self, stop: &AtomicBool) -> Result<(), CampaignError> {
+        self.each_missing(stop, |part| {
+            let mut runs = self.parts.runs_of(part);
+            runs.try_for_each(|run| self.plan.resolve(run).map(drop))
+        })
+    }
+
+    /// Does something with every part that is not done, on all threads.
+    fn each_missing(
+        &self,
+        stop: &AtomicBool,
+        one: impl Fn(u64) -> Result<(), CampaignError> + Sync,
+    ) -> Result<(), CampaignError> {
         let own = self.own_parts()?;
         let missing = own.filter(|&part| !part_file(&self.folder, part).exists());
         let missing: Vec<u64> = missing.collect();
-        let stopped = || match watch.stop.load(Ordering::Relaxed) {
-            true => Err(CampaignError::Interrupted),
-            false => Ok(()),
-        };
+        let parts = || missing.par_iter().with_max_len(1);
         self.pool.install(|| {
-            missing.par_iter().try_for_each(|&part| {
-                stopped()?;
-                let mut runs = self.parts.runs_of(part);
-                runs.try_for_each(|run| self.plan.resolve(run).map(drop))
-            })?;
-            missing.par_iter().with_max_len(1).try_for_each(|&part| {
-                stopped()?;
-                self.run_part(part, watch)
+            parts().try_for_each(|&part| match stop.load(Ordering::Relaxed) {
+                true => Err(CampaignError::Interrupted),
+                false => one(part),
             })
         })
     }
@@ -228,6 +246,24 @@ pub(super) fn inputs_text(inputs: &Inputs) -> String {
     serde_json::to_string(inputs).unwrap_or_default()
 }
 
+/// How far a campaign is in a folder; `None` when there is nothing of it.
+///
+/// # Errors
+/// A folder that holds another campaign.
+fn found(folder: &Path, inputs: &Inputs) -> Result<Option<State>, CampaignError> {
+    if !folder.join(CAMPAIGN_FILE).exists() {
+        return Ok(None);
+    }
+    let known = CampaignFile::read(folder)?;
+    match difference(&known.inputs, inputs) {
+        None => Ok(Some(known.state)),
+        Some(difference) => Err(CampaignError::Unsuitable {
+            path: folder.to_path_buf(),
+            reason: format!("holds another campaign: {difference}; choose another folder"),
+        }),
+    }
+}
+
 /// Creates a campaign's folder with its record, or says how far the same campaign is in it.
 ///
 /// # Errors
@@ -239,15 +275,8 @@ pub(super) fn prepare(
     design: Option<&str>,
 ) -> Result<State, CampaignError> {
     create_folder(folder)?;
-    if folder.join(CAMPAIGN_FILE).exists() {
-        let known = CampaignFile::read(folder)?;
-        return match difference(&known.inputs, inputs) {
-            None => Ok(known.state),
-            Some(difference) => Err(CampaignError::Unsuitable {
-                path: folder.to_path_buf(),
-                reason: format!("holds another campaign: {difference}; choose another folder"),
-            }),
-        };
+    if let Some(state) = found(folder, inputs)? {
+        return Ok(state);
     }
     let write = |name: &str, text: &str| crate::harness::output::write(&folder.join(name), text);
     write(SCENARIO_FILE, scenario)?;
@@ -264,13 +293,53 @@ pub(super) fn prepare(
     Ok(State::Running)
 }
 
+/// Names of the inputs, those that explain a difference best first.
+const NAMES: [&str; 10] = [
+    "scenario_sha256",
+    "design_sha256",
+    "seed",
+    "runs",
+    "shard",
+    "sampling",
+    "generator",
+    "scenario",
+    "first_run",
+    "end_run",
+];
+
 /// The first input that differs, in words.
 pub(super) fn difference(known: &Inputs, asked: &Inputs) -> Option<String> {
-    let pair = |inputs: &Inputs| serde_json::to_value(inputs).unwrap_or_default();
-    let (known, asked) = (pair(known), pair(asked));
-    let keys = known.as_object()?.keys();
-    let mut differing = keys.filter(|key| known[key.as_str()] != asked[key.as_str()]);
-    let key = differing.next()?;
-    let (there, here) = (&known[key.as_str()], &asked[key.as_str()]);
-    Some(format!("its {key} is {there}, not {here}"))
+    if known == asked {
+        return None;
+    }
+    let value = |inputs: &Inputs| serde_json::to_value(inputs).unwrap_or_default();
+    let (known, asked) = (value(known), value(asked));
+    let name = NAMES.iter().find(|name| known[**name] != asked[**name])?;
+    Some(format!(
+        "its {name} is {}, not {}",
+        known[*name], asked[*name]
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_whole_parts_without_gap_or_overlap() {
+        for (runs, size, count) in [(10, 1, 3), (1000, 4, 7), (100_000, 391, 256), (5, 5, 1)] {
+            let parts = Parts { size, runs };
+            let mut next = 0;
+            for index in 1..=count {
+                let shard = Shard { index, count };
+                for part in parts.of_shard(Some(shard)).expect("a shard") {
+                    let own = parts.runs_of(part);
+                    assert_eq!(own.start, next);
+                    assert!(own.end > own.start);
+                    next = own.end;
+                }
+            }
+            assert_eq!(next, runs);
+        }
+    }
 }

@@ -261,47 +261,37 @@ fn draw(
     nominal: &Scenario,
     design: Option<&Design>,
 ) -> Result<Draw, PlanError> {
-    let wrong = |field: String, found: String, expected: &str| {
-        PlanError::from(ModelError::WrongShape {
-            field,
-            found,
-            expected: expected.to_string(),
-        })
-    };
+    let wrong =
+        |field: String, reason: String| PlanError::from(ModelError::Choice { field, reason });
     let context = match dispersion {
         Dispersion::Number { name, .. } => {
             let field = format!("dispersions.values[{index}].name");
-            let parameter = Parameter::find(file, name).map_err(|error| {
-                wrong(
-                    field,
-                    error.to_string(),
-                    "the name of a number of the scenario",
-                )
-            })?;
+            let parameter =
+                Parameter::find(file, name).map_err(|error| wrong(field, error.to_string()))?;
             let base = parameter.value(file).unwrap_or_default();
             Context::Number(parameter, base)
         }
         Dispersion::Boundary { level } => {
             let field = || "dispersions.certified_boundary".to_string();
             let Some(design) = design else {
-                let expected = "a controller with a design, because the set is the design's";
-                return Err(wrong(field(), "no design".to_string(), expected));
+                let reason = "the set is that of a design, and the controller has none";
+                return Err(wrong(field(), reason.to_string()));
             };
             let desired = match &nominal.system {
                 System::TakagiSugeno(_) => None,
                 System::RigidBody(body) => match body.reference {
                     Reference::Fixed(desired) => Some(desired),
                     _ => {
-                        let found = "a reference that moves".to_string();
-                        return Err(wrong(field(), found, "a constant reference"));
+                        let reason = "the reference must be constant; it moves";
+                        return Err(wrong(field(), reason.to_string()));
                     }
                 },
             };
             let lower = design.certificate.lyapunov.clone().cholesky();
             let map = lower.and_then(|factor| factor.l().transpose().try_inverse());
             let Some(map) = map else {
-                let found = "a matrix U that is not positive definite".to_string();
-                return Err(wrong(field(), found, "a design with a bounded set"));
+                let reason = "the design's matrix U is not positive definite";
+                return Err(wrong(field(), reason.to_string()));
             };
             Context::Boundary(Boundary {
                 map: map * level.sqrt(),
@@ -322,10 +312,9 @@ fn check_distinct(columns: &[String]) -> Result<(), PlanError> {
     sorted.sort();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
         None => Ok(()),
-        Some(pair) => Err(ModelError::WrongShape {
+        Some(pair) => Err(ModelError::Choice {
             field: "dispersions.values".to_string(),
-            found: format!("'{}' twice", pair[0]),
-            expected: "each number once".to_string(),
+            reason: format!("'{}' is drawn twice", pair[0]),
         }
         .into()),
     }

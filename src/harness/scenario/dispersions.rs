@@ -156,19 +156,17 @@ fn check_kind(file: &DispersionsFile, system: &SystemFile) -> Result<(), ModelEr
     let Some((field, _)) = given.iter().find(|(_, given)| *given) else {
         return Ok(());
     };
-    let (system, instead) = match system {
-        SystemFile::RigidBody(_) => (
-            "rigid_body",
-            "left out, or initial_attitude and initial_rate_rad_s in its place",
-        ),
+    let reason = match system {
+        SystemFile::RigidBody(_) => {
+            "the system is rigid_body; initial_attitude and initial_rate_rad_s are for its start"
+        }
         SystemFile::TakagiSugeno(_) => {
-            ("takagi_sugeno", "left out; initial_state is for its start")
+            "the system is takagi_sugeno, which has none; initial_state is for its start"
         }
     };
-    Err(ModelError::WrongShape {
+    Err(ModelError::Choice {
         field: field.to_string(),
-        found: format!("a value, and the system is {system}"),
-        expected: instead.to_string(),
+        reason: reason.to_string(),
     })
 }
 
@@ -200,10 +198,9 @@ fn check_start(
         ("initial_state", file.initial_state.is_some()),
     ];
     if let Some((field, _)) = others.iter().find(|(_, given)| *given) {
-        return Err(ModelError::WrongShape {
+        return Err(ModelError::Choice {
             field: field.to_string(),
-            found: "a value".to_string(),
-            expected: "left out, because certified_boundary sets the whole start".to_string(),
+            reason: "must be left out, because certified_boundary sets the whole start".to_string(),
         });
     }
     let level = boundary.level.unwrap_or(1.0);
