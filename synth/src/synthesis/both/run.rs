@@ -10,7 +10,7 @@ use crate::model::{Model, ModelError, OuterSpecs};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status};
 use crate::synthesis::solver::{blocking, run_solver, Sought};
-use crate::synthesis::subject::Subject;
+use crate::synthesis::subject::{Part, Subject};
 use crate::synthesis::{Form, Goal, SynthesisError, Synthesized};
 
 /// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
@@ -150,6 +150,8 @@ pub fn synthesize_both(
             model,
             model_text,
             task: &model.task(),
+            given: &[],
+            part: Part::FIRST,
             gains_text: None,
             form,
         },
