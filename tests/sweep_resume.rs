@@ -223,18 +223,39 @@ fn control_c_keeps_what_is_done_and_says_how_to_go_on() {
     assert_eq!(names_in(&output), [JOURNAL]);
 }
 
+/// A limit on the size of files stands in for a full disk: a line is cut in two in both cases.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_one_clear_sentence() {
+fn a_full_disk_is_one_clear_sentence_and_costs_no_point() {
+    let folder = folder();
+    let vary = "relative=0.4:0.6:12";
+    let (file, whole) = finished(folder.path(), vary);
+    let output = folder.path().join("full");
+    let limited = "trap '' XFSZ; ulimit -f 8; exec \"$0\" \"$@\"";
+    let mut shell = std::process::Command::new("sh");
+    let shell = shell.args(["-c", limited, env!("CARGO_BIN_EXE_steadfast"), "sweep"]);
+    let shell = shell.arg(&file).args(["--vary", vary, "-o"]).arg(&output);
+    let message = Run::new(shell.output().expect("a shell")).refusal();
+    assert!(
+        message.contains("points.jsonl: cannot be written"),
+        "{message}"
+    );
+    assert!(message.contains("the same command goes on"), "{message}");
+    let kept = lines(&output).saturating_sub(1);
+    assert!((1..12).contains(&kept), "{kept} points are kept");
+    let run = sweep(&file, &[vary], &output, &["--json"]).ends_with(0);
+    assert_eq!(run.json()["resumed"], kept);
+    assert_eq!(everything_in(&output), everything_in(&whole));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_journal_that_is_a_device_is_refused() {
     let folder = folder();
     let file = scenario(folder.path());
     let output = folder.path().join("out");
     fs::create_dir(&output).expect("a folder");
     std::os::unix::fs::symlink("/dev/full", output.join(JOURNAL)).expect("a link");
     let message = sweep(&file, &["relative=0.4,0.5"], &output, &[]).refusal();
-    assert!(
-        message.contains("points.jsonl: cannot be written"),
-        "{message}"
-    );
-    assert!(message.contains("No space left on device"), "{message}");
+    assert!(message.contains("it is not an ordinary file"), "{message}");
 }

@@ -1,6 +1,7 @@
 //! The command line: one file for each verb.
 
 mod analyse;
+mod both;
 mod campaign;
 mod check;
 mod compare;
@@ -12,6 +13,7 @@ mod files;
 mod merge;
 mod problem;
 mod progress;
+mod reach;
 mod report;
 mod schema;
 mod simulate;

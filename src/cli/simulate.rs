@@ -270,6 +270,9 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
             outcome.guaranteed_gain, outcome.gamma
         ));
     }
+    if let Some(inner) = &outcome.inner {
+        lines.push(inner.sentence());
+    }
     if outcome.covers_run {
         lines.push("the proof covers this run".to_string());
     } else {

@@ -8,14 +8,17 @@ use serde_json::{json, Value};
 use synth::certify::Verdict;
 use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision};
-use synth::model::{kind_of, Kind, Model};
+use synth::model::{kind_of, Kind, Model, Objective};
 use synth::solve::SolveError;
 use synth::synthesis::{self, Form, Outcome, SynthesisError, Synthesized};
 
 use super::progress::SolverProgress;
+use super::reach::{self, Reach};
 use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
-use super::{cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER};
+use super::{
+    both, cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER,
+};
 use crate::harness::design::certified_angle_deg;
 use crate::harness::transmissions::TransmissionBound;
 
@@ -38,7 +41,7 @@ pub struct SynthesizeArgs {
     pub(super) solver: SolverArg,
     /// Minimise gamma with both solvers at the end and report the difference
     #[arg(long)]
-    cross_check: bool,
+    pub(super) cross_check: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -65,6 +68,11 @@ impl SynthesizeArgs {
 pub enum ObjectiveArg {
     /// The smallest L-infinity gain bound
     Gain,
+    /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
+    /// specs.outer is certified too
+    Both,
+    /// The largest certified set along the must-contain states, or of attitudes at rest
+    Region,
 }
 
 /// Form of the decrease condition.
@@ -95,13 +103,12 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         return problem::synthesize(args, &text);
     }
     let mut model = files::model_of(&args.model, &text)?;
-    if let Some(ObjectiveArg::Gain) = args.objective {
-        model.file.specs.objective = synth::model::Objective::Gain;
+    if let Some(objective) = args.objective {
+        model = with_objective(model, objective, &args.model)?;
     }
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    let outcome = solve(args, &model, &text)?;
     let ending = Ending {
         model_path: &args.model,
         model: &model,
@@ -112,7 +119,10 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         what: "design",
         keeps_refutation: false,
     };
-    ending.tell(outcome)
+    match model.file.specs.objective {
+        Objective::Both => both::synthesize(args, &ending, &text),
+        Objective::Gain | Objective::Region => ending.tell(solve(args, &model, &text)?),
+    }
 }
 
 /// How a synthesis or an analysis is reported.
@@ -167,6 +177,17 @@ impl Ending<'_> {
     }
 }
 
+/// The model with the objective of the command line.
+fn with_objective(model: Model, objective: ObjectiveArg, path: &Path) -> Result<Model, CliError> {
+    let mut file = model.file;
+    file.specs.objective = match objective {
+        ObjectiveArg::Gain => Objective::Gain,
+        ObjectiveArg::Region => Objective::Region,
+        ObjectiveArg::Both => Objective::Both,
+    };
+    Model::new(file).map_err(|problem| CliError::value(path, problem))
+}
+
 fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
@@ -208,6 +229,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let vertices = model.task().system.vertices.len();
     let angle = certified_angle_deg(part.certified_vector_part);
     let transmissions = TransmissionBound::of_model(model);
+    let reach = Reach::of(&design.file, model, report.verdict);
     if args.json {
         print(
             &json!({
@@ -222,6 +244,11 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
                 "certified_angle_deg": angle,
                 "min_inter_event_s": transmissions.min_inter_event_s,
                 "max_transmissions_per_s": transmissions.max_transmissions_per_s,
+                "outer": both::outer_json(&design.file, model),
+                "certified_angle_any_axis_deg": reach.any_axis_deg,
+                "certified_angle_along_deg": reach.along_deg(),
+                "must_contain": reach.states(),
+                "search": design.file.provenance.search,
                 "worst": report.worst(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
@@ -251,6 +278,12 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         print(&format!(
             "certified set: every attitude at rest up to {angle:.3} deg"
         ));
+    }
+    for line in both::outer_lines(&design.file, model) {
+        print(&line);
+    }
+    for line in reach.lines() {
+        print(&line);
     }
     print(&transmissions.describe());
     print(&describe(&report));
@@ -285,6 +318,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
                 "vertices": args.model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
+                "shortfall": decision.shortfall.as_deref().map(reach::shortfall_json),
                 "feasibility": feasibility::verdict(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
                 "blocking_gains": feasibility::blocking_gains(&decision.answer),
@@ -295,6 +329,10 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
             })
             .to_string(),
         );
+        return;
+    }
+    if let Some(shortfall) = decision.shortfall.as_deref() {
+        reach::tell_shortfall(args.model_path, shortfall, &decision.blocking);
         return;
     }
     print(&headline(args, decision, status));

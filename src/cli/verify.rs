@@ -7,7 +7,8 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
-use super::{feasibility, files, print, problem, CliError, EXIT_NO};
+use super::reach::Reach;
+use super::{both, feasibility, files, print, problem, CliError, EXIT_NO};
 use crate::harness::design::certified_angle_deg;
 use crate::harness::transmissions::TransmissionBound;
 
@@ -37,6 +38,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;
     let transmissions = TransmissionBound::of_model(&model);
+    let reach = Reach::of(&design, &model, report.verdict);
     if args.json {
         let worst = report.worst();
         print(
@@ -49,6 +51,10 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
                 "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
                 "min_inter_event_s": transmissions.min_inter_event_s,
                 "max_transmissions_per_s": transmissions.max_transmissions_per_s,
+                "outer": both::outer_json(&design, &model),
+                "certified_angle_any_axis_deg": reach.any_axis_deg,
+                "certified_angle_along_deg": reach.along_deg(),
+                "must_contain": reach.states(),
                 "conditions": report.conditions,
                 "not_covered": report.not_covered,
             })
@@ -62,6 +68,12 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
+        for line in both::outer_lines(&design, &model) {
+            print(&line);
+        }
+        for line in reach.lines() {
+            print(&line);
+        }
         print(&transmissions.describe());
     }
     Ok(exit_code(report.verdict))

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
+use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
-use synth::design::DesignFile;
+use synth::design::{DesignFile, OuterCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
@@ -24,6 +25,9 @@ pub struct Design {
     pub model: Model,
     /// Its numbers.
     pub certificate: Certificate,
+    /// The outer certificate with its model, where there are two; the numbers above are then the inner
+    /// one's.
+    pub outer: Option<OuterCertificate>,
     /// The outcome of the check, made from the file's numbers.
     pub report: Report,
     /// SHA-256 of the file's text, in hexadecimal.
@@ -88,11 +92,13 @@ impl Design {
         use sha2::{Digest, Sha256};
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
+        let outer = file.outer_certificate(&model)?;
         let report = file.verify(&model)?;
         let digest = Sha256::digest(text.as_bytes());
         Ok(Self {
             file,
             model,
+            outer,
             certificate,
             report,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -220,37 +226,52 @@ impl Design {
         out
     }
 
-    /// The certificate's claims, padded to `N` states.
+    /// The claims that hold from the start on, padded to `N` states: the outer certificate's where there
+    /// are two.
     pub fn claims<const N: usize>(&self) -> Claims<N> {
-        let plant = self.model.plant.takagi_sugeno();
-        let mut bounds = Vec::new();
-        let mut component_bounds = SVector::repeat(f64::INFINITY);
-        let mut vector_part_bound = None;
-        for condition in &plant.region {
-            let bound = condition.bound_squared.sqrt();
-            if condition.rows.nrows() == 1 {
-                let row: Vec<f64> = condition.rows.iter().copied().collect();
-                match unit_component(&row) {
-                    Some(component) => {
-                        let least: &mut f64 = &mut component_bounds[component];
-                        *least = least.min(bound);
-                    }
-                    None => bounds.push((padding::vector(&row), bound)),
+        match &self.outer {
+            Some(outer) => claims(&outer.model, &outer.certificate),
+            None => claims(&self.model, &self.certificate),
+        }
+    }
+
+    /// The inner certificate's claims, where there are two.
+    pub fn inner_claims<const N: usize>(&self) -> Option<Claims<N>> {
+        let claims = || claims(&self.model, &self.certificate);
+        self.outer.as_ref().map(|_| claims())
+    }
+}
+
+/// A certificate's claims, padded to `N` states.
+fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N> {
+    let plant = model.plant.takagi_sugeno();
+    let mut bounds = Vec::new();
+    let mut component_bounds = SVector::repeat(f64::INFINITY);
+    let mut vector_part_bound = None;
+    for condition in &plant.region {
+        let bound = condition.bound_squared.sqrt();
+        if condition.rows.nrows() == 1 {
+            let row: Vec<f64> = condition.rows.iter().copied().collect();
+            match unit_component(&row) {
+                Some(component) => {
+                    let least: &mut f64 = &mut component_bounds[component];
+                    *least = least.min(bound);
                 }
-            } else {
-                vector_part_bound = Some(bound);
+                None => bounds.push((padding::vector(&row), bound)),
             }
+        } else {
+            vector_part_bound = Some(bound);
         }
-        Claims {
-            lyapunov: padding::matrix(&self.certificate.lyapunov),
-            decay_rate: self.model.file.specs.phi_per_s,
-            disturbance_weight: self.certificate.disturbance_weight,
-            disturbance_bound: plant.disturbance_bound,
-            bounds,
-            component_bounds,
-            vector_part_bound,
-            output: (!plant.output.is_identity(0.0)).then(|| padding::matrix(&plant.output)),
-        }
+    }
+    Claims {
+        lyapunov: padding::matrix(&certificate.lyapunov),
+        decay_rate: model.file.specs.phi_per_s,
+        disturbance_weight: certificate.disturbance_weight,
+        disturbance_bound: plant.disturbance_bound,
+        bounds,
+        component_bounds,
+        vector_part_bound,
+        output: (!plant.output.is_identity(0.0)).then(|| padding::matrix(&plant.output)),
     }
 }
 
@@ -403,7 +424,7 @@ fn vertices_not_covered(
     }
 }
 
-/// Angle of the largest rotation at rest that is in the certified set, about any axis, deg.
+/// Angle of the largest rotation at rest that is in the certified set, about any axis, rounded down, deg.
 pub fn certified_angle_deg(vector_part: Option<f64>) -> Option<f64> {
-    vector_part.map(|radius| (2.0 * radius.clamp(0.0, 1.0).asin()).to_degrees())
+    vector_part.map(angle_of_vector_part_deg)
 }

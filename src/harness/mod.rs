@@ -17,6 +17,7 @@ pub mod disturbance;
 pub mod effort;
 pub mod events;
 pub mod export;
+pub mod inner;
 pub mod integrator;
 pub mod link;
 pub mod lyapunov;

@@ -112,7 +112,11 @@ impl Column {
 pub fn to_bytes(columns: &[Column], about: &[(&str, String)]) -> Result<Vec<u8>, ParquetError> {
     let failed = |error: &dyn std::fmt::Display| ParquetError(error.to_string());
     let fields: Vec<Field> = columns.iter().map(Column::field).collect();
-    let schema = Arc::new(Schema::new(fields));
+    // Readers by way of Arrow look for the texts in the schema, others in the file's metadata.
+    let texts = about
+        .iter()
+        .map(|(key, text)| (key.to_string(), text.clone()));
+    let schema = Arc::new(Schema::new_with_metadata(fields, texts.collect()));
     let about = about
         .iter()
         .map(|(key, text)| KeyValue::new(key.to_string(), text.clone()));

@@ -194,6 +194,38 @@ pub struct CertificateOutcome {
     pub guaranteed_gain: f64,
     /// xi taubar^2 / phi.
     pub ultimate_level: f64,
+    /// What became of the inner certificate, for a design with two. The claims above are then those of
+    /// the outer one; gamma and the guaranteed gain are the inner one's, which holds at the origin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner: Option<InnerOutcome>,
+}
+
+/// What became of the inner certificate of a design with two.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InnerOutcome {
+    /// First sample at which the state and the state sent last were in the inner set x'Ux <= 1, s; its
+    /// claims hold from there on.
+    pub entered_s: Option<f64>,
+    /// Whether the proof covers the run from there on.
+    pub covered: bool,
+    /// x'Ux there.
+    pub level_at_entry: Option<f64>,
+    /// Largest x'Ux over its bound from there on.
+    pub largest_lyapunov_ratio: f64,
+    /// When that was, s.
+    pub largest_lyapunov_ratio_at_s: f64,
+    /// Steps above the bound.
+    pub bound_broken_steps: u64,
+    /// Steps above the invariant level or outside of the inner box.
+    pub outside_steps: u64,
+    /// sup|y| from there on.
+    pub peak_output: f64,
+    /// xi taubar^2 / phi.
+    pub ultimate_level: f64,
+    /// gamma of the inner certificate.
+    pub gamma: f64,
+    /// Its sharper bound.
+    pub guaranteed_gain: f64,
 }
 
 /// Numbers the figures need.

@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::conditions::xu2020::Coverage;
 use crate::conditions::Task;
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
@@ -29,7 +30,16 @@ impl Scaling {
     /// it; an input's is half its limit, or less where that keeps the scaled column of B below 1; the
     /// disturbance's makes the largest scaled column of B_w about 1/3.
     pub fn automatic(system: &TakagiSugeno, fraction: f64) -> Self {
-        let state = state_units(system, fraction);
+        Self::with_state_units(system, state_units(system, fraction))
+    }
+
+    /// The same for one state unit near a given size, in place of a share of the region.
+    pub fn of_size(system: &TakagiSugeno, size: f64) -> Self {
+        let unit = power_of_two(size);
+        Self::with_state_units(system, DVector::from_element(system.states(), unit))
+    }
+
+    fn with_state_units(system: &TakagiSugeno, state: DVector<f64>) -> Self {
         let largest = |column: nalgebra::DVectorView<f64>| -> f64 {
             let scaled = column.component_div(&state);
             scaled.norm().max(f64::MIN_POSITIVE)
@@ -76,7 +86,16 @@ impl Scaling {
         for gain in gains.given.iter_mut().flatten() {
             *gain = &e_inverse * &*gain * &d;
         }
+        let coverage = task.coverage.as_ref().map(|coverage| {
+            let scaled = |sets: &[DMatrix<f64>]| sets.iter().map(|set| &d_inverse * set).collect();
+            Coverage {
+                linearisation: &d * &coverage.linearisation * &d_inverse,
+                covered: scaled(&coverage.covered),
+                grown: scaled(&coverage.grown),
+            }
+        });
         Task {
+            coverage,
             gains,
             system: TakagiSugeno {
                 vertices: system

@@ -2,14 +2,18 @@
 
 mod active;
 mod assemble;
+mod both;
 mod cross_check;
+mod outer;
 mod run;
 mod search;
 mod solver;
 mod subject;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal};
+pub use both::{coupled_problem, synthesize_both, BothOutcome, Choice, Tried};
 pub use cross_check::{cross_check, Candidate, CrossCheck, Found};
+pub use outer::{reached, Sensitivity, Shortfall};
 pub use run::{
     analyse, scaled_task, synthesize, Cancelled, Outcome, SynthesisError, Synthesized, FIRST_UNITS,
 };

@@ -137,6 +137,7 @@ fn one_by_one(value: f64) -> DMatrix<f64> {
 fn scalar_task(a: f64, b: f64, b_w: f64, specification: Specification) -> Task {
     let system = TakagiSugeno {
         vertices: vec![one_by_one(a)],
+        descriptors: Vec::new(),
         input: one_by_one(b),
         disturbance: one_by_one(b_w),
         output: one_by_one(1.0),

@@ -29,6 +29,7 @@ fn spacecraft() -> impl Strategy<Value = ExactSpacecraft> {
     let rates = prop::array::uniform3(0.01..2.0_f64);
     (inertia(), rates, 0.05..0.99_f64).prop_map(|(inertia, rates, scalar_part_min)| {
         ExactSpacecraft {
+            inertia_uncertainty: Default::default(),
             inertia,
             torque_limit: Vector3::new(1.0, 2.0, 3.0),
             disturbance_bound: 0.01,
@@ -248,6 +249,7 @@ fn a_box_of_one_attitude_still_has_memberships_that_sum_to_one() {
 
 fn simple_craft(scalar_part_min: f64) -> ExactSpacecraft {
     ExactSpacecraft {
+        inertia_uncertainty: Default::default(),
         inertia: Matrix3::from_diagonal(&Vector3::new(3.0, 2.0, 1.5)),
         torque_limit: Vector3::new(1.0, 1.0, 1.0),
         disturbance_bound: 0.0,

@@ -261,7 +261,8 @@ mod tests {
             let error = to_bytes(&named("a", inside));
             assert_eq!(error, Err(MatError::Name(name.to_string())));
         }
-        let twice = [named("a", MatValue::Struct(Vec::new())); 2].concat();
+        let once = named("a", MatValue::Struct(Vec::new()));
+        let twice = [once.clone(), once].concat();
         assert_eq!(to_bytes(&twice), Err(MatError::Twice("a".to_string())));
     }
 }

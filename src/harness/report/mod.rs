@@ -2,6 +2,7 @@
 
 pub mod campaign;
 mod figures;
+mod inner;
 mod intermittent;
 mod page;
 mod prescribed;

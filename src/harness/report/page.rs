@@ -311,6 +311,7 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
         };
         rows.push(("Largest output over largest disturbance", from));
     }
+    rows.extend(super::inner::rows(outcome));
     numbers("Certificate", &rows, body);
     if !outcome.not_covered.is_empty() {
         body.push_str("<p>The proof does not cover this run because of:</p>\n<ul>\n");
@@ -440,6 +441,18 @@ fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
         out.push(Figure {
             logarithmic: true,
             ..figure("Lyapunov function against its bound", "x'Ux", level)
+        });
+    }
+    let columns = [
+        ("inner_lyapunov", "x'Ux, inner"),
+        ("inner_lyapunov_bound", "bound"),
+    ];
+    let inner = collect(&columns, false);
+    if !inner.is_empty() {
+        out.push(Figure {
+            logarithmic: true,
+            limits: vec![1.0],
+            ..figure("Inner Lyapunov function against its bound", "x'Ux", inner)
         });
     }
     out

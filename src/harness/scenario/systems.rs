@@ -135,6 +135,8 @@ fn placeholder(plant: PlantFile) -> ModelFile {
             xi_max: 1.0,
             objective: Default::default(),
             must_contain: Vec::new(),
+            outer: None,
+            search: None,
             margin: 1e-6,
         },
         gains: Default::default(),

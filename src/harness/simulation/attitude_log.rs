@@ -9,6 +9,7 @@ use crate::harness::closed_loop::Observer;
 use crate::harness::controller::Controller;
 use crate::harness::effort::Effort;
 use crate::harness::events::EventCount;
+use crate::harness::inner::InnerMonitor;
 use crate::harness::link::LinkOutcome;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::plant::{body_rate, RigidBodyState};
@@ -44,6 +45,8 @@ const LINK_COLUMNS: [&str; 3] = ["link_step_1", "link_step_2", "link_step_3"];
 pub(super) const PROFILE_QUANTITIES: usize = 2;
 /// Columns with a certificate.
 const CERTIFICATE_COLUMNS: [&str; 2] = ["lyapunov", "lyapunov_bound"];
+/// Columns with a second, inner certificate.
+const INNER_COLUMNS: [&str; 2] = ["inner_lyapunov", "inner_lyapunov_bound"];
 
 /// Metrics, certificate and trajectory of one run.
 #[derive(Debug, Clone)]
@@ -65,6 +68,8 @@ pub struct AttitudeLog {
     pub last: Option<AttitudeMeasurement>,
     /// The certificate's claims along the run.
     pub lyapunov: Option<LyapunovMonitor<6>>,
+    /// The inner certificate's claims, where there are two.
+    pub inner: Option<InnerMonitor<6>>,
     /// What the link carried.
     pub link: Option<LinkOutcome>,
     /// Use of the controller's prescribed bounds.
@@ -91,7 +96,7 @@ impl AttitudeLog {
         reference: Reference,
         settle: SettleRule,
         tail_from_s: f64,
-        lyapunov: Option<LyapunovMonitor<6>>,
+        (lyapunov, inner): (Option<LyapunovMonitor<6>>, Option<InnerMonitor<6>>),
         interval_s: Option<f64>,
         signals: &[&str],
         linked: bool,
@@ -99,6 +104,9 @@ impl AttitudeLog {
         let mut columns: Vec<String> = COLUMNS.map(str::to_string).into();
         if lyapunov.is_some() {
             columns.extend(CERTIFICATE_COLUMNS.map(str::to_string));
+        }
+        if inner.is_some() {
+            columns.extend(INNER_COLUMNS.map(str::to_string));
         }
         columns.extend(signals.iter().map(|name| name.to_string()));
         if linked {
@@ -114,6 +122,7 @@ impl AttitudeLog {
             start: None,
             last: None,
             lyapunov,
+            inner,
             link: None,
             funnel: None,
             threshold: None,
@@ -152,6 +161,9 @@ impl AttitudeLog {
         self.row.extend([angle, f64::from(u8::from(sent))]);
         if let Some(monitor) = &self.lyapunov {
             self.row.extend([monitor.level, monitor.bound()]);
+        }
+        if let Some(inner) = &self.inner {
+            self.row.extend(inner.columns());
         }
         let first = self.row.len();
         self.row
@@ -242,6 +254,9 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
         if let Some(monitor) = &mut self.lyapunov {
             monitor.start(&error.rigid_body_state(), disturbance.norm_squared());
         }
+        if let Some(inner) = &mut self.inner {
+            inner.start(&fuzzy_state(&error), disturbance.norm_squared());
+        }
         self.watch(0.0, &error, controller);
         if self.profile.due(0.0) {
             self.profile.record(0.0, &quantities(&error));
@@ -262,6 +277,10 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
     ) {
         self.events.record(time_s, command, mismatch);
         self.switches = controller.switch_count();
+        if let Some(inner) = &mut self.inner {
+            let error = self.reference.error(time_s, state);
+            inner.sample(time_s, &fuzzy_state(&error), command.sent);
+        }
         let carried = self.link_steps.iter().flatten().any(|&step| step != 0.0);
         if (command.sent || carried) && self.recorder.is_some() {
             let error = self.reference.error(time_s, state);
@@ -311,6 +330,10 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
                 &fuzzy_state(&error),
                 disturbance.norm_squared(),
             );
+        }
+        if let Some(inner) = &mut self.inner {
+            let square = disturbance.norm_squared();
+            inner.step(time_s, step_s, &fuzzy_state(&error), square);
         }
         self.watch(time_s, &error, controller);
         if self.profile.due(time_s) {

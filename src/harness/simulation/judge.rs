@@ -7,13 +7,15 @@ use synth::model::Mismatch;
 use crate::harness::closed_loop::End;
 use crate::harness::design::Design;
 use crate::harness::events::EventCount;
+use crate::harness::inner::InnerMonitor;
 use crate::harness::integrator::Method;
 use crate::harness::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
 use crate::harness::reference::Reference;
 use crate::harness::sampling::Instants;
 use crate::harness::scenario::{Scenario, System, XuChoice};
 use crate::harness::summary::{
-    CertificateOutcome, RunProvenance, RunVerdict, Scales, Summary, SUMMARY_SCHEMA_VERSION,
+    CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
+    SUMMARY_SCHEMA_VERSION,
 };
 use crate::harness::transmissions::TransmissionBound;
 use crate::harness::usage::Usage;
@@ -50,9 +52,9 @@ pub(super) fn summary(
             "The state was no longer finite at {time_s} s; the run stopped there."
         ));
     }
-    let broken = certificate.as_ref().map_or(0, |outcome| {
-        outcome.outside_steps.max(outcome.bound_broken_steps)
-    });
+    let broken = certificate
+        .as_ref()
+        .map_or(0, CertificateOutcome::violations);
     let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
     let violations = broken.max(left);
     let bound = TransmissionBound::of_instants(&scenario.instants);
@@ -142,17 +144,12 @@ fn integrator(method: &Method) -> String {
 pub(super) fn certificate<const N: usize>(
     scenario: &Scenario,
     design: &Design,
-    monitor: &LyapunovMonitor<N>,
+    (monitor, inner): (&LyapunovMonitor<N>, Option<&InnerMonitor<N>>),
     events: &EventCount,
     from_rest_in_origin: bool,
 ) -> CertificateOutcome {
     let mut not_covered = design.not_covered(scenario);
     let start = monitor.start_level;
-    if exceeds(start, 1.0 + ROUNDING) {
-        not_covered.push(format!(
-            "the start is not in the certified set: x'Ux is {start:.4}, the set is x'Ux <= 1"
-        ));
-    }
     let bound = monitor.claims().disturbance_bound;
     let peak_disturbance = monitor.disturbance_squared.sqrt();
     if exceeds(peak_disturbance, bound * (1.0 + ROUNDING)) {
@@ -169,6 +166,14 @@ pub(super) fn certificate<const N: usize>(
             ));
         }
         _ => {}
+    }
+    let certificate = &design.certificate;
+    let gains = (certificate.gain_bound, certificate.guaranteed_gain);
+    let inner = inner.map(|inner| inner.outcome(not_covered.is_empty(), gains.0, gains.1));
+    if exceeds(start, 1.0 + ROUNDING) {
+        not_covered.push(format!(
+            "the start is not in the certified set: x'Ux is {start:.4}, the set is x'Ux <= 1"
+        ));
     }
     let worst = design.report.worst();
     let peak_output = monitor.output_squared.sqrt();
@@ -190,9 +195,10 @@ pub(super) fn certificate<const N: usize>(
         peak_disturbance,
         peak_ratio: Some(ratio).filter(|ratio| ratio.is_finite()),
         from_rest_in_origin,
-        gamma: design.certificate.gain_bound,
-        guaranteed_gain: design.certificate.guaranteed_gain,
+        gamma: gains.0,
+        guaranteed_gain: gains.1,
         ultimate_level: monitor.claims().ultimate_level(),
+        inner,
     }
 }
 
@@ -203,7 +209,14 @@ impl CertificateOutcome {
             && self
                 .peak_ratio
                 .is_some_and(|ratio| ratio > self.guaranteed_gain * (1.0 + ROUNDING));
-        self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
+        let inner = self.inner.as_ref().is_some_and(InnerOutcome::broken);
+        inner || self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
+    }
+
+    /// Steps at which a claim of either certificate was broken.
+    fn violations(&self) -> u64 {
+        let inner = self.inner.as_ref().map_or(0, InnerOutcome::violations);
+        self.outside_steps.max(self.bound_broken_steps).max(inner)
     }
 }
 

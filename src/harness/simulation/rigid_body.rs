@@ -13,6 +13,7 @@ use super::{ordered, Outcome, Recording, SimulateError};
 use crate::harness::closed_loop::{ClosedLoop, End};
 use crate::harness::controller::{AnyController, Controller, XuAttitude};
 use crate::harness::design::Design;
+use crate::harness::inner::InnerMonitor;
 use crate::harness::link::Link;
 use crate::harness::lyapunov::LyapunovMonitor;
 use crate::harness::padding;
@@ -31,11 +32,14 @@ pub(super) fn run(
     design: Option<&Design>,
     recording: &Recording,
 ) -> Result<Outcome, SimulateError> {
-    let monitor = design.map(|design| LyapunovMonitor::new(design.claims::<6>()));
+    let monitors = (
+        design.map(|design| LyapunovMonitor::new(design.claims::<6>())),
+        design.and_then(|design| Some(InnerMonitor::new(design.inner_claims::<6>()?))),
+    );
     let link = scenario.link.as_ref();
     let link = link.map(|data| Link::new(data, scenario.seed));
     let watch = Watch {
-        monitor,
+        monitors,
         link: link.transpose().map_err(SimulateError::Link)?,
         recording,
     };
@@ -82,8 +86,8 @@ pub(super) fn run(
 struct Watch<'a> {
     /// The link.
     link: Option<Link<3>>,
-    /// The claims of a certificate.
-    monitor: Option<LyapunovMonitor<6>>,
+    /// The claims of a certificate, and of the inner one where there are two.
+    monitors: (Option<LyapunovMonitor<6>>, Option<InnerMonitor<6>>),
     /// What is recorded.
     recording: &'a Recording<'a>,
 }
@@ -102,7 +106,7 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
             None => SettleRule::Angle(scenario.settle_tolerance_rad),
         },
         scenario.duration_s - scenario.tail_s,
-        watch.monitor,
+        watch.monitors,
         watch
             .recording
             .trajectory
@@ -260,7 +264,7 @@ fn finish(
         (Some(design), Some(monitor)) => Some(judge::certificate(
             scenario,
             design,
-            monitor,
+            (monitor, log.inner.as_ref()),
             &log.events,
             from_rest,
         )),

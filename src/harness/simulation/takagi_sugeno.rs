@@ -91,7 +91,13 @@ fn run_padded<const N: usize, const M: usize>(
         end,
     };
     let from_rest = log.start.norm() == 0.0;
-    let certificate = judge::certificate(scenario, design, &log.lyapunov, &log.events, from_rest);
+    let certificate = judge::certificate(
+        scenario,
+        design,
+        (&log.lyapunov, None),
+        &log.events,
+        from_rest,
+    );
     let mut summary = judge::summary(scenario, Some(design), parts, Some(certificate));
     summary.final_state_norm = Some(log.last.norm()).filter(|norm| norm.is_finite());
     summary.rms_state_norm = log.error.tail_rms();

@@ -158,9 +158,27 @@ fn range(
         match index {
             0 => from,
             index if index == last => to,
-            _ if logarithmic => from * (to / from).powf(share),
-            _ => from * (1.0 - share) + to * share,
+            _ if logarithmic => rounded(from * (to / from).powf(share)),
+            _ => rounded(from * (1.0 - share) + to * share),
         }
     };
     Ok((0..points).map(at).collect())
+}
+
+/// Fifteen significant digits: 0.07 and not 0.06999999999999999.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.14e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_of_a_range_are_those_that_one_would_write() {
+        let values = |text: &str| Axis::parse(text).unwrap().values;
+        assert_eq!(values("a=0.01:0.09:5"), [0.01, 0.03, 0.05, 0.07, 0.09]);
+        assert_eq!(values("a=1e-6:1e-4:3:log"), [1e-6, 1e-5, 1e-4]);
+        assert_eq!(values("a=-1:1:3"), [-1.0, 0.0, 1.0]);
+    }
 }

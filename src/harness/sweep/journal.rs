@@ -5,7 +5,7 @@
 //! that is killed leaves at most one torn line at the end, which is dropped.
 
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -22,6 +22,9 @@ use crate::harness::output::{self, OutputError};
 pub const JOURNAL_FILE: &str = "points.jsonl";
 /// Time between two writes through to the disk: what a power failure costs at most.
 const DURABLE_EVERY: Duration = Duration::from_secs(1);
+
+/// Bytes of a line at most: the first one has every value of every axis. A longer one is taken for torn.
+const LONGEST_LINE: u64 = 64 << 20;
 
 /// What is swept: a sweep goes on only where all of it is the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -116,6 +119,17 @@ pub enum JournalError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A point cannot be kept.
+    #[error(
+        "{}: cannot be written: {source}; the points before are kept, and the same command goes on from them",
+        path.display()
+    )]
+    Full {
+        /// The journal.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The folder holds the points of another sweep.
     #[error(
         "{} holds the points of another sweep (the {difference} differs); choose another folder, or \
@@ -187,6 +201,11 @@ impl Journal {
         let mut options = OpenOptions::new();
         let options = options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(io("written"))?;
+        if !file.metadata().map_err(io("read"))?.is_file() {
+            return Err(io("written")(std::io::Error::other(
+                "it is not an ordinary file",
+            )));
+        }
         lock(&file, folder)?;
         let mut found = Found::nothing(grid);
         if !restart {
@@ -263,9 +282,8 @@ impl Journal {
     }
 
     fn unwritten(&self, source: std::io::Error) -> JournalError {
-        JournalError::Io {
+        JournalError::Full {
             path: self.path.clone(),
-            action: "written",
             source,
         }
     }
@@ -338,9 +356,8 @@ fn read(file: &File, identity: &Identity, grid: &Grid) -> Result<Found, ReadErro
     let mut bytes = Vec::new();
     for number in 1.. {
         bytes.clear();
-        reader
-            .read_until(b'\n', &mut bytes)
-            .map_err(ReadError::Io)?;
+        let mut line = reader.by_ref().take(LONGEST_LINE);
+        line.read_until(b'\n', &mut bytes).map_err(ReadError::Io)?;
         if bytes.last() != Some(&b'\n') {
             break;
         }

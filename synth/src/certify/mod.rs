@@ -9,6 +9,7 @@ pub mod infeasible;
 pub mod interval;
 pub mod matrix;
 pub mod plant;
+pub mod reach;
 pub mod rounding;
 pub mod scalar;
 pub mod theorem1;

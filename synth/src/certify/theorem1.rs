@@ -42,6 +42,9 @@ pub struct Certificate {
     pub mismatch: Vec<MismatchSlack>,
     /// Upsilon, n x n, symmetric.
     pub trigger_weight: DMatrix<f64>,
+    /// Above 0: the functional of this certificate uses this multiple of Upsilon, which does not
+    /// change the trigger; 1 where there is one certificate.
+    pub trigger_multiple: f64,
     /// U, n x n, symmetric.
     pub lyapunov: DMatrix<f64>,
     /// Y, n x n, symmetric.
@@ -208,6 +211,13 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         tell("integral weight positive".into(), integral);
         let trigger = Matrix::exactly(&certificate.trigger_weight);
         tell("trigger weight positive".into(), trigger);
+        if certificate.trigger_multiple != 1.0 {
+            let multiple = S::from_f64(certificate.trigger_multiple);
+            tell(
+                "trigger multiple positive".into(),
+                Matrix::identity(1, multiple),
+            );
+        }
         for (input, &weight) in certificate.sector_weight.iter().enumerate() {
             let name = format!("sector weight input {}", input + 1);
             tell(name, Matrix::identity(1, S::from_f64(weight)));
@@ -330,6 +340,15 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         Some(seen.transposed().times(&sum.scaled(kappa)).times(&seen))
     }
 
+    /// The multiple of Upsilon in (18).
+    fn trigger_weight(&self) -> Matrix<S> {
+        let weight = Matrix::exactly(&self.certificate.trigger_weight);
+        match self.certificate.trigger_multiple {
+            1.0 => weight,
+            multiple => weight.scaled(&S::from_f64(multiple)),
+        }
+    }
+
     /// (18) without 2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) (A x - E x').
     fn decrease_without_plant(
         &self,
@@ -344,7 +363,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             plant.disturbance.ncols(),
         );
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
-        let weight = exactly(&self.certificate.trigger_weight);
+        let weight = self.trigger_weight();
         let integral = exactly(&self.certificate.integral_weight);
         let l1 = exactly(&self.certificate.free_state);
         let l2 = exactly(&self.certificate.free_sample);

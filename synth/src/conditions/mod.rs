@@ -70,6 +70,8 @@ pub struct Task {
     pub disturbance_weight_unit: f64,
     /// The gains.
     pub gains: GainPlan,
+    /// Sets to be covered, where a search asks for them.
+    pub coverage: Option<xu2020::Coverage>,
 }
 
 impl Task {
@@ -80,6 +82,7 @@ impl Task {
             specification,
             disturbance_weight_unit: 1.0,
             gains: GainPlan::constant(),
+            coverage: None,
         }
     }
 

@@ -5,6 +5,7 @@
 //! Fh = F Qh', Nh = N Qh', S = M^-1.
 
 mod anti_windup;
+mod containment;
 mod decrease;
 mod mismatch;
 mod peak_gain;
@@ -12,6 +13,7 @@ mod region;
 mod start;
 
 pub use anti_windup::gain_suffix;
+pub use containment::{coverage, Coverage};
 pub use decrease::{
     condition_name, decrease, decrease_form, full_condition, full_matched_condition, vertex_term,
     vertex_term_at, Coordinates, Interval,
@@ -35,12 +37,14 @@ pub struct SectorUnknowns {
     pub anti_windup: Affine,
     /// S = M^-1, m x m, diagonal: the inverse sector weight.
     pub weight: Affine,
+    /// Unit of the dead-zone row of (18): [`DEAD_ZONE_UNIT`] where the best S tends to zero.
+    pub row_unit: f64,
 }
 
 impl SectorUnknowns {
     /// S in units of the dead-zone row.
     fn weight_in_row_units(&self) -> Affine {
-        DEAD_ZONE_UNIT.powi(2) * &self.weight
+        self.row_unit.powi(2) * &self.weight
     }
 }
 
@@ -120,6 +124,7 @@ impl DesignUnknowns {
             Sector::Unknown => Some(SectorUnknowns {
                 anti_windup: anti_windup(unknowns, 0),
                 weight: DEAD_ZONE_UNIT.powi(-2) * unknowns.diagonal("S", inputs),
+                row_unit: DEAD_ZONE_UNIT,
             }),
         };
         let further = (1..task.gains.count).map(|rule| RuleUnknowns {
@@ -235,6 +240,17 @@ pub fn conditions_without_gain(
 ) -> Vec<Condition> {
     let mut out = positivity_and_anti_windup(task, unknowns, strictness);
     out.extend(weight_region_and_start(task, unknowns, strictness));
+    out
+}
+
+/// The same with `C'C <= g phi U` alone of the gain's conditions: with xi it bounds the gain by sqrt(g xi).
+pub fn conditions_with_peak(
+    task: &Task,
+    unknowns: &DesignUnknowns,
+    strictness: &Strictness,
+) -> Vec<Condition> {
+    let mut out = conditions_without_gain(task, unknowns, strictness);
+    out.push(peak_gain::peak_gain(task, unknowns, strictness));
     out
 }
 

@@ -4,6 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::outer::{both, Coupling, OuterFile};
+use super::search::SearchRecord;
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
@@ -30,6 +32,10 @@ pub struct DesignFile {
     pub controller: ControllerFile,
     /// What proves it.
     pub certificate: CertificateFile,
+    /// What proves the same controller on the larger set of the model's `specs.outer`; only in designs
+    /// with two certificates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outer: Option<OuterFile>,
     /// The outcome of the check when the file was written. A reader does not trust it: `verify`
     /// checks again.
     pub verdict: VerdictFile,
@@ -120,6 +126,12 @@ pub struct Provenance {
     pub form: String,
     /// Units of the scaled problem that was solved.
     pub problem: ProblemUnits,
+    /// What ties the two certificates together, where there are two.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Coupling>,
+    /// The search that chose the model's numbers, where there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchRecord>,
     /// The solver's runs, in order. Their statuses are the solver's opinion and prove nothing.
     pub solver_runs: Vec<SolverRun>,
 }
@@ -167,6 +179,7 @@ impl DesignFile {
         }
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.certificate(&model)?;
+        file.outer_certificate(&model)?;
         Ok((file, model))
     }
 
@@ -215,6 +228,7 @@ impl DesignFile {
                 "controller.trigger_weight",
                 &self.controller.trigger_weight,
             )?,
+            trigger_multiple: 1.0,
             lyapunov: symmetric("certificate.lyapunov", &part.lyapunov)?,
             integral_weight: symmetric("certificate.integral_weight", &part.integral_weight)?,
             multiplier: check_matrix("certificate.multiplier", &part.multiplier, square)?,
@@ -233,7 +247,11 @@ impl DesignFile {
 
     /// Proves the design from the file's numbers alone, or says what is not proved.
     pub fn verify(&self, model: &Model) -> Result<Report, ModelError> {
-        Ok(check(model, &self.certificate(model)?))
+        let report = check(model, &self.certificate(model)?);
+        Ok(match self.outer_certificate(model)? {
+            None => report,
+            Some(outer) => both(report, &check(&outer.model, &outer.certificate)),
+        })
     }
 }
 

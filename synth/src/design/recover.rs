@@ -81,6 +81,7 @@ pub fn recover(
             })
             .collect(),
         trigger_weight: symmetric(unknowns.trigger_weight.value(values)),
+        trigger_multiple: 1.0,
         lyapunov: symmetric(unknowns.lyapunov.value(values)),
         integral_weight: symmetric(unknowns.integral_weight.value(values)),
         multiplier: descriptor_multiplier(&model.plant, &to_state * &multiplier * &to_state),
@@ -208,7 +209,7 @@ const CLAIM_ROOM: f64 = 1e-5;
 
 /// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
 /// radius of attitudes at rest inside x'Ux <= 1.
-fn add_claims(model: &Model, certificate: &mut Certificate) -> Result<(), RecoverError> {
+pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Result<(), RecoverError> {
     let singular = RecoverError::Singular {
         matrix: "Lyapunov matrix",
     };

@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status, Structured};
 use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Part, Search, Subject,
+    blocking, containment_weights, scaled, Assembled, Form, Goal, Part, Search, Shortfall, Subject,
     SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 
@@ -49,6 +49,8 @@ pub struct Decision {
     /// The conditions with the largest share of the dual solution: those that block, when t is
     /// above 0.
     pub blocking: Vec<(String, f64)>,
+    /// What a search reached instead, where there was one.
+    pub shortfall: Option<Box<Shortfall>>,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
     /// The solver's runs.
@@ -230,6 +232,7 @@ fn settle(
         answer,
         slack: out.slack,
         blocking: out.blocking,
+        shortfall: None,
         solve_seconds,
         runs,
     })

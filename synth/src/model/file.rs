@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::outer::OuterSpecs;
+use super::search::SearchFile;
+
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
 
@@ -268,6 +271,13 @@ pub struct Specs {
     /// States x0 that the certified set must contain, each of n entries.
     #[serde(default)]
     pub must_contain: Vec<Vec<f64>>,
+    /// The larger set of a design with two certificates; only with an `exact` plant and a constant gain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outer: Option<OuterSpecs>,
+    /// What a search may vary, and between which limits; with the objective gain and without it nothing is
+    /// searched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchFile>,
     /// Margin of every strict inequality in scaled units, in (0, 0.01].
     #[serde(default = "default_margin")]
     pub margin: f64,
@@ -288,6 +298,12 @@ pub enum Objective {
     /// The smallest L-infinity gain bound gamma.
     #[default]
     Gain,
+    /// One gain with two certificates: the smallest gamma in the model's own box, while the set of
+    /// `outer` is certified too.
+    Both,
+    /// The largest certified set along the must-contain states; without such states, every attitude at rest up
+    /// to the largest angle. The box, eps, xi and what `search` names are searched.
+    Region,
 }
 
 /// Form of the gains.

@@ -5,8 +5,10 @@ mod explain;
 mod file;
 mod gains;
 mod inertia;
+mod outer;
 mod read;
 mod rules;
+mod search;
 mod validate;
 
 pub use error::{FileError, Kind, ModelError};
@@ -17,7 +19,9 @@ pub use file::{
     VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
+pub use outer::OuterSpecs;
 pub use read::{kind_of, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES};
+pub use search::SearchFile;
 pub use validate::{Model, MAX_SCHEDULED_RULES};
 
 pub use validate::{

@@ -7,7 +7,9 @@ use super::file::{
     MODEL_SCHEMA_VERSION,
 };
 use super::inertia::{check_set, inertia_uncertainty};
+use super::outer::check_outer;
 use super::rules::rule_model;
+use super::search::check_search;
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
 use crate::fuzzy::{ExactSpacecraft, VertexSystem};
@@ -51,6 +53,8 @@ impl Model {
         };
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
+        check_outer(&file)?;
+        check_search(&file)?;
         Ok(Model { file, plant })
     }
 

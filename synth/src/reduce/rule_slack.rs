@@ -93,7 +93,7 @@ pub fn conditions(
             seen.rows_mut(m + zone, n).copy_from(&at.held);
             lhs += &mismatch.total(task).congruence(&seen);
         }
-        let strict = strictness.positive_against("", -lhs, &margin_weight(&at));
+        let strict = strictness.positive_against("", -lhs, &margin_weight(&at, design));
         let parts = cliques::split(strict.expression(), &sizes, &splits(interval), unknowns)
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {

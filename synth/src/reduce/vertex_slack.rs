@@ -61,7 +61,7 @@ pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: Interval) -> 
     Coordinates {
         rate,
         held: select(HELD),
-        dead_zone: DEAD_ZONE_UNIT * select(DEAD_ZONE),
+        dead_zone: dead_zone_unit(design) * select(DEAD_ZONE),
         disturbance: select(DISTURBANCE),
         integral: match interval {
             Interval::Start => DMatrix::zeros(task.system.states(), total),
@@ -71,6 +71,12 @@ pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: Interval) -> 
         multiplied,
         sample,
     }
+}
+
+/// Unit of the dead-zone row.
+fn dead_zone_unit(design: &DesignUnknowns) -> f64 {
+    let sector = design.sector.as_ref();
+    sector.map_or(DEAD_ZONE_UNIT, |sector| sector.row_unit)
 }
 
 /// The cliques {v, tau}, {v, w, p} (with sector unknowns), {v, xk, w}, {x, xk, s} (for r = 2) and the
@@ -93,9 +99,9 @@ fn splits(design: &DesignUnknowns, interval: Interval) -> Vec<Split> {
 }
 
 /// The weight of the margin that equals the identity in the coordinates of the full condition.
-pub(super) fn margin_weight(at: &Coordinates) -> DMatrix<f64> {
+pub(super) fn margin_weight(at: &Coordinates, design: &DesignUnknowns) -> DMatrix<f64> {
     let error = &at.sample - &at.held;
-    let dead_zone = &at.dead_zone / DEAD_ZONE_UNIT;
+    let dead_zone = &at.dead_zone / dead_zone_unit(design);
     [
         &at.state,
         &at.rate,
@@ -160,7 +166,7 @@ pub fn conditions(
         let at = coordinates(task, design, interval);
         let mut lhs = decrease_form(task, interval, design, &at);
         lhs.add_block(0, 0, &slack);
-        let strict = strictness.positive_against("", -lhs, &margin_weight(&at));
+        let strict = strictness.positive_against("", -lhs, &margin_weight(&at, design));
         let sizes = block_sizes(task, design, interval);
         let order = match cliques {
             Cliques::Split => splits(design, interval),

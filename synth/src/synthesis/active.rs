@@ -64,8 +64,12 @@ pub(super) fn violated(
         false => MARGIN_SHARE_OF_SET,
     };
     let required = match goal {
-        Goal::SmallestGain => MARGIN_SHARE * margin,
-        Goal::LargestMargin { .. } => -(1.0 - share) * MARGIN_UNIT * solution.objective,
+        Goal::SmallestGain | Goal::SmallestPeak | Goal::LargestReach { .. } => {
+            MARGIN_SHARE * margin
+        }
+        Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => {
+            -(1.0 - share) * MARGIN_UNIT * solution.objective
+        }
         Goal::SmallestSlack => MARGIN_SHARE * margin - solution.objective,
     };
     let design = &assembled.design;

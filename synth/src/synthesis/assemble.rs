@@ -47,6 +47,19 @@ pub enum Goal {
     /// The smallest slack t with which all conditions but the gain's hold: positive when they cannot
     /// hold. Any gain bound large enough satisfies the gain's.
     SmallestSlack,
+    /// The largest common scale of the sets to be grown, as the smallest -s^2; with C'C <= peak phi U
+    /// where a peak is given.
+    LargestReach {
+        /// Bound on g.
+        peak: Option<f64>,
+    },
+    /// The smallest g with C'C <= g phi U: with xi it bounds the gain by sqrt(g xi).
+    SmallestPeak,
+    /// The largest common margin with g at the given value.
+    LargestRoom {
+        /// g.
+        peak: f64,
+    },
 }
 
 impl Goal {
@@ -55,7 +68,9 @@ impl Goal {
     pub fn accuracy(self, task: &Task) -> Accuracy {
         let (relative_gap, objective_unit) = match self {
             Goal::SmallestGain => (1e-8, GAIN_UNIT * task.disturbance_weight_unit),
-            Goal::LargestMargin { .. } => (1e-2, 1.0),
+            Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => (1e-2, 1.0),
+            Goal::LargestReach { .. } => (1e-4, REACH_UNIT),
+            Goal::SmallestPeak => (1e-5, GAIN_UNIT * task.disturbance_weight_unit),
             Goal::SmallestSlack => (1e-8, SLACK_UNIT),
         };
         Accuracy {
@@ -70,6 +85,9 @@ impl Goal {
             Goal::SmallestGain => "smallest gain",
             Goal::LargestMargin { .. } => "largest margin",
             Goal::SmallestSlack => "smallest slack",
+            Goal::LargestReach { .. } => "largest reach",
+            Goal::SmallestPeak => "smallest peak",
+            Goal::LargestRoom { .. } => "largest margin",
         }
     }
 }
@@ -89,6 +107,9 @@ pub const MARGIN_UNIT: f64 = 1e-4;
 
 /// Gains are resolved down to about this size, in units of the scaled xi.
 const GAIN_UNIT: f64 = 0.25;
+
+/// Squared scales are resolved down to about this size.
+const REACH_UNIT: f64 = 1e-2;
 
 /// Slacks are resolved down to about this size, in scaled units.
 const SLACK_UNIT: f64 = 1e-3;
@@ -112,12 +133,25 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
     };
     let mut design = DesignUnknowns::new(&mut unknowns, task, sector);
     let fixed = task.specification.margin;
+    let mut reach = Affine::identity(1, 1.0);
     let (strictness, objective) = match goal {
         Goal::SmallestGain => (Strictness::fixed(fixed), design.gain_bound.clone()),
         Goal::LargestMargin { gain_bound } => {
             let margin = unknowns.scalar("margin");
             design.gain_bound = Affine::identity(1, gain_bound);
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        Goal::LargestRoom { peak } => {
+            let margin = unknowns.scalar("margin");
+            design.gain_bound = Affine::identity(1, peak);
+            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        Goal::SmallestPeak => (Strictness::fixed(fixed), design.gain_bound.clone()),
+        Goal::LargestReach { peak } => {
+            let scale_squared = unknowns.scalar("scale squared");
+            design.gain_bound = Affine::identity(1, peak.unwrap_or(0.0));
+            reach = scale_squared.clone();
+            (Strictness::fixed(fixed), -scale_squared)
         }
         Goal::SmallestSlack => {
             let slack = unknowns.scalar("slack");
@@ -126,10 +160,16 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
         }
     };
     let mut conditions = match goal {
-        Goal::SmallestSlack => xu2020::conditions_without_gain(task, &design, &strictness),
+        Goal::SmallestSlack | Goal::LargestReach { peak: None } => {
+            xu2020::conditions_without_gain(task, &design, &strictness)
+        }
+        Goal::LargestReach { .. } | Goal::SmallestPeak | Goal::LargestRoom { .. } => {
+            xu2020::conditions_with_peak(task, &design, &strictness)
+        }
         _ => xu2020::side_conditions(task, &design, &strictness),
     };
-    if let Goal::LargestMargin { .. } = goal {
+    conditions.extend(xu2020::coverage(task, &design, &reach));
+    if let Goal::LargestMargin { .. } | Goal::LargestRoom { .. } = goal {
         conditions.push(bounded_trigger_weight(&design));
     }
     let mut reduced = |cliques| {
@@ -152,14 +192,14 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
 
 /// Without a threshold (nu = 0) nothing else bounds the trigger weight, and a solver that looks for
 /// the largest margin would let it grow for ever.
-fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
+pub(super) fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
     // A solver's feasibility tolerance is relative to the largest constant: keep it at 1.
     let unit = Affine::identity(design.trigger_weight.nrows(), 1.0);
     let share = 1.0 / TRIGGER_WEIGHT_BOUND * &design.trigger_weight;
     Condition::semidefinite("trigger weight bounded", unit - share)
 }
 
-fn full_decrease(
+pub(super) fn full_decrease(
     task: &Task,
     chosen: &[usize],
     design: &DesignUnknowns,

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::outer;
 use super::search::Search;
 use super::subject::{Part, Subject};
 use super::{Form, Goal};
@@ -118,6 +119,9 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
+    if outer::wanted(model) {
+        return outer::search(model, model_text, form, backend, observer);
+    }
     let subject = Subject {
         model,
         model_text,

@@ -8,7 +8,8 @@ use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
 use crate::conditions::Task;
 use crate::design::{
-    CertificateFile, DesignFile, ProblemUnits, Provenance, VerdictFile, DESIGN_SCHEMA_VERSION,
+    CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits, Provenance, VerdictFile,
+    DESIGN_SCHEMA_VERSION,
 };
 use crate::model::Model;
 
@@ -52,6 +53,27 @@ impl Subject<'_> {
         certificate: &Certificate,
         units: ProblemUnits,
     ) -> Result<Box<Synthesized>, SynthesisError> {
+        self.checked(certificate, None, self.provenance(units))
+    }
+
+    /// The same with a second certificate for the same controller.
+    pub fn design_of_two(
+        &self,
+        inner: &Certificate,
+        (outer, coupling): (OuterFile, Coupling),
+        units: ProblemUnits,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
+        let mut provenance = self.provenance(units);
+        provenance.coupling = Some(coupling);
+        self.checked(inner, Some(outer), provenance)
+    }
+
+    fn checked(
+        &self,
+        certificate: &Certificate,
+        outer: Option<OuterFile>,
+        provenance: Provenance,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
         let (controller, certificate) = CertificateFile::split(certificate);
         let mut file = DesignFile {
             schema_version: DESIGN_SCHEMA_VERSION,
@@ -59,12 +81,13 @@ impl Subject<'_> {
             model: self.model.file.clone(),
             controller,
             certificate,
+            outer,
             verdict: VerdictFile {
                 verdict: Verdict::NotProved,
                 conditions: Vec::new(),
                 not_covered: Vec::new(),
             },
-            provenance: self.provenance(units),
+            provenance,
         };
         let report = file.verify(self.model)?;
         file.verdict = VerdictFile::new(&report);
@@ -84,6 +107,8 @@ impl Subject<'_> {
             gains_sha256: self.gains_text.map(sha256_of),
             form: self.form.name().to_string(),
             problem,
+            coupling: None,
+            search: None,
             solver_runs: Vec::new(),
         }
     }

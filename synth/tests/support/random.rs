@@ -108,6 +108,8 @@ pub fn model(stream: &mut Stream, sizes: Sizes, stable: bool) -> Model {
             xi_max: 20.0,
             objective: Objective::Gain,
             must_contain: Vec::new(),
+            outer: None,
+            search: None,
             margin: 1e-6,
         },
         gains: GainForm::Constant,

@@ -42,7 +42,7 @@ pub fn numbers_of_proof(design: &Value) -> Vec<String> {
 }
 
 /// The entry that mirrors an entry of a symmetric matrix.
-fn mirrored(path: &str) -> Option<String> {
+pub fn mirrored(path: &str) -> Option<String> {
     let symmetric = [
         "trigger_weight",
         "lyapunov",

@@ -201,5 +201,5 @@ fn files(run: &ListedRun, link: &str) -> String {
 
 /// A margin in percent of the limit.
 fn percent_signed(margin: f64) -> String {
-    format!("{} %", short(100.0 * margin))
+    format!("{:.1}&nbsp;%", 100.0 * margin)
 }

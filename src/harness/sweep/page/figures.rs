@@ -1,6 +1,6 @@
 //! Which curves show a sweep.
 
-use super::plot::{Mark, Plot, Series, BAD, COLOURS, FAINT};
+use super::plot::{Mark, Plot, Series, COLOURS, FAINT, INK};
 use super::scale::number;
 use crate::harness::sweep::grid::Grid;
 use crate::harness::sweep::outcome::PointOutcome;
@@ -172,7 +172,7 @@ pub fn curve(
     if !without.is_empty() {
         series.push(Series {
             name: "no value".to_string(),
-            colour: BAD,
+            colour: INK,
             mark: Mark::Crosses,
             points: without,
         });

@@ -13,8 +13,6 @@ pub const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const GRID: RGBColor = RGBColor(0xE1, 0xE1, 0xE1);
 /// What stands back: points that are not on the front.
 pub const FAINT: RGBColor = RGBColor(0x99, 0x99, 0x99);
-/// Points without a value.
-pub const BAD: RGBColor = RGBColor(0xC3, 0x00, 0x2F);
 /// Curves; colour-blind readers can tell them apart (P. Tol's bright scheme).
 pub const COLOURS: [RGBColor; 6] = [
     RGBColor(68, 119, 170),
@@ -133,8 +131,8 @@ impl Plot {
         let floor = vertical.low();
         let mut chart = ChartBuilder::on(root)
             .margin(12)
-            .x_label_area_size(46)
-            .y_label_area_size(76)
+            .x_label_area_size(50)
+            .y_label_area_size(80)
             .build_cartesian_2d(horizontal, vertical)
             .map_err(text)?;
         mesh(&mut chart, [&self.horizontal, &self.vertical], GRID)?;
@@ -201,13 +199,13 @@ fn mesh(
         .axis_style(INK)
         .x_desc(horizontal.as_str())
         .y_desc(vertical.as_str())
-        .label_style(("sans-serif", 14, &INK))
+        .label_style(("sans-serif", 16, &INK))
         .draw()
         .map_err(text)
 }
 
 /// Room for a cell's mark, in pixels.
-const MARK_ROOM: u32 = 14;
+const MARK_ROOM: u32 = 16;
 
 impl Map {
     /// The map as an SVG element.
@@ -228,8 +226,8 @@ impl Map {
         let (columns, rows) = (self.horizontal.1.len(), self.vertical.1.len());
         let mut chart = ChartBuilder::on(root)
             .margin(12)
-            .x_label_area_size(46)
-            .y_label_area_size(76)
+            .x_label_area_size(50)
+            .y_label_area_size(80)
             .build_cartesian_2d(
                 Scale::cells(&names(&self.horizontal.1), 8),
                 Scale::cells(&names(&self.vertical.1), 12),
@@ -242,7 +240,7 @@ impl Map {
         )?;
         let (width, height) = chart.plotting_area().dim_in_pixel();
         let room = width >= MARK_ROOM * columns as u32 && height >= MARK_ROOM * rows as u32;
-        let style = ("sans-serif", 12, &WHITE)
+        let style = ("sans-serif", 17, &WHITE)
             .into_text_style(root)
             .pos(Pos::new(HPos::Center, VPos::Center));
         for (index, cell) in self.cells.iter().enumerate() {

@@ -31,6 +31,7 @@ use self::balance::{for_each_statement, Balance};
 use super::interval::Interval;
 use super::rounding::{div_down, mul_up, next_down};
 use super::{judge, ConditionMargin};
+use crate::conditions::GainPlan;
 use crate::model::{Mismatch, Model};
 
 /// Weight of (18) at one vertex: second moments of (x, v), 2n x 2n, symmetric.
@@ -163,6 +164,8 @@ impl Weights {
     /// meaning are left out.
     fn fits(&self, model: &Model) -> bool {
         let free = self.given.is_empty();
+        // Weights about a free gain say nothing about scheduled ones.
+        let constant = model.task().gains == GainPlan::constant();
         let matched = self.is_matched(model);
         let known = |part: &GainWeights| match free {
             true => part.gain == 0,
@@ -178,7 +181,7 @@ impl Weights {
         };
         let count = self.gains.len();
         count > 0
-            && (count == 1 || !free)
+            && (!free || (count == 1 && constant))
             && self.gains.iter().enumerate().all(|(index, part)| {
                 let first = index == 0;
                 let given = part.end.multiplied_sample.is_some();

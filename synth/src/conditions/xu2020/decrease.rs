@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, SectorUnknowns, Strictness, DEAD_ZONE_UNIT};
+use super::{DesignUnknowns, SectorUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks};
 
@@ -41,7 +41,7 @@ const INTEGRAL: usize = 6;
 /// The matrix Xi + Omega_r of (18) at one vertex, block by block as printed (corrected terms: Xi_12
 /// carries Uh and no L; Xi_45 and Xi_55 as derived for the held state and S = M^-1).
 /// Without sector unknowns the dead-zone row is left out; with them it is in units of
-/// [`DEAD_ZONE_UNIT`].
+/// their own.
 /// Side 4n + m + d for r = 1 and 5n + m + d for r = 2. It must be negative definite.
 pub fn decrease(
     task: &Task,
@@ -134,9 +134,10 @@ fn decrease_with_descriptor(
     if let Some(SectorUnknowns {
         anti_windup,
         weight,
+        row_unit,
     }) = &unknowns.sector
     {
-        let unit = DEAD_ZONE_UNIT;
+        let unit = *row_unit;
         let bs = unit * (b * weight);
         let nt = unit * anti_windup.transposed();
         out.add(STATE, DEAD_ZONE, &(-e1 * &bs));

@@ -136,7 +136,8 @@ struct Run<'a> {
     system: System,
     second: Vec<f64>,
     factors: Factors,
-    steps: StepWork,
+    /// For S and for Z.
+    steps: [StepWork; 2],
     work: Vec<f64>,
     product: Vec<f64>,
     /// `constant + A(y) - S`, zero once `feasible`.
@@ -182,7 +183,7 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
         system: System::default(),
         second: Vec::new(),
         factors: Factors::new(layout),
-        steps: StepWork::default(),
+        steps: Default::default(),
         work: Vec::new(),
         product: vec![0.0; layout.length],
         residual: vec![0.0; layout.length],
@@ -389,7 +390,7 @@ impl Run<'_> {
             layout,
             &point.z,
             &self.factors.s_inverse,
-            self.task.threads,
+            super::threads_now(self.task.threads),
             &mut self.system.matrix,
             &mut self.second,
         );
@@ -420,7 +421,7 @@ impl Run<'_> {
             base.iter_mut().for_each(|entry| *entry = -*entry);
         }
         let predictor = self.direction(point, &base, 1.0)?;
-        let (s_step, z_step) = self.step_lengths(&predictor, 1.0);
+        let (s_step, z_step) = self.step_lengths(point, &predictor, 1.0);
         let step = s_step.min(z_step);
         let (centring, fraction, weight) = self.caution(point, &predictor, (s_step, z_step));
         // The corrector: second-order term of the predictor.
@@ -440,7 +441,7 @@ impl Run<'_> {
         }
         let mut direction = self.direction(point, &target, fraction)?;
         let damping = 0.9 + 0.09 * step.min(1.0);
-        let (mut s_step, mut z_step) = self.step_lengths(&direction, damping);
+        let (mut s_step, mut z_step) = self.step_lengths(point, &direction, damping);
         if s_step.min(z_step) < 0.1 {
             // The second-order term misled: a centring step without it.
             let inverse = &self.factors.s_inverse;
@@ -448,7 +449,7 @@ impl Run<'_> {
                 target[k] = 0.5 * complementarity * inverse[k] + base[k];
             }
             let centred = self.direction(point, &target, 1.0)?;
-            let (s_centred, z_centred) = self.step_lengths(&centred, damping);
+            let (s_centred, z_centred) = self.step_lengths(point, &centred, damping);
             if s_centred.min(z_centred) > s_step.min(z_step) {
                 (direction, s_step, z_step) = (centred, s_centred, z_centred);
             }
@@ -541,16 +542,27 @@ impl Run<'_> {
     }
 
     /// Steps for S and for Z: `damping` of the way to the boundary, at most 1.
-    fn step_lengths(&mut self, direction: &Direction, damping: f64) -> (f64, f64) {
+    fn step_lengths(&mut self, point: &Point, direction: &Direction, damping: f64) -> (f64, f64) {
         let layout = self.task.layout;
         let enough = 1.0 / damping;
-        let mut step = |root: &[f64], along: &[f64]| {
-            let longest = longest_step(layout, root, along, enough, &mut self.steps);
-            (damping * longest).min(1.0)
-        };
-        (
-            step(&self.factors.s_root_inverse, &direction.s),
-            step(&self.factors.z_root_inverse, &direction.z),
-        )
+        let [s_work, z_work] = &mut self.steps;
+        let factors = &self.factors;
+        let s = longest_step(
+            layout,
+            &point.s,
+            &factors.s_root,
+            &direction.s,
+            enough,
+            s_work,
+        );
+        let z = longest_step(
+            layout,
+            &point.z,
+            &factors.z_root,
+            &direction.z,
+            enough,
+            z_work,
+        );
+        ((damping * s).min(1.0), (damping * z).min(1.0))
     }
 }

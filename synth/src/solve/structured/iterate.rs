@@ -17,12 +17,12 @@ pub struct Point {
 /// Factors of a point's matrices, block by block.
 #[derive(Debug, Clone)]
 pub struct Factors {
-    /// Inverse of the Cholesky factor of S.
-    pub s_root_inverse: Vec<f64>,
+    /// Cholesky factor of S.
+    pub s_root: Vec<f64>,
     /// S^-1.
     pub s_inverse: Vec<f64>,
-    /// Inverse of the Cholesky factor of Z.
-    pub z_root_inverse: Vec<f64>,
+    /// Cholesky factor of Z.
+    pub z_root: Vec<f64>,
     work: Vec<f64>,
 }
 
@@ -30,16 +30,12 @@ impl Factors {
     /// Room for the problem's blocks.
     pub fn new(layout: &Layout) -> Self {
         let zeros = || vec![0.0; layout.length];
-        let largest = layout
-            .blocks
-            .iter()
-            .map(|block| block.side)
-            .max()
-            .unwrap_or(0);
+        let sides = layout.blocks.iter().map(|block| block.side);
+        let largest = sides.max().unwrap_or(0);
         Factors {
-            s_root_inverse: zeros(),
+            s_root: zeros(),
             s_inverse: zeros(),
-            z_root_inverse: zeros(),
+            z_root: zeros(),
             work: vec![0.0; largest * largest],
         }
     }
@@ -47,23 +43,24 @@ impl Factors {
     /// Factors a point. `false` when S or Z is not positive definite.
     #[must_use]
     pub fn update(&mut self, layout: &Layout, point: &Point) -> bool {
-        for block in &layout.blocks {
-            let (n, range) = (block.side, block.range());
-            let work = &mut self.work[..n * n];
-            work.copy_from_slice(&point.s[range.clone()]);
-            if !dense::cholesky(work, n) {
-                return false;
-            }
-            dense::invert_lower(work, &mut self.s_root_inverse[range.clone()], n);
-            let root = &self.s_root_inverse[range.clone()];
-            dense::gram_of_lower(root, &mut self.s_inverse[range.clone()], n);
-            work.copy_from_slice(&point.z[range.clone()]);
-            if !dense::cholesky(work, n) {
-                return false;
-            }
-            dense::invert_lower(work, &mut self.z_root_inverse[range], n);
-        }
-        true
+        self.s_root.copy_from_slice(&point.s);
+        self.z_root.copy_from_slice(&point.z);
+        dense::vectorised(
+            #[inline(always)]
+            || {
+                layout.blocks.iter().all(|block| {
+                    let (n, range) = (block.side, block.range());
+                    let root = &mut self.s_root[range.clone()];
+                    if !dense::cholesky(root, n) {
+                        return false;
+                    }
+                    let inverse = &mut self.work[..n * n];
+                    dense::invert_lower(root, inverse, n);
+                    dense::gram_of_lower(inverse, &mut self.s_inverse[range.clone()], n);
+                    dense::cholesky(&mut self.z_root[range], n)
+                })
+            },
+        )
     }
 }
 
@@ -75,47 +72,79 @@ pub fn positive_definite(layout: &Layout, w: &[f64]) -> bool {
     })
 }
 
-/// Scratch for step lengths.
+/// Scratch for step lengths, and the block that allowed the shortest one last time.
 #[derive(Debug, Default)]
 pub struct StepWork {
+    limiting: usize,
+    inverse: Vec<f64>,
     product: Vec<f64>,
     reduced: Vec<f64>,
     diagonal: Vec<f64>,
     off: Vec<f64>,
 }
 
-/// The largest step along `direction` that keeps the matrix positive semidefinite, at most `enough`;
-/// `root_inverse` is the inverse of its Cholesky factor.
+/// The largest step along `direction` that keeps W positive semidefinite, at most `enough`; `root` is W's Cholesky
+/// factor.
 pub fn longest_step(
     layout: &Layout,
-    root_inverse: &[f64],
+    w: &[f64],
+    root: &[f64],
     direction: &[f64],
     enough: f64,
     work: &mut StepWork,
 ) -> f64 {
     // I + a W >= 0 for a <= -1 / (smallest eigenvalue of W).
     let mut smallest = -1.0 / enough;
-    for block in &layout.blocks {
-        let (n, range) = (block.side, block.range());
-        let (root, direction) = (&root_inverse[range.clone()], &direction[range]);
-        if n == 1 {
-            smallest = smallest.min(root[0] * root[0] * direction[0]);
-            continue;
-        }
-        work.product.resize(n * n, 0.0);
-        work.reduced.resize(n * n, 0.0);
-        work.diagonal.resize(n, 0.0);
-        work.off.resize(n, 0.0);
-        let (product, reduced) = (&mut work.product[..n * n], &mut work.reduced[..n * n]);
-        dense::congruence_by_lower(root, direction, product, reduced, n);
-        let (diagonal, off) = (&mut work.diagonal[..n], &mut work.off[..n]);
-        dense::tridiagonalise(reduced, n, diagonal, off);
-        smallest = dense::smallest_eigenvalue(diagonal, off, smallest);
-    }
+    let first = work.limiting.min(layout.blocks.len());
+    let (before, after) = layout.blocks.split_at(first);
+    dense::vectorised(
+        #[inline(always)]
+        || {
+            for (index, block) in after.iter().chain(before).enumerate() {
+                let range = block.range();
+                let (w, root) = (&w[range.clone()], &root[range.clone()]);
+                let found = work.smallest(block.side, w, root, &direction[range], smallest);
+                if found < smallest {
+                    smallest = found;
+                    work.limiting = (index + first) % layout.blocks.len();
+                }
+            }
+        },
+    );
     if smallest.is_nan() {
         return 0.0;
     }
     -1.0 / smallest
+}
+
+impl StepWork {
+    /// The smallest eigenvalue of `L^-1 D L^-T` where it is below `enough`, else `enough`.
+    #[inline(always)]
+    fn smallest(&mut self, n: usize, w: &[f64], root: &[f64], along: &[f64], enough: f64) -> f64 {
+        if n == 1 {
+            return enough.min(along[0] / (root[0] * root[0]));
+        }
+        for scratch in [&mut self.inverse, &mut self.product, &mut self.reduced] {
+            scratch.resize(n * n, 0.0);
+        }
+        let (inverse, reduced) = (&mut self.inverse[..n * n], &mut self.reduced[..n * n]);
+        // Most blocks allow what another one allows: one factorization tells.
+        let step = -1.0 / enough;
+        for ((there, w), d) in reduced.iter_mut().zip(w).zip(along) {
+            *there = w + step * d;
+        }
+        if dense::cholesky(reduced, n) {
+            return enough;
+        }
+        let product = &mut self.product[..n * n];
+        dense::invert_lower(root, inverse, n);
+        dense::congruence_by_lower(inverse, along, product, reduced, n);
+        self.diagonal.resize(n, 0.0);
+        self.off.resize(n, 0.0);
+        let (diagonal, off) = (&mut self.diagonal[..n], &mut self.off[..n]);
+        dense::tridiagonalise(reduced, n, diagonal, off);
+        dense::smallest_eigenvalue(diagonal, off, enough)
+    }
 }
 
 /// `out = sym(Z W S^-1)` block by block.
@@ -127,12 +156,17 @@ pub fn sandwich(
     work: &mut Vec<f64>,
     out: &mut [f64],
 ) {
-    for block in &layout.blocks {
-        let (n, range) = (block.side, block.range());
-        work.resize(n * n, 0.0);
-        let out = &mut out[range.clone()];
-        dense::product(&z[range.clone()], &w[range.clone()], &mut work[..n * n], n);
-        dense::product(&work[..n * n], &s_inverse[range], out, n);
-        dense::symmetrise(out, n);
-    }
+    dense::vectorised(
+        #[inline(always)]
+        || {
+            for block in &layout.blocks {
+                let (n, range) = (block.side, block.range());
+                work.resize(n * n, 0.0);
+                let out = &mut out[range.clone()];
+                dense::product(&z[range.clone()], &w[range.clone()], work, n);
+                dense::product(work, &s_inverse[range], out, n);
+                dense::symmetrise(out, n);
+            }
+        },
+    );
 }

@@ -9,7 +9,7 @@ const BALANCING_PASSES: usize = 4;
 /// One entry of a symmetric coefficient on or above the diagonal.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
-    /// Row, not above the column.
+    /// Row, not below the column's place on the diagonal.
     pub row: usize,
     /// Column.
     pub column: usize,
@@ -136,13 +136,20 @@ impl Layout {
         }
         // The most entries first: what is left for each unknown to meet is then the cheapest.
         coefficients.sort_by_key(|(unknown, entries)| (usize::MAX - entries.len(), *unknown));
-        let mut touched = vec![false; cone.side];
-        let all = coefficients.iter().flat_map(|(_, entries)| entries.iter());
-        for entry in all.chain(&cone.constant).filter(|e| e.value != 0.0) {
-            touched[entry.row] = true;
-            touched[entry.column] = true;
+        let mut last_touched: Vec<Option<usize>> = vec![None; cone.side];
+        let constant = std::iter::once(cone.constant.as_slice());
+        let all = constant.chain(coefficients.iter().map(|(_, entries)| *entries));
+        for (place, entries) in all.enumerate() {
+            for entry in entries.iter().filter(|e| e.value != 0.0) {
+                last_touched[entry.row] = Some(place);
+                last_touched[entry.column] = Some(place);
+            }
         }
-        let rows: Vec<usize> = (0..cone.side).filter(|&row| touched[row]).collect();
+        // The rows of the last unknowns first: what the last unknowns ask for then lies in the leading rows.
+        let mut rows: Vec<usize> = (0..cone.side)
+            .filter(|&row| last_touched[row].is_some())
+            .collect();
+        rows.sort_by_key(|&row| (std::cmp::Reverse(last_touched[row]), row));
         let side = rows.len();
         let mut position = vec![0; cone.side];
         rows.iter()
@@ -237,7 +244,7 @@ impl Layout {
             let packed = &z[block.range()];
             for (j, &column) in block.rows.iter().enumerate() {
                 for (i, &row) in block.rows.iter().enumerate().take(j + 1) {
-                    out[block.source][lmi::svec_index(row, column)] =
+                    out[block.source][lmi::svec_index(row.min(column), row.max(column))] =
                         cost_unit * block.scale[i] * block.scale[j] * packed[j * block.side + i];
                 }
             }
@@ -409,6 +416,7 @@ fn inner(entries: &[Place], w: &[f64]) -> f64 {
 }
 
 fn place_of(row: usize, column: usize, value: f64, side: usize) -> Place {
+    let (row, column) = (row.min(column), row.max(column));
     Place {
         row,
         column,

@@ -14,6 +14,7 @@ mod start;
 mod system;
 mod warm;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
@@ -40,7 +41,7 @@ const WARM_ITERATIONS: u32 = 16;
 /// The structured solver.
 #[derive(Debug, Clone)]
 pub struct Structured {
-    /// Threads that may be used; the result does not depend on their number.
+    /// Threads that may be used while no other solve is in progress; the result does not depend on their number.
     pub threads: usize,
     memory: Option<Memory>,
 }
@@ -52,6 +53,33 @@ impl Default for Structured {
             threads: available.min(2),
             memory: None,
         }
+    }
+}
+
+/// Solves in progress in this process.
+static RUNNING: AtomicUsize = AtomicUsize::new(0);
+
+/// Counts one solve for as long as it lives.
+struct Running;
+
+impl Running {
+    fn enter() -> Self {
+        RUNNING.fetch_add(1, Ordering::Relaxed);
+        Running
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        RUNNING.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Threads of those allowed that are worth using: one while other solves keep the processors busy.
+fn threads_now(allowed: usize) -> usize {
+    match RUNNING.load(Ordering::Relaxed) {
+        0 | 1 => allowed,
+        _ => 1,
     }
 }
 
@@ -85,6 +113,7 @@ impl Structured {
         observer: Option<Observer>,
     ) -> Result<(Solution, Timings), SolveError> {
         let begin = Instant::now();
+        let _running = Running::enter();
         super::check_finite(NAME, problem)?;
         check_size(problem)?;
         let layout = Layout::new(problem);

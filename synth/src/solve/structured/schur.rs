@@ -2,14 +2,18 @@
 //!
 //! Fujisawa, Kojima and Nakata ("Exploiting sparsity in primal-dual interior-point methods for semidefinite programming",
 //! Mathematical Programming 79:235-253, 1997) choose for each unknown between a dense product (their F1, F2) and a
-//! sum over pairs of entries (F3). The dense way here forms `V = U + U'`, `U = Z A_j S^-1`, as a sum of as many outer
-//! products as A_j has nonzero columns, so that it is F1 for dense and cheap for sparse coefficients.
+//! sum over pairs of entries (F3). The dense way here forms `V = U + U'`, `U = Z A_j S^-1`, as a sum of a few outer
+//! products, and only in the rows that later unknowns ask for, so that it is F1 for dense and cheap for sparse
+//! coefficients.
 
 use super::dense;
 use super::layout::{Block, Layout, Place};
 
-/// Relative cost of a gathered operation to one in a vector loop.
-const GATHER: usize = 4;
+/// Cost of one product of the sum over pairs, in gathered entries of V.
+const PAIR: usize = 10;
+
+/// Work [entries] below which a second thread does not pay.
+const WORTH_A_THREAD: usize = 150_000;
 
 /// How each unknown of each block is treated, found once for a problem.
 #[derive(Debug, Clone)]
@@ -19,15 +23,34 @@ pub struct SchurPlan {
     parts: Vec<std::ops::Range<usize>>,
 }
 
-#[derive(Debug, Clone)]
-struct BlockPlan {
-    /// For each unknown: its nonzero columns, or nothing where the sum over pairs is cheaper.
-    columns: Vec<Option<Vec<usize>>>,
-    cost: usize,
+/// One entry of a coefficient: where V is read and which unknown it belongs to.
+#[derive(Debug, Clone, Copy)]
+struct Read {
+    weight: f64,
+    /// Place in V, whose columns are `stride` apart.
+    at: u32,
+    unknown: u32,
 }
 
-/// Work [multiplications] below which a second thread does not pay.
-const WORTH_A_THREAD: usize = 2_000_000;
+/// `A = sum (e_c f' + f e_c')` over terms, or, one-sided, `A = sum f e_c'`.
+#[derive(Debug, Clone)]
+struct Term {
+    center: usize,
+    /// Rows of f and its values there.
+    rest: Vec<(usize, f64)>,
+    two_sided: bool,
+}
+
+#[derive(Debug, Clone)]
+struct BlockPlan {
+    /// Side, rounded up to a multiple of the lanes.
+    stride: usize,
+    reads: Vec<Read>,
+    /// For each unknown: the outer products of its V and how many leading rows of it are read, or nothing where the
+    /// sum over pairs is cheaper.
+    dense: Vec<Option<(Vec<Term>, usize)>>,
+    cost: usize,
+}
 
 impl SchurPlan {
     /// The plan for a problem.
@@ -62,28 +85,30 @@ impl SchurPlan {
         second: &mut Vec<f64>,
     ) {
         let m = layout.cost.len();
-        matrix.clear();
-        matrix.resize(m * m, 0.0);
-        let fill = |part: std::ops::Range<usize>, out: &mut [f64]| {
-            let mut work = Work::default();
-            for (plan, block) in self.blocks[part.clone()].iter().zip(&layout.blocks[part]) {
-                let range = block.range();
-                plan.add(
-                    block,
-                    &z[range.clone()],
-                    &s_inverse[range],
-                    m,
-                    &mut work,
-                    out,
-                );
-            }
+        let fill = |part: std::ops::Range<usize>, out: &mut Vec<f64>| {
+            out.clear();
+            out.resize(m * m, 0.0);
+            let blocks = &layout.blocks[part.clone()];
+            let plans = &self.blocks[part];
+            dense::vectorised(
+                #[inline(always)]
+                || {
+                    let mut work = Work::default();
+                    for (plan, block) in plans.iter().zip(blocks) {
+                        let range = block.range();
+                        let (z, s_inverse) = (&z[range.clone()], &s_inverse[range]);
+                        plan.add(block, z, s_inverse, m, &mut work, out);
+                    }
+                },
+            );
         };
         match &self.parts[..] {
-            [] => {}
+            [] => {
+                matrix.clear();
+                matrix.resize(m * m, 0.0);
+            }
             [only] => fill(only.clone(), matrix),
             [first, rest, ..] => {
-                second.clear();
-                second.resize(m * m, 0.0);
                 if threads > 1 {
                     std::thread::scope(|scope| {
                         scope.spawn(|| fill(rest.clone(), second));
@@ -94,6 +119,12 @@ impl SchurPlan {
                     fill(rest.clone(), second);
                 }
                 matrix.iter_mut().zip(second).for_each(|(a, b)| *a += *b);
+            }
+        }
+        // Each pair of unknowns was met once, on either side of the diagonal.
+        for j in 0..m {
+            for i in j + 1..m {
+                matrix[j * m + i] += matrix[i * m + j];
             }
         }
     }
@@ -108,23 +139,44 @@ struct Work {
 impl BlockPlan {
     fn new(block: &Block) -> Self {
         let n = block.side;
+        let stride = n.next_multiple_of(dense::LANES);
         let count = block.unknowns.len();
-        let mut columns = Vec::with_capacity(count);
-        let mut cost = 0;
-        for k in 0..count {
-            let own = block.entries_of(k);
-            let later = block.entries.len() - block.starts[k];
-            let mut touched: Vec<usize> = own.iter().flat_map(|e| [e.row, e.column]).collect();
-            touched.sort_unstable();
-            touched.dedup();
-            let dense = n * n * touched.len() + 2 * n * own.len() + GATHER * later;
-            let pairs = 4 * GATHER * own.len() * later;
-            cost += dense.min(pairs);
-            columns.push((dense < pairs).then_some(touched));
+        let mut reads = Vec::with_capacity(block.entries.len());
+        for (k, &unknown) in block.unknowns.iter().enumerate() {
+            reads.extend(block.entries_of(k).iter().map(|e| Read {
+                weight: e.weight,
+                at: (e.column * stride + e.row) as u32,
+                unknown: unknown as u32,
+            }));
         }
-        BlockPlan { columns, cost }
+        let mut dense = Vec::with_capacity(count);
+        let mut cost = 0;
+        let mut rows = 0;
+        for k in (0..count).rev() {
+            let own = block.entries_of(k);
+            rows = own.iter().fold(rows, |rows, e| rows.max(e.column + 1));
+            let later = block.entries.len() - block.starts[k];
+            let terms = terms(own);
+            let products: usize = terms.iter().map(|t| 1 + usize::from(t.two_sided)).sum();
+            let gathered: usize = terms.iter().map(|t| t.rest.len()).sum();
+            let lanes = dense::LANES;
+            let by_terms = (rows * (rows + 8) * products + rows * (2 * gathered + 4 * products))
+                / lanes
+                + later;
+            let by_pairs = PAIR * own.len() * later;
+            cost += by_terms.min(by_pairs);
+            dense.push((by_terms < by_pairs).then_some((terms, rows)));
+        }
+        dense.reverse();
+        BlockPlan {
+            stride,
+            reads,
+            dense,
+            cost,
+        }
     }
 
+    #[inline(always)]
     fn add(
         &self,
         block: &Block,
@@ -135,54 +187,125 @@ impl BlockPlan {
         out: &mut [f64],
     ) {
         for (k, &unknown) in block.unknowns.iter().enumerate() {
-            let own = block.entries_of(k);
-            if let Some(columns) = &self.columns[k] {
-                dense_column(block.side, own, columns, z, s_inverse, work);
-            }
-            for (later, &other) in block.unknowns.iter().enumerate().skip(k) {
-                let entries = block.entries_of(later);
-                let value = match &self.columns[k] {
-                    Some(_) => entries.iter().map(|e| e.weight * work.v[e.at]).sum(),
-                    None => over_pairs(block.side, own, entries, z, s_inverse),
-                };
-                out[unknown.min(other) * m + unknown.max(other)] += value;
+            let row = &mut out[unknown * m..(unknown + 1) * m];
+            let later = block.starts[k];
+            match &self.dense[k] {
+                Some((terms, rows)) => {
+                    self.form(block.side, terms, *rows, z, s_inverse, work);
+                    let v = &work.v[..];
+                    for read in &self.reads[later..] {
+                        row[read.unknown as usize] += read.weight * v[read.at as usize];
+                    }
+                }
+                None => {
+                    let own = block.entries_of(k);
+                    for (read, entry) in self.reads[later..].iter().zip(&block.entries[later..]) {
+                        row[read.unknown as usize] +=
+                            read.weight * over_pairs(block.side, own, entry, z, s_inverse);
+                    }
+                }
             }
         }
+    }
+
+    /// The leading rows of `V = U + U'`, `U = Z A S^-1`, on and above the diagonal.
+    #[inline(always)]
+    fn form(
+        &self,
+        n: usize,
+        terms: &[Term],
+        rows: usize,
+        z: &[f64],
+        s_inverse: &[f64],
+        work: &mut Work,
+    ) {
+        let stride = self.stride;
+        let basis = &mut work.basis;
+        // One column after the other; with A = f e_c', U = (Z f) (S^-1 e_c)'.
+        basis.resize(4 * terms.len() * stride, 0.0);
+        let mut columns = basis.chunks_exact_mut(stride);
+        let mut count = 0;
+        let column = |of: &[f64], at: usize| at * n..at * n + rows.min(of.len());
+        for term in terms {
+            let mut next = || {
+                columns
+                    .next()
+                    .map_or(&mut [][..], |column| &mut column[..rows])
+            };
+            let (zf, sc) = (next(), next());
+            zf.fill(0.0);
+            for &(row, weight) in &term.rest {
+                add_scaled(weight, &z[column(z, row)], zf);
+            }
+            sc.copy_from_slice(&s_inverse[column(z, term.center)]);
+            count += 2;
+            if term.two_sided {
+                let (zc, sf) = (next(), next());
+                zc.copy_from_slice(&z[column(z, term.center)]);
+                sf.fill(0.0);
+                for &(row, weight) in &term.rest {
+                    add_scaled(weight, &s_inverse[column(z, row)], sf);
+                }
+                count += 2;
+            }
+        }
+        work.v.resize(stride * stride, 0.0);
+        dense::sum_of_pairs(&work.basis, count, stride, rows, &mut work.v);
     }
 }
 
-/// `V = U + U'`, `U = Z A S^-1`, on and above the diagonal.
-#[inline(always)]
-fn dense_column(
-    n: usize,
-    entries: &[Place],
-    columns: &[usize],
-    z: &[f64],
-    s_inverse: &[f64],
-    work: &mut Work,
-) {
-    // Pairs of columns (Z A)_k and (S^-1)_k: V is the sum of p q' + q p' over the pairs.
-    let basis = &mut work.basis;
-    basis.clear();
-    basis.resize(2 * columns.len() * n, 0.0);
-    for (k, &column) in columns.iter().enumerate() {
-        let (p, q) = basis[2 * k * n..(2 * k + 2) * n].split_at_mut(n);
-        q.copy_from_slice(&s_inverse[column * n..(column + 1) * n]);
-        for entry in entries {
-            // Column `column` of the symmetric A has this entry's mate in its row.
-            if entry.column == column {
-                add_scaled(entry.value(), &z[entry.row * n..(entry.row + 1) * n], p);
-            } else if entry.row == column {
-                add_scaled(
-                    entry.value(),
-                    &z[entry.column * n..(entry.column + 1) * n],
-                    p,
-                );
+/// The terms of a coefficient: one-sided ones, one for each of its nonzero columns, or two-sided ones around the rows
+/// and columns that hold most of its entries, whichever needs fewer outer products.
+fn terms(entries: &[Place]) -> Vec<Term> {
+    let mut columns: Vec<usize> = entries.iter().flat_map(|e| [e.row, e.column]).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    let mut left: Vec<Place> = entries.to_vec();
+    let mut stars = Vec::new();
+    while let Some(center) = columns.iter().copied().max_by_key(|&c| {
+        let touches = left.iter().filter(|e| e.row == c || e.column == c).count();
+        (touches, usize::MAX - c)
+    }) {
+        let mut rest = Vec::new();
+        left.retain(|e| match (e.row == center, e.column == center) {
+            (true, true) => {
+                rest.push((center, 0.5 * e.value()));
+                false
             }
+            (true, false) => {
+                rest.push((e.column, e.value()));
+                false
+            }
+            (false, true) => {
+                rest.push((e.row, e.value()));
+                false
+            }
+            (false, false) => true,
+        });
+        if rest.is_empty() {
+            break;
         }
+        stars.push(Term {
+            center,
+            rest,
+            two_sided: true,
+        });
     }
-    work.v.resize(n * n, 0.0);
-    dense::sum_of_pairs(basis, 2 * columns.len(), n, &mut work.v);
+    if 2 * stars.len() < columns.len() {
+        return stars;
+    }
+    let column = |center: usize| {
+        let meets = entries
+            .iter()
+            .filter(move |e| e.row == center || e.column == center);
+        let mate = move |e: &Place| if e.row == center { e.column } else { e.row };
+        Term {
+            center,
+            rest: meets.map(|e| (mate(e), e.value())).collect(),
+            two_sided: false,
+        }
+    };
+    columns.into_iter().map(column).collect()
 }
 
 #[inline(always)]
@@ -192,21 +315,19 @@ fn add_scaled(a: f64, x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// `<A_i, Z A_j S^-1>` over the pairs of entries.
+/// The entry of V at one place, over the entries of A.
 #[inline(always)]
-fn over_pairs(n: usize, a: &[Place], b: &[Place], z: &[f64], s_inverse: &[f64]) -> f64 {
+fn over_pairs(n: usize, a: &[Place], e: &Place, z: &[f64], s_inverse: &[f64]) -> f64 {
     let mut sum = 0.0;
-    for e in b {
-        let (r, c) = (e.row * n, e.column * n);
-        for f in a {
-            let (p, q) = (f.row, f.column);
-            let mixed = z[c + p] * s_inverse[r + q]
-                + z[c + q] * s_inverse[r + p]
-                + z[r + p] * s_inverse[c + q]
-                + z[r + q] * s_inverse[c + p];
-            // Halved weights on the diagonal count each of the coinciding terms once.
-            sum += e.weight * f.weight * mixed;
-        }
+    let (r, c) = (e.row * n, e.column * n);
+    for f in a {
+        let (p, q) = (f.row, f.column);
+        let mixed = z[c + p] * s_inverse[r + q]
+            + z[c + q] * s_inverse[r + p]
+            + z[r + p] * s_inverse[c + q]
+            + z[r + q] * s_inverse[c + p];
+        // Halved weights on the diagonal count each of the coinciding terms once.
+        sum += f.weight * mixed;
     }
     sum
 }

@@ -4,12 +4,9 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
     cholesky_in_place, cholesky_in_place_scratch, LltRegularization,
 };
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{MatMut, MatRef, Par};
+use faer::{MatMut, Par};
 
-use super::dense::dot;
+use super::dense::{self, dot};
 
 /// Relative residual at which refinement stops.
 const REFINED: f64 = 1e-14;
@@ -147,24 +144,20 @@ impl System {
     }
 
     fn precondition(&self, x: &mut [f64]) {
-        let n = self.side;
-        let factor = MatRef::from_column_major_slice(&self.factor, n, n);
-        let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
-        solve_lower_triangular_in_place(factor, x.as_mut(), Par::Seq);
-        solve_upper_triangular_in_place(factor.transpose(), x, Par::Seq);
+        dense::vectorised(
+            #[inline(always)]
+            || {
+                dense::solve_lower(&self.factor, x, self.side);
+                dense::solve_lower_transposed(&self.factor, x, self.side);
+            },
+        );
     }
 
     /// `out = matrix x` from the lower triangle.
     fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        let n = self.side;
-        out.fill(0.0);
-        for j in 0..n {
-            let column = &self.matrix[j * n + j..(j + 1) * n];
-            out[j] += dot(column, &x[j..]);
-            let weight = x[j];
-            for (o, a) in out[j + 1..].iter_mut().zip(&column[1..]) {
-                *o += weight * a;
-            }
-        }
+        dense::vectorised(
+            #[inline(always)]
+            || dense::symmetric_product(&self.matrix, self.side, 0, x, out),
+        );
     }
 }

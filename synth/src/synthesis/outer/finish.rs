@@ -1,0 +1,347 @@
+//! From the summit of a search to a design that is proved.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::climb::Point;
+use super::inner::{Aim, Inner};
+use super::plan::Plan;
+use super::shortfall::{sensitivities, Shortfall};
+use super::{decision, start};
+use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
+use crate::certify::Verdict;
+use crate::conditions::xu2020::Coverage;
+use crate::conditions::Task;
+use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, VariedFile};
+use crate::model::{Model, ModelFile, Plant};
+use crate::scaling::Scaling;
+use crate::solve::Status;
+use crate::synthesis::{
+    Assembled, Form, Goal, Outcome, Part, Search, Subject, SynthesisError, Synthesized,
+};
+
+/// Parts of the scale found that are given away for room, one after the other until a design is proved.
+const SHRINKING: [f64; 3] = [2e-3, 1e-2, 5e-2];
+
+/// Units of the state tried, relative to the search's.
+const UNITS: [f64; 3] = [1.0, 0.25, 4.0];
+
+/// The bound g of the exported design, relative to the smallest: the price of a margin. A region is not after the
+/// gain and can pay more.
+const PEAK_ROOM: f64 = 1e-3;
+const PEAK_ROOM_OF_A_REGION: f64 = 2e-2;
+
+/// How far gamma lies above max(g, xi).
+const GAMMA_ROOM: f64 = 1e-6;
+
+/// Relative room of the part of a state that a design must contain.
+const CLAIM_ROOM: f64 = 1e-6;
+
+/// Significant digits of the numbers that the search chose.
+const DIGITS: i32 = 5;
+
+/// What one attempt is made with.
+struct Making<'a> {
+    model: &'a Model,
+    task: &'a Task,
+    scaling: &'a Scaling,
+    units: ProblemUnits,
+    point: &'a Point,
+}
+
+/// What the design is made for.
+pub struct Finish<'a> {
+    pub model: &'a Model,
+    pub model_text: &'a str,
+    pub form: Form,
+    pub plan: &'a Plan,
+    pub inner: &'a Inner<'a>,
+}
+
+impl Finish<'_> {
+    /// Makes the design at a point and says whether it is what was asked for.
+    pub fn outcome(&self, point: &Point, runs: &mut Search) -> Result<Outcome, SynthesisError> {
+        let point = self.rounded(point)?;
+        let mut unproved = None;
+        for shrinking in SHRINKING {
+            for unit in UNITS {
+                let Some(design) = self.attempt(&point, shrinking, unit, runs)? else {
+                    continue;
+                };
+                if design.report.verdict == Verdict::Proved {
+                    return self.judged(&point, design, runs);
+                }
+                unproved = Some(design);
+            }
+            if matches!(self.inner.aim, Aim::Gain) {
+                break;
+            }
+        }
+        Ok(match unproved {
+            Some(design) => Outcome::Solved(closed(design, runs)),
+            None => {
+                let reason = "the search found a point, but no solver could make a design of it";
+                let shortfall = Shortfall {
+                    reason: reason.to_string(),
+                    scale: None,
+                    angle_deg: None,
+                    limits: sensitivities(self.inner, &point)?,
+                };
+                Outcome::SolverFailed(decision(shortfall, point.value.blocking.clone(), runs))
+            }
+        })
+    }
+
+    /// The point with its numbers in few digits.
+    fn rounded(&self, point: &Point) -> Result<Point, SynthesisError> {
+        let space = &self.plan.space;
+        let file = space.at(&point.coordinates);
+        let ranges = space.ranges.iter().zip(&point.coordinates);
+        let coordinates: Vec<f64> = ranges
+            .map(|(range, &at)| {
+                let value = range.parameter.of(&file).map(short);
+                value.map_or(at, |value| range.parameter.coordinate(value))
+            })
+            .collect();
+        let near = Point {
+            coordinates: space.inside(&coordinates),
+            value: point.value.clone(),
+        };
+        let solved = start::again(self.inner, &near)?;
+        Ok(solved.unwrap_or_else(|| point.clone()))
+    }
+
+    /// The model at a point, with what it contains.
+    fn model_at(&self, point: &Point, shrinking: f64) -> Option<Model> {
+        let mut file = self.plan.space.at(&point.coordinates);
+        for range in &self.plan.space.ranges {
+            if let Some(value) = range.parameter.of(&file) {
+                let [low, high] = range.limits;
+                range
+                    .parameter
+                    .set(&mut file, short(value).clamp(low, high));
+            }
+        }
+        if let Aim::Reach { .. } = self.inner.aim {
+            // Short of the states themselves the design is for a part of each.
+            let scale = point.value.height.exp() * (1.0 - shrinking);
+            if scale <= 1.0 {
+                let part = scale * (1.0 - CLAIM_ROOM);
+                let states = file.specs.must_contain.iter_mut().flatten();
+                states.for_each(|entry| *entry *= part);
+            }
+        }
+        Model::new(file).ok()
+    }
+
+    fn attempt(
+        &self,
+        point: &Point,
+        shrinking: f64,
+        unit: f64,
+        runs: &mut Search,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+        let Some(model) = self.model_at(point, shrinking) else {
+            return Ok(None);
+        };
+        let mut covered = self.plan.covered.clone();
+        let mut room = PEAK_ROOM;
+        if let Aim::Reach { grown, .. } = self.inner.aim {
+            let scale = point.value.height.exp() * (1.0 - shrinking);
+            covered.extend(grown.iter().map(|set| set * scale));
+            room = PEAK_ROOM_OF_A_REGION;
+        }
+        let mut task = model.task();
+        task.specification.must_contain.clear();
+        task.coverage = Some(Coverage {
+            linearisation: point.value.linearisation.clone(),
+            covered,
+            grown: Vec::new(),
+        });
+        let smallest = Scaling::automatic(&task.system, 1.0).state.min();
+        let units = ProblemUnits {
+            state_fraction: self.plan.unit * unit / smallest,
+            containment_weight: 0.5,
+        };
+        let scaling = Scaling::automatic(&task.system, units.state_fraction);
+        let scaled = scaling.apply(&task);
+        let (assembled, smallest) = runs.solve(&scaled, Goal::SmallestPeak)?;
+        let usable = |status| matches!(status, Status::Solved | Status::Inaccurate);
+        let least = smallest.objective;
+        if !(usable(smallest.status) && least.is_finite() && least > 0.0) {
+            return Ok(None);
+        }
+        let making = Making {
+            model: &model,
+            task: &task,
+            scaling: &scaling,
+            units,
+            point,
+        };
+        // The smallest g keeps the model's margin in every condition, which may do.
+        let first = self.design(&making, &assembled, &smallest.values, least)?;
+        let wide = matches!(self.inner.aim, Aim::Reach { .. });
+        if wide
+            && first
+                .as_ref()
+                .is_some_and(|design| design.report.verdict == Verdict::Proved)
+        {
+            return Ok(first);
+        }
+        let bound =
+            self.inner.peak_bound(&task).unwrap_or(f64::INFINITY) / (1.0 + GAMMA_ROOM).powi(2);
+        // Just above the bound it is left to the judgement.
+        let peak = (least * (1.0 + room)).min(bound.max(least * (1.0 + PEAK_ROOM)));
+        let (assembled, inside) = runs.solve(&scaled, Goal::LargestRoom { peak })?;
+        let second = self.design(&making, &assembled, &inside.values, peak)?;
+        let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
+        Ok(match second {
+            Some(second) if proved(&second) => Some(second),
+            second => first.filter(proved).or(second),
+        })
+    }
+
+    /// The design of a solver's point, checked.
+    fn design(
+        &self,
+        making: &Making<'_>,
+        assembled: &Assembled,
+        values: &[f64],
+        peak: f64,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+        let model = making.model;
+        let Ok(mut certificate) = recover(model, &assembled.design, values, making.scaling) else {
+            return Ok(None);
+        };
+        let above = peak.max(certificate.disturbance_weight);
+        certificate.gain_bound = above * (1.0 + GAMMA_ROOM);
+        if add_claims(model, &mut certificate).is_err() {
+            return Ok(None);
+        }
+        let subject = Subject {
+            model,
+            model_text: self.model_text,
+            task: making.task,
+            given: &[],
+            part: Part::FIRST,
+            gains_text: None,
+            form: self.form,
+        };
+        let mut design = subject.design(&certificate, making.units)?;
+        design.file.provenance.search = Some(self.record(making.point, &model.file));
+        Ok(Some(design))
+    }
+
+    fn record(&self, point: &Point, file: &ModelFile) -> SearchRecord {
+        let varied = self.plan.space.ranges.iter().filter_map(|range| {
+            let [lowest, highest] = range.limits;
+            range.parameter.of(file).map(|value| VariedFile {
+                field: range.parameter.field(),
+                lowest,
+                highest,
+                value,
+            })
+        });
+        SearchRecord {
+            objective: match self.inner.aim {
+                Aim::Reach { .. } => "region",
+                Aim::Gain => "gain",
+            }
+            .to_string(),
+            evaluations: self.inner.watch.count(),
+            varied: varied.collect(),
+            linearisation: rows(&point.value.linearisation),
+        }
+    }
+
+    /// A proved design is what was asked for, or it says how far one gets.
+    fn judged(
+        &self,
+        point: &Point,
+        design: Box<Synthesized>,
+        runs: &Search,
+    ) -> Result<Outcome, SynthesisError> {
+        let limits = &self.plan.limits;
+        let part = &design.file.certificate;
+        let reached = self.reached(&design);
+        let scale = reached.iter().map(|along| along.scale).reduce(f64::min);
+        let angles = reached.iter().filter_map(|along| along.angle_deg);
+        let angle_deg = angles.reduce(f64::min);
+        let ball = part.certified_vector_part.map(angle_of_vector_part_deg);
+        let reason = if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
+            Some(uncovered(scale, angle_deg))
+        } else if let Some(limit) = limits.gamma_max.filter(|limit| part.gamma > *limit) {
+            Some(format!(
+                "the smallest gamma proved is {:.5}; gamma_max is {limit}",
+                part.gamma
+            ))
+        } else if let Some(limit) = limits
+            .guaranteed_gain_max
+            .filter(|limit| part.guaranteed_gain > *limit)
+        {
+            let gain = part.guaranteed_gain;
+            Some(format!(
+                "the smallest guaranteed gain proved is {gain:.5}; guaranteed_gain_max is {limit}"
+            ))
+        } else {
+            let short = limits
+                .certified_angle_min_deg
+                .zip(ball)
+                .filter(|(limit, angle)| angle < limit);
+            short.map(|(limit, angle)| {
+                format!("every attitude at rest is proved up to {angle:.3} deg; certified_angle_min_deg is {limit}")
+            })
+        };
+        let Some(reason) = reason else {
+            return Ok(Outcome::Solved(closed(design, runs)));
+        };
+        let shortfall = Shortfall {
+            reason,
+            scale,
+            angle_deg,
+            limits: sensitivities(self.inner, point)?,
+        };
+        let blocking = point.value.blocking.clone();
+        Ok(Outcome::Infeasible(decision(shortfall, blocking, runs)))
+    }
+
+    /// How far the certified set goes along what the model asks for, proved.
+    fn reached(&self, design: &Synthesized) -> Vec<Along> {
+        reached(self.model, &design.file.certificate.lyapunov)
+    }
+}
+
+/// How far x'Ux <= 1 goes along every state that a model must contain: proved, rounded down.
+pub fn reached(model: &Model, lyapunov: &[Vec<f64>]) -> Vec<Along> {
+    let n = lyapunov.len();
+    let matrix = DMatrix::from_fn(n, n, |r, c| lyapunov[r].get(c).copied().unwrap_or(f64::NAN));
+    let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
+    let states = model.file.specs.must_contain.iter();
+    let states = states.filter(|state| state.len() == n);
+    states
+        .map(|state| along(&matrix, &DVector::from_column_slice(state), spacecraft))
+        .collect()
+}
+
+fn uncovered(scale: f64, angle_deg: Option<f64>) -> String {
+    let angle = angle_deg.map_or(String::new(), |angle| format!(" ({angle:.3} deg)"));
+    format!(
+        "the start is not covered: a design is proved for {:.2} % of it{angle}, and the search found no more",
+        100.0 * scale
+    )
+}
+
+fn closed(mut design: Box<Synthesized>, runs: &Search) -> Box<Synthesized> {
+    design.solve_seconds = runs.seconds();
+    design.file.provenance.solver_runs = runs.runs.clone();
+    design
+}
+
+/// A number with few digits.
+fn short(value: f64) -> f64 {
+    if !(value.is_finite() && value > 0.0) {
+        return value;
+    }
+    let exponent = value.log10().floor() as i32;
+    let digits = usize::try_from(DIGITS - 1 - exponent).unwrap_or(0).min(300);
+    format!("{value:.digits$}").parse().unwrap_or(value)
+}

@@ -1,0 +1,215 @@
+//! From a model to what is searched.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::inner::Aim;
+use super::parameters::{Parameter, Range, Space};
+use crate::model::{Model, ModelFile, Objective, PlantFile, SearchFile};
+
+/// What is searched for a model.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What is varied.
+    pub space: Space,
+    /// What is sought.
+    pub aim: Aim,
+    /// Sets that must be covered, with a little room; SI units.
+    pub covered: Vec<DMatrix<f64>>,
+    /// The search's limits.
+    pub limits: SearchFile,
+    /// A unit of the state that suits the set sought.
+    pub unit: f64,
+}
+
+/// Relative room of what must be covered, so that it can be proved.
+const COVER_ROOM: f64 = 1e-3;
+
+/// The box may become this many times larger or smaller than the model's where no limits are given.
+const BOX_FACTOR: f64 = 100.0;
+
+/// Limits of q0 where none are given.
+const SCALAR_PART: [f64; 2] = [0.02, 0.9999];
+
+/// Limits of eps_1 and eps_3, relative to eps_2, where none are given.
+const WEIGHT_FACTOR: [f64; 2] = [0.01, 100.0];
+
+/// The smallest xi, relative to xi_max, where no limits are given.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+/// A unit of the state relative to the size of what must be in the set.
+const UNIT_SHARE: f64 = 0.4;
+
+impl Plan {
+    /// Whether a model asks for a search.
+    pub fn wanted(model: &Model) -> bool {
+        let specs = &model.file.specs;
+        specs.search.is_some() || specs.objective == Objective::Region
+    }
+
+    /// The plan for a model that asks for a search.
+    pub fn of(model: &Model) -> Self {
+        let specs = &model.file.specs;
+        let limits = specs.search.clone().unwrap_or_else(SearchFile::unlimited);
+        let states = specs.must_contain.iter();
+        let states: Vec<DMatrix<f64>> = states
+            .map(|state| DMatrix::from_column_slice(state.len(), 1, state))
+            .collect();
+        let mut covered = Vec::new();
+        if let Some(angle) = limits.certified_angle_min_deg {
+            let norm = (0.5 * angle.to_radians()).sin();
+            covered.push(attitudes() * (norm * (1.0 + COVER_ROOM)));
+        }
+        let aim = match specs.objective {
+            Objective::Gain | Objective::Both => {
+                covered.extend(states.iter().map(|state| state * (1.0 + COVER_ROOM)));
+                Aim::Gain
+            }
+            Objective::Region => Aim::Reach {
+                grown: match states.is_empty() {
+                    true => vec![attitudes()],
+                    false => states.clone(),
+                },
+                gamma_max: limits.gamma_max,
+                gain_max: limits.guaranteed_gain_max,
+            },
+        };
+        let mut base = model.file.clone();
+        base.specs.search = None;
+        let ranges = ranges(model, &limits, &mut base);
+        let unit = unit(model, &covered, &aim);
+        Plan {
+            space: Space { base, ranges },
+            aim,
+            covered,
+            limits,
+            unit,
+        }
+    }
+
+    /// The same for the model without bounds on the gain.
+    pub fn without_bounds(&self, model: &Model) -> Self {
+        let mut model = model.clone();
+        model.file.specs.search = Some(SearchFile {
+            gamma_max: None,
+            guaranteed_gain_max: None,
+            ..self.limits.clone()
+        });
+        Plan::of(&model)
+    }
+}
+
+/// D with D z, |z| <= 1, all attitudes at rest.
+pub fn attitudes() -> DMatrix<f64> {
+    DMatrix::from_fn(6, 3, |r, c| if r == c + 3 { 1.0 } else { 0.0 })
+}
+
+fn unit(model: &Model, covered: &[DMatrix<f64>], aim: &Aim) -> f64 {
+    let size = |sets: &[DMatrix<f64>]| {
+        let longest = sets
+            .iter()
+            .flat_map(|set| set.column_iter().map(|c| c.norm()).collect::<Vec<_>>());
+        longest.fold(0.0_f64, f64::max)
+    };
+    let wanted = match aim {
+        Aim::Reach { grown, .. } => size(grown),
+        Aim::Gain => size(covered),
+    };
+    if wanted > 0.0 {
+        return UNIT_SHARE * wanted;
+    }
+    let region = model.task().system.region;
+    let extents = region.iter().map(|bound| {
+        let reach = bound.rows.norm().max(f64::MIN_POSITIVE);
+        bound.bound_squared.max(0.0).sqrt() / reach
+    });
+    let smallest = extents
+        .filter(|extent| *extent > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() {
+        0.5 * smallest
+    } else {
+        1.0
+    }
+}
+
+/// What is varied; what has one value only is set in `base`.
+fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range> {
+    let specs = &model.file.specs;
+    let mut out: Vec<Range> = Vec::new();
+    let mut push = |parameter: Parameter, [low, high]: [f64; 2]| {
+        if low < high {
+            let limits = [low, high];
+            out.push(Range { parameter, limits });
+        } else {
+            parameter.set(base, low);
+        }
+    };
+    if let Some(range) = limits.phi_per_s {
+        push(Parameter::DecayRate, range);
+    }
+    if let Some(range) = limits.nu {
+        push(Parameter::Threshold, range);
+    }
+    if let PlantFile::Exact(exact) = &model.file.plant {
+        for (axis, &rate) in exact.rate_rad_s.iter().enumerate() {
+            let usual = [rate / BOX_FACTOR, rate * BOX_FACTOR];
+            push(Parameter::Rate(axis), limits.rate_rad_s.unwrap_or(usual));
+        }
+        push(Parameter::ScalarPart, limits.q0_min.unwrap_or(SCALAR_PART));
+    }
+    let weights = WEIGHT_FACTOR.map(|factor| factor * specs.eps[1]);
+    push(Parameter::FirstWeight, limits.eps_1.unwrap_or(weights));
+    push(Parameter::ThirdWeight, limits.eps_3.unwrap_or(weights));
+    let xi = limits
+        .xi_max
+        .unwrap_or([LEAST_WEIGHT * specs.xi_max, specs.xi_max]);
+    let cap = limits.gamma_max.unwrap_or(f64::INFINITY);
+    push(Parameter::DisturbanceWeight, xi.map(|value| value.min(cap)));
+    out
+}
+
+/// A state that lies outside every box that is allowed, in words.
+pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
+    let PlantFile::Exact(exact) = &model.file.plant else {
+        return None;
+    };
+    let limit = |parameter: Parameter, fixed: f64, pick: fn(&[f64; 2]) -> f64| {
+        let range = plan
+            .space
+            .ranges
+            .iter()
+            .find(|range| range.parameter == parameter);
+        range.map_or(fixed, |range| pick(&range.limits))
+    };
+    let least = limit(Parameter::ScalarPart, exact.q0_min, |limits| limits[0]);
+    let longest = (1.0 - least * least).max(0.0).sqrt();
+    for (index, state) in model.file.specs.must_contain.iter().enumerate() {
+        let state = DVector::from_column_slice(state);
+        let norm = state.rows(3, 3).norm();
+        if norm >= longest {
+            let angle = |norm: f64| (2.0 * norm.min(1.0).asin()).to_degrees();
+            return Some(format!(
+                "must-contain state {} lies outside every box: its |q| is {norm:.4} ({:.1} deg), but q0_min is at least \
+                 {least}, so that |q| stays below {longest:.4} ({:.1} deg)",
+                index + 1,
+                angle(norm),
+                angle(longest)
+            ));
+        }
+        for axis in 0..3 {
+            let highest = limit(Parameter::Rate(axis), exact.rate_rad_s[axis], |limits| {
+                limits[1]
+            });
+            if state[axis].abs() >= highest {
+                return Some(format!(
+                    "must-contain state {} lies outside every box: its rate about axis {} is {} rad/s, but the box ends at \
+                     {highest} rad/s",
+                    index + 1,
+                    axis + 1,
+                    state[axis]
+                ));
+            }
+        }
+    }
+    None
+}
