@@ -76,7 +76,9 @@ pub(super) fn check_search(file: &ModelFile) -> Result<(), ModelError> {
     if search.is_some() && file.specs.objective == Objective::Both {
         return Err(ModelError::Choice {
             field: "specs.search".to_string(),
-            reason: "the objective \"both\" takes its limits from specs.outer; leave the search out".to_string(),
+            reason:
+                "the objective \"both\" takes its limits from specs.outer; leave the search out"
+                    .to_string(),
         });
     }
     if exact && (search.is_some() || file.specs.objective == Objective::Region) {
