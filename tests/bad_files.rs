@@ -141,8 +141,8 @@ fn bad_usage_ends_with_1_and_says_why() {
             "unexpected argument '--fast'",
         ),
         (
-            &["synthesize", model, "--objective", "region"],
-            "invalid value 'region'",
+            &["synthesize", model, "--objective", "area"],
+            "invalid value 'area'",
         ),
         (
             &["synthesize", model, "--form", "short"],

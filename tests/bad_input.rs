@@ -321,9 +321,9 @@ fn a_name_that_is_not_known_is_named_with_the_known_ones() {
     let cases = [
         (
             "/specs/objective",
-            "unknown name `region`",
+            "unknown name `area`",
             "`gain`",
-            json!("region"),
+            json!("area"),
         ),
         (
             "/gains",

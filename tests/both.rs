@@ -65,9 +65,10 @@ fn the_papers_start_is_proved_together_with_a_small_inner_gain() {
     let (_, path, report) = synthesized();
     assert_eq!(report["status"], "solved");
     assert_eq!(report["verdict"], "proved");
-    // Three solvers agree on gamma = 0.64243 at this choice; the design gives up 0.1 %.
+    // At this choice, in other units, three solvers found 0.64243 with a margin of 1e-6: a proved gamma may be
+    // a little smaller, and must not be larger by more than the 0.1 % that the design gives up.
     let gamma = number(report, "/gamma");
-    assert!((gamma / 0.64243 - 1.0).abs() < 5e-3, "{gamma}");
+    assert!(gamma > 0.6 && gamma < 0.64243 * 1.001, "{gamma}");
     let gain = number(report, "/guaranteed_gain");
     assert!(gain <= 0.6, "{gain}");
     let level = number(report, "/outer/start_levels/0");
@@ -299,6 +300,10 @@ fn a_model_that_cannot_have_two_certificates_is_refused_in_one_sentence() {
     );
 }
 
+fn summary(printed: &str) -> Value {
+    serde_json::from_str(printed).expect("a JSON object")
+}
+
 #[test]
 fn from_the_papers_start_the_torque_saturates_and_no_bound_breaks() {
     let folder = folder();
@@ -313,7 +318,7 @@ fn from_the_papers_start_the_torque_saturates_and_no_bound_breaks() {
         Path::new("-o"),
         &out,
     ];
-    let summary = steadfast(arguments).ends_with(0).json();
+    let summary = summary(&steadfast(arguments).ends_with(0).stdout);
     assert_eq!(number(&summary, "/max_torque"), 2.0);
     assert_eq!(number(&summary, "/violations"), 0.0);
     let certificate = &summary["certificate"];
@@ -359,7 +364,7 @@ fn a_wrong_inner_bound_is_noticed_by_the_simulator() {
         &path,
         Path::new("--json"),
     ];
-    let summary = steadfast(arguments).ends_with(2).json();
+    let summary = summary(&steadfast(arguments).ends_with(2).stdout);
     let inner = &summary["certificate"]["inner"];
     assert!(number(inner, "/bound_broken_steps") > 0.0, "{inner}");
     assert!(number(&summary, "/violations") > 0.0);
