@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::climb::Point;
-use super::inner::{Aim, Inner};
+use super::inner::{Aim, Inner, REGION_MARGIN};
 use super::plan::Plan;
 use super::shortfall::{sensitivities, Shortfall};
 use super::{decision, start};
@@ -42,14 +42,15 @@ const fn way(shrinking: f64, unit: f64, margin: f64, largest_margin: bool) -> Wa
     }
 }
 
-const REGION_WAYS: [Way; 6] = [
-    way(2e-3, 1.0, 1e-4, false),
-    way(2e-3, 1.0, 1e-5, true),
-    way(1e-2, 1.0, 1e-4, false),
-    way(1e-2, 4.0, 1e-4, false),
-    way(5e-2, 1.0, 1e-4, true),
-    way(5e-2, 0.25, 1e-5, true),
+const REGION_WAYS: [Way; 3] = [
+    way(2e-3, 1.0, REGION_MARGIN, false),
+    way(1e-2, 1.0, 0.1 * REGION_MARGIN, true),
+    way(5e-2, 1.0, REGION_MARGIN, true),
 ];
+
+/// Points of the way to a region's summit that are tried, as parts of it: a summit may lie where the solver's digits
+/// do not suffice.
+const POINTS: [f64; 4] = [1.0, 0.7, 0.4, 0.15];
 
 const GAIN_WAYS: [Way; 3] = [
     way(0.0, 1.0, 0.0, true),
@@ -90,35 +91,30 @@ pub struct Finish<'a> {
 }
 
 impl Finish<'_> {
-    /// Makes the design at a point and says whether it is what was asked for.
-    pub fn outcome(&self, point: &Point, runs: &mut Search) -> Result<Outcome, SynthesisError> {
-        let point = self.rounded(point)?;
-        let (mut proved, mut unproved) = (None, None);
-        let ways = match self.inner.aim {
-            Aim::Reach { .. } => &REGION_WAYS[..],
-            Aim::Gain => &GAIN_WAYS[..],
+    /// Makes the design at the last of the points, or at an earlier one where it is not proved, and says
+    /// whether it is what was asked for.
+    pub fn outcome(&self, trail: &[Point], runs: &mut Search) -> Result<Outcome, SynthesisError> {
+        let Some(summit) = trail.last() else {
+            return Ok(super::denied("the search found no point".to_string(), runs));
         };
-        for &way in ways {
-            let Some(design) = self.attempt(&point, way, runs)? else {
+        let (ways, parts) = match self.inner.aim {
+            Aim::Reach { .. } => (&REGION_WAYS[..], &POINTS[..]),
+            Aim::Gain => (&GAIN_WAYS[..], &POINTS[..1]),
+        };
+        let mut unproved = None;
+        let mut tried = usize::MAX;
+        for part in parts {
+            let index = (part * (trail.len() - 1) as f64).round() as usize;
+            if index == tried {
                 continue;
-            };
-            match design.report.verdict {
-                Verdict::Proved if self.missed(&design).is_none() => {
-                    return Ok(Outcome::Solved(closed(design, runs)));
-                }
-                Verdict::Proved if self.extent(&design).0.is_some_and(|scale| scale < 1.0) => {
-                    return self.short(&point, design, runs);
-                }
-                Verdict::Proved => {
-                    // Another way may keep what this one misses; the first is the widest.
-                    proved = proved.or(Some(design));
-                }
-                Verdict::NotProved => unproved = Some(design),
+            }
+            tried = index;
+            let point = self.rounded(trail.get(index).unwrap_or(summit))?;
+            if let Some(outcome) = self.at(&point, ways, runs, &mut unproved)? {
+                return Ok(outcome);
             }
         }
-        if let Some(design) = proved {
-            return self.short(&point, design, runs);
-        }
+        let point = summit;
         Ok(match unproved {
             Some(design) => Outcome::Solved(closed(design, runs)),
             None => {
@@ -127,11 +123,42 @@ impl Finish<'_> {
                     reason: reason.to_string(),
                     scale: None,
                     angle_deg: None,
-                    limits: sensitivities(self.inner, &point)?,
+                    limits: sensitivities(self.inner, point)?,
                 };
                 Outcome::SolverFailed(decision(shortfall, point.value.blocking.clone(), runs))
             }
         })
+    }
+
+    /// A proved design at a point, if one of the ways leads to it.
+    fn at(
+        &self,
+        point: &Point,
+        ways: &[Way],
+        runs: &mut Search,
+        unproved: &mut Option<Box<Synthesized>>,
+    ) -> Result<Option<Outcome>, SynthesisError> {
+        let mut missing = None;
+        for &way in ways {
+            let Some(design) = self.attempt(point, way, runs)? else {
+                continue;
+            };
+            let uncovered = self.extent(&design).0.is_some_and(|scale| scale < 1.0);
+            match design.report.verdict {
+                Verdict::Proved if self.missed(&design).is_none() => {
+                    return Ok(Some(Outcome::Solved(closed(design, runs))));
+                }
+                // Giving more away cannot help.
+                Verdict::Proved if uncovered => return self.short(point, design, runs).map(Some),
+                // Another way may keep what this one misses.
+                Verdict::Proved => missing = missing.or(Some(design)),
+                Verdict::NotProved => *unproved = Some(design),
+            }
+        }
+        match missing {
+            Some(design) => self.short(point, design, runs).map(Some),
+            None => Ok(None),
+        }
     }
 
     /// The point with its numbers in few digits.
