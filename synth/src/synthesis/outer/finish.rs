@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::climb::Point;
-use super::inner::{Aim, Inner};
+use super::inner::{Aim, Inner, REGION_MARGIN};
 use super::plan::Plan;
 use super::shortfall::{sensitivities, Shortfall};
 use super::{decision, start};
@@ -19,11 +19,44 @@ use crate::synthesis::{
     Assembled, Form, Goal, Outcome, Part, Search, Subject, SynthesisError, Synthesized,
 };
 
-/// Parts of the scale found that are given away for room, one after the other until a design is proved.
-const SHRINKING: [f64; 3] = [2e-3, 1e-2, 5e-2];
+/// How the design is tried, one way after the other until one is proved.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    /// Part of the scale found that is given away for room.
+    shrinking: f64,
+    /// Unit of the state, relative to the search's.
+    unit: f64,
+    /// Least margin in scaled units. A large set has entries of very different sizes in one condition, and the
+    /// model's own margin may be lost in them.
+    margin: f64,
+    /// Whether the largest margin is sought too.
+    largest_margin: bool,
+}
 
-/// Units of the state tried, relative to the search's.
-const UNITS: [f64; 3] = [1.0, 0.25, 4.0];
+const fn way(shrinking: f64, unit: f64, margin: f64, largest_margin: bool) -> Way {
+    Way {
+        shrinking,
+        unit,
+        margin,
+        largest_margin,
+    }
+}
+
+const REGION_WAYS: [Way; 3] = [
+    way(2e-3, 1.0, REGION_MARGIN, false),
+    way(1e-2, 1.0, 0.1 * REGION_MARGIN, true),
+    way(5e-2, 1.0, REGION_MARGIN, true),
+];
+
+/// Points of the way to a region's summit that are tried, as parts of it: a summit may lie where the solver's digits
+/// do not suffice.
+const POINTS: [f64; 4] = [1.0, 0.7, 0.4, 0.15];
+
+const GAIN_WAYS: [Way; 3] = [
+    way(0.0, 1.0, 0.0, true),
+    way(0.0, 0.25, 0.0, true),
+    way(0.0, 4.0, 0.0, true),
+];
 
 /// The bound g of the exported design, relative to the smallest: the price of a margin. A region is not after the
 /// gain and can pay more.
@@ -58,24 +91,30 @@ pub struct Finish<'a> {
 }
 
 impl Finish<'_> {
-    /// Makes the design at a point and says whether it is what was asked for.
-    pub fn outcome(&self, point: &Point, runs: &mut Search) -> Result<Outcome, SynthesisError> {
-        let point = self.rounded(point)?;
+    /// Makes the design at the last of the points, or at an earlier one where it is not proved, and says
+    /// whether it is what was asked for.
+    pub fn outcome(&self, trail: &[Point], runs: &mut Search) -> Result<Outcome, SynthesisError> {
+        let Some(summit) = trail.last() else {
+            return Ok(super::denied("the search found no point".to_string(), runs));
+        };
+        let (ways, parts) = match self.inner.aim {
+            Aim::Reach { .. } => (&REGION_WAYS[..], &POINTS[..]),
+            Aim::Gain => (&GAIN_WAYS[..], &POINTS[..1]),
+        };
         let mut unproved = None;
-        for shrinking in SHRINKING {
-            for unit in UNITS {
-                let Some(design) = self.attempt(&point, shrinking, unit, runs)? else {
-                    continue;
-                };
-                if design.report.verdict == Verdict::Proved {
-                    return self.judged(&point, design, runs);
-                }
-                unproved = Some(design);
+        let mut tried = usize::MAX;
+        for part in parts {
+            let index = (part * (trail.len() - 1) as f64).round() as usize;
+            if index == tried {
+                continue;
             }
-            if matches!(self.inner.aim, Aim::Gain) {
-                break;
+            tried = index;
+            let point = self.rounded(trail.get(index).unwrap_or(summit))?;
+            if let Some(outcome) = self.at(&point, ways, runs, &mut unproved)? {
+                return Ok(outcome);
             }
         }
+        let point = summit;
         Ok(match unproved {
             Some(design) => Outcome::Solved(closed(design, runs)),
             None => {
@@ -84,11 +123,42 @@ impl Finish<'_> {
                     reason: reason.to_string(),
                     scale: None,
                     angle_deg: None,
-                    limits: sensitivities(self.inner, &point)?,
+                    limits: sensitivities(self.inner, point)?,
                 };
                 Outcome::SolverFailed(decision(shortfall, point.value.blocking.clone(), runs))
             }
         })
+    }
+
+    /// A proved design at a point, if one of the ways leads to it.
+    fn at(
+        &self,
+        point: &Point,
+        ways: &[Way],
+        runs: &mut Search,
+        unproved: &mut Option<Box<Synthesized>>,
+    ) -> Result<Option<Outcome>, SynthesisError> {
+        let mut missing = None;
+        for &way in ways {
+            let Some(design) = self.attempt(point, way, runs)? else {
+                continue;
+            };
+            let uncovered = self.extent(&design).0.is_some_and(|scale| scale < 1.0);
+            match design.report.verdict {
+                Verdict::Proved if self.missed(&design).is_none() => {
+                    return Ok(Some(Outcome::Solved(closed(design, runs))));
+                }
+                // Giving more away cannot help.
+                Verdict::Proved if uncovered => return self.short(point, design, runs).map(Some),
+                // Another way may keep what this one misses.
+                Verdict::Proved => missing = missing.or(Some(design)),
+                Verdict::NotProved => *unproved = Some(design),
+            }
+        }
+        match missing {
+            Some(design) => self.short(point, design, runs).map(Some),
+            None => Ok(None),
+        }
     }
 
     /// The point with its numbers in few digits.
@@ -136,22 +206,22 @@ impl Finish<'_> {
     fn attempt(
         &self,
         point: &Point,
-        shrinking: f64,
-        unit: f64,
+        way: Way,
         runs: &mut Search,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let Some(model) = self.model_at(point, shrinking) else {
+        let Some(model) = self.model_at(point, way.shrinking) else {
             return Ok(None);
         };
         let mut covered = self.plan.covered.clone();
         let mut room = PEAK_ROOM;
         if let Aim::Reach { grown, .. } = self.inner.aim {
-            let scale = point.value.height.exp() * (1.0 - shrinking);
+            let scale = point.value.height.exp() * (1.0 - way.shrinking);
             covered.extend(grown.iter().map(|set| set * scale));
             room = PEAK_ROOM_OF_A_REGION;
         }
         let mut task = model.task();
         task.specification.must_contain.clear();
+        task.specification.margin = task.specification.margin.max(way.margin);
         task.coverage = Some(Coverage {
             linearisation: point.value.linearisation.clone(),
             covered,
@@ -159,7 +229,7 @@ impl Finish<'_> {
         });
         let smallest = Scaling::automatic(&task.system, 1.0).state.min();
         let units = ProblemUnits {
-            state_fraction: self.plan.unit * unit / smallest,
+            state_fraction: self.plan.unit * way.unit / smallest,
             containment_weight: 0.5,
         };
         let scaling = Scaling::automatic(&task.system, units.state_fraction);
@@ -180,11 +250,8 @@ impl Finish<'_> {
         // The smallest g keeps the model's margin in every condition, which may do.
         let first = self.design(&making, &assembled, &smallest.values, least)?;
         let wide = matches!(self.inner.aim, Aim::Reach { .. });
-        if wide
-            && first
-                .as_ref()
-                .is_some_and(|design| design.report.verdict == Verdict::Proved)
-        {
+        let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
+        if !way.largest_margin || (wide && first.as_ref().is_some_and(proved)) {
             return Ok(first);
         }
         let bound =
@@ -193,7 +260,6 @@ impl Finish<'_> {
         let peak = (least * (1.0 + room)).min(bound.max(least * (1.0 + PEAK_ROOM)));
         let (assembled, inside) = runs.solve(&scaled, Goal::LargestRoom { peak })?;
         let second = self.design(&making, &assembled, &inside.values, peak)?;
-        let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
         Ok(match second {
             Some(second) if proved(&second) => Some(second),
             second => first.filter(proved).or(second),
@@ -253,60 +319,57 @@ impl Finish<'_> {
         }
     }
 
-    /// A proved design is what was asked for, or it says how far one gets.
-    fn judged(
+    /// What a proved design misses of what was asked for, in words.
+    fn missed(&self, design: &Synthesized) -> Option<String> {
+        let limits = &self.plan.limits;
+        let part = &design.file.certificate;
+        let (scale, angle_deg) = self.extent(design);
+        if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
+            return Some(uncovered(scale, angle_deg));
+        }
+        if let Some(limit) = limits.gamma_max.filter(|limit| part.gamma > *limit) {
+            let gamma = part.gamma;
+            return Some(format!(
+                "the smallest gamma proved is {gamma:.5}; gamma_max is {limit}"
+            ));
+        }
+        let gain = part.guaranteed_gain;
+        if let Some(limit) = limits.guaranteed_gain_max.filter(|limit| gain > *limit) {
+            return Some(format!(
+                "the smallest guaranteed gain proved is {gain:.5}; guaranteed_gain_max is {limit}"
+            ));
+        }
+        let ball = part.certified_vector_part.map(angle_of_vector_part_deg);
+        let short = limits.certified_angle_min_deg.zip(ball);
+        short.filter(|(limit, angle)| angle < limit).map(|(limit, angle)| {
+            format!("every attitude at rest is proved up to {angle:.3} deg; certified_angle_min_deg is {limit}")
+        })
+    }
+
+    /// The smallest scale over the states asked for, and the smallest angle.
+    fn extent(&self, design: &Synthesized) -> (Option<f64>, Option<f64>) {
+        let reached = reached(self.model, &design.file.certificate.lyapunov);
+        let scale = reached.iter().map(|along| along.scale).reduce(f64::min);
+        let angles = reached.iter().filter_map(|along| along.angle_deg);
+        (scale, angles.reduce(f64::min))
+    }
+
+    /// How far one gets, with a proof, where that is not what was asked for.
+    fn short(
         &self,
         point: &Point,
         design: Box<Synthesized>,
         runs: &Search,
     ) -> Result<Outcome, SynthesisError> {
-        let limits = &self.plan.limits;
-        let part = &design.file.certificate;
-        let reached = self.reached(&design);
-        let scale = reached.iter().map(|along| along.scale).reduce(f64::min);
-        let angles = reached.iter().filter_map(|along| along.angle_deg);
-        let angle_deg = angles.reduce(f64::min);
-        let ball = part.certified_vector_part.map(angle_of_vector_part_deg);
-        let reason = if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
-            Some(uncovered(scale, angle_deg))
-        } else if let Some(limit) = limits.gamma_max.filter(|limit| part.gamma > *limit) {
-            Some(format!(
-                "the smallest gamma proved is {:.5}; gamma_max is {limit}",
-                part.gamma
-            ))
-        } else if let Some(limit) = limits
-            .guaranteed_gain_max
-            .filter(|limit| part.guaranteed_gain > *limit)
-        {
-            let gain = part.guaranteed_gain;
-            Some(format!(
-                "the smallest guaranteed gain proved is {gain:.5}; guaranteed_gain_max is {limit}"
-            ))
-        } else {
-            let short = limits
-                .certified_angle_min_deg
-                .zip(ball)
-                .filter(|(limit, angle)| angle < limit);
-            short.map(|(limit, angle)| {
-                format!("every attitude at rest is proved up to {angle:.3} deg; certified_angle_min_deg is {limit}")
-            })
-        };
-        let Some(reason) = reason else {
-            return Ok(Outcome::Solved(closed(design, runs)));
-        };
+        let (scale, angle_deg) = self.extent(&design);
         let shortfall = Shortfall {
-            reason,
+            reason: self.missed(&design).unwrap_or_default(),
             scale,
             angle_deg,
             limits: sensitivities(self.inner, point)?,
         };
         let blocking = point.value.blocking.clone();
         Ok(Outcome::Infeasible(decision(shortfall, blocking, runs)))
-    }
-
-    /// How far the certified set goes along what the model asks for, proved.
-    fn reached(&self, design: &Synthesized) -> Vec<Along> {
-        reached(self.model, &design.file.certificate.lyapunov)
     }
 }
 

@@ -58,6 +58,10 @@ pub struct Value {
     pub blocking: Vec<(String, f64)>,
 }
 
+/// Least margin of the strict inequalities in the search for a region, in scaled units: a large set has entries
+/// of very different sizes in one condition, in which the model's own margin may be lost.
+pub const REGION_MARGIN: f64 = 1e-4;
+
 /// Step of the coordinates in the derivatives.
 const STEP: f64 = 1e-6;
 
@@ -66,6 +70,10 @@ impl Inner<'_> {
     fn task(&self, file: ModelFile, linearisation: &DMatrix<f64>) -> Option<Task> {
         let mut task = Model::new(file).ok()?.task();
         task.specification.must_contain = Vec::new();
+        if let Aim::Reach { .. } = self.aim {
+            let margin = &mut task.specification.margin;
+            *margin = margin.max(REGION_MARGIN);
+        }
         task.coverage = Some(Coverage {
             linearisation: linearisation.clone(),
             covered: self.covered.to_vec(),

@@ -36,7 +36,7 @@ pub fn wanted(model: &Model) -> bool {
 }
 
 /// A rise of the height per round, relative, that is not worth another one.
-const SMALL_RISE: f64 = 1e-3;
+const SMALL_RISE: f64 = 2e-3;
 
 /// Scale at which sets that must be covered are, with room for the next step.
 const COVERED: f64 = 1.02;
@@ -67,8 +67,8 @@ pub fn search(
         backend: &own,
         watch: &watch,
     };
-    let point = match whole.best(model)? {
-        Found::Point(point) => *point,
+    let points = match whole.best(model)? {
+        Found::Points(points) => points,
         Found::Nothing(reason) => return Ok(denied(reason, &runs)),
     };
     let inner = whole.inner(&plan.aim, &plan.covered);
@@ -79,7 +79,7 @@ pub fn search(
         plan: &plan,
         inner: &inner,
     };
-    finish.outcome(&point, &mut runs)
+    finish.outcome(&points, &mut runs)
 }
 
 /// No design, for a reason.
@@ -115,7 +115,8 @@ struct Whole<'a> {
 
 /// What a search came to.
 enum Found {
-    Point(Box<Point>),
+    /// The points passed on the way, the summit last.
+    Points(Vec<Point>),
     /// There is no design, as far as the search can tell.
     Nothing(String),
 }
@@ -144,8 +145,15 @@ impl<'a> Whole<'a> {
         let Some(begun) = begun else {
             return Ok(Found::Nothing(self.no_start(model)?));
         };
-        let end = self.climb(&inner, begun, f64::INFINITY)?;
-        Ok(Found::Point(Box::new(end)))
+        let mut trail = vec![begun.clone()];
+        let end = self.climb_along(&inner, begun, f64::INFINITY, &mut trail)?;
+        if trail
+            .last()
+            .is_none_or(|last| last.coordinates != end.coordinates)
+        {
+            trail.push(end);
+        }
+        Ok(Found::Points(trail))
     }
 
     /// A point at which all that must be covered is covered.
@@ -184,6 +192,16 @@ impl<'a> Whole<'a> {
     }
 
     fn climb(&self, inner: &Inner<'_>, begun: Point, enough: f64) -> Result<Point, SynthesisError> {
+        self.climb_along(inner, begun, enough, &mut Vec::new())
+    }
+
+    fn climb_along(
+        &self,
+        inner: &Inner<'_>,
+        begun: Point,
+        enough: f64,
+        trail: &mut Vec<Point>,
+    ) -> Result<Point, SynthesisError> {
         let effort = Effort {
             rounds: self.plan.limits.rounds as usize,
             rise: SMALL_RISE,
@@ -197,6 +215,7 @@ impl<'a> Whole<'a> {
             };
             self.watch.reached(value, height - last);
             last = height;
+            trail.push(point.clone());
             height < enough
         })
     }
