@@ -42,15 +42,11 @@ const fn way(shrinking: f64, unit: f64, margin: f64, largest_margin: bool) -> Wa
     }
 }
 
-const REGION_WAYS: [Way; 3] = [
-    way(2e-3, 1.0, REGION_MARGIN, false),
-    way(1e-2, 1.0, 0.1 * REGION_MARGIN, true),
-    way(5e-2, 1.0, REGION_MARGIN, true),
-];
+const REGION_WAYS: [Way; 1] = [way(1e-2, 1.0, 0.1 * REGION_MARGIN, true)];
 
 /// Points of the way to a region's summit that are tried, as parts of it: a summit may lie where the solver's digits
 /// do not suffice.
-const POINTS: [f64; 4] = [1.0, 0.7, 0.4, 0.15];
+const POINTS: [f64; 5] = [1.0, 0.6, 0.4, 0.2, 0.0];
 
 const GAIN_WAYS: [Way; 3] = [
     way(0.0, 1.0, 0.0, true),
