@@ -2,7 +2,6 @@
 //! vertex, and wrong sets are refused.
 
 #[path = "support/exact.rs"]
-#[allow(dead_code)]
 mod exact;
 
 use exact::Stream;

@@ -23,7 +23,7 @@ pub fn along(lyapunov: &DMatrix<f64>, state: &DVector<f64>, spacecraft: bool) ->
     let mut form = Interval::from(0.0);
     for r in 0..state.len() {
         for c in 0..state.len() {
-            form = form + exactly(state[r]) * exactly(lyapunov[(r, c)]) * exactly(state[c]);
+            form += exactly(state[r]) * exactly(lyapunov[(r, c)]) * exactly(state[c]);
         }
     }
     let inverse = Interval::from(1.0) / form;
@@ -46,7 +46,7 @@ pub fn angle_of_vector_part_deg(norm: f64) -> f64 {
 
 /// The largest multiple of the unit whose half-angle sine, squared, is proved to be at most `square`.
 fn angle_below(square: f64) -> f64 {
-    if !(square > 0.0) {
+    if square.is_nan() || square <= 0.0 {
         return 0.0;
     }
     if square >= 1.0 {

@@ -179,7 +179,8 @@ impl Ascent<'_> {
         let step = vector(&to.coordinates) - vector(&self.best.coordinates);
         let change = vector(&self.best.value.slope) - vector(&to.value.slope);
         let along = step.dot(&change);
-        if !(along > 1e-10 * step.norm() * change.norm()) {
+        let least = 1e-10 * step.norm() * change.norm();
+        if along.is_nan() || least.is_nan() || along <= least {
             return;
         }
         let size = step.len();

@@ -246,6 +246,7 @@ impl Finish<'_> {
         // The smallest g keeps the model's margin in every condition, which may do.
         let first = self.design(&making, &assembled, &smallest.values, least)?;
         let wide = matches!(self.inner.aim, Aim::Reach { .. });
+        #[allow(clippy::borrowed_box)] // What the options below hold.
         let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
         if !way.largest_margin || (wide && first.as_ref().is_some_and(proved)) {
             return Ok(first);

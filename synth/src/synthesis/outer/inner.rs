@@ -13,6 +13,9 @@ use crate::scaling::Scaling;
 use crate::solve::{Backend, Solution, Status};
 use crate::synthesis::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
 
+/// A change of one number of a model file.
+pub type Turn = dyn Fn(&mut ModelFile, f64);
+
 /// What is sought at every point.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Aim {
@@ -209,11 +212,7 @@ impl Inner<'_> {
     }
 
     /// The value's slopes along other numbers of the model, relative: `turn` multiplies one by a factor.
-    pub fn slopes_along(
-        &self,
-        point: &Point,
-        turns: &[&dyn Fn(&mut ModelFile, f64)],
-    ) -> Result<Vec<f64>, SynthesisError> {
+    pub fn slopes_along(&self, point: &Point, turns: &[&Turn]) -> Result<Vec<f64>, SynthesisError> {
         let linearisation = &point.value.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
             return Ok(vec![f64::NAN; turns.len()]);

@@ -1,7 +1,7 @@
 //! Why a search did not reach what was asked for, and what holds it back.
 
 use super::climb::Point;
-use super::inner::{Aim, Inner};
+use super::inner::{Aim, Inner, Turn};
 use super::parameters::Parameter;
 use crate::model::{ModelFile, PlantFile};
 use crate::synthesis::SynthesisError;
@@ -37,12 +37,12 @@ const SMALLEST: f64 = 0.01;
 struct Knob {
     what: String,
     value: f64,
-    turn: Box<dyn Fn(&mut ModelFile, f64)>,
+    turn: Box<Turn>,
 }
 
 fn knobs(file: &ModelFile, fixed: &[Parameter]) -> Vec<Knob> {
     let mut out = Vec::new();
-    let mut push = |what: &str, value: f64, turn: Box<dyn Fn(&mut ModelFile, f64)>| {
+    let mut push = |what: &str, value: f64, turn: Box<Turn>| {
         if value > 0.0 {
             let what = what.to_string();
             out.push(Knob { what, value, turn });
@@ -128,7 +128,7 @@ pub fn sensitivities(inner: &Inner<'_>, point: &Point) -> Result<Vec<Sensitivity
         .filter(|parameter| !free(parameter))
         .collect();
     let knobs = knobs(&file, &fixed);
-    let turns: Vec<&dyn Fn(&mut ModelFile, f64)> = knobs.iter().map(|knob| &*knob.turn).collect();
+    let turns: Vec<&Turn> = knobs.iter().map(|knob| &*knob.turn).collect();
     let slopes = inner.slopes_along(point, &turns)?;
     let mut out: Vec<Sensitivity> = knobs
         .iter()
