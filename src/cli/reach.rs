@@ -13,7 +13,7 @@ use super::print;
 
 /// What the certified set of a design contains: proved, rounded down.
 pub struct Reach {
-    /// Every attitude at rest up to this angle, about any axis [deg].
+    /// Every attitude at rest up to this angle, about any axis (deg).
     pub any_axis_deg: Option<f64>,
     along: Vec<Along>,
 }
@@ -34,7 +34,7 @@ impl Reach {
         }
     }
 
-    /// The smallest angle along the must-contain states that are attitudes at rest [deg].
+    /// The smallest angle along the must-contain states that are attitudes at rest (deg).
     pub fn along_deg(&self) -> Option<f64> {
         self.along
             .iter()

@@ -9,7 +9,7 @@ use super::interval::{half_angle_sine_squared, Interval};
 pub struct Along {
     /// A scale s: every state from the origin to s times the start is in the set.
     pub scale: f64,
-    /// The angle at that scale, where the start is an attitude at rest [deg].
+    /// The angle at that scale, where the start is an attitude at rest (deg).
     pub angle_deg: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ pub fn along(lyapunov: &DMatrix<f64>, state: &DVector<f64>, spacecraft: bool) ->
     }
 }
 
-/// The angle of the rotations whose quaternions have a vector part up to this norm, rounded down [deg].
+/// The angle of the rotations whose quaternions have a vector part up to this norm, rounded down (deg).
 pub fn angle_of_vector_part_deg(norm: f64) -> f64 {
     angle_below(Interval::from(norm.max(0.0)).sqr().lo())
 }

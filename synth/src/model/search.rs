@@ -39,7 +39,7 @@ pub struct SearchFile {
     /// Largest guaranteed gain that is accepted, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guaranteed_gain_max: Option<f64>,
-    /// Every attitude at rest up to this angle, in (0, 180), must be in the certified set [deg]. Spacecraft only.
+    /// Every attitude at rest up to this angle, in (0, 180), must be in the certified set (deg). Spacecraft only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certified_angle_min_deg: Option<f64>,
     /// Most rounds, in 1 to 1000; each solves two programs.

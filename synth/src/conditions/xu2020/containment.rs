@@ -32,7 +32,7 @@ impl Coverage {
 /// `Qh'P + P'Qh - P'Uh P >= s^2 D D'` with s = 1 for what is covered and `scale_squared` for what is grown.
 ///
 /// It implies U^-1 = Qh' Uh^-1 Qh >= s^2 D D', because (Qh - Uh P)' Uh^-1 (Qh - Uh P) >= 0; that is
-/// s^2 D'UD <= I. For P = rho I it is the condition of [`start`](super::start).
+/// s^2 D'UD <= I. For P = rho I it is the condition in `start.rs`.
 pub fn coverage(task: &Task, unknowns: &DesignUnknowns, scale_squared: &Affine) -> Vec<Condition> {
     let Some(coverage) = &task.coverage else {
         return Vec::new();

@@ -13,7 +13,7 @@ pub struct Shortfall {
     pub reason: String,
     /// The largest scale s so that s times every state asked for is in a set that is proved.
     pub scale: Option<f64>,
-    /// The angle there, the smallest over states that are attitudes at rest [deg].
+    /// The angle there, the smallest over states that are attitudes at rest (deg).
     pub angle_deg: Option<f64>,
     /// What would change the outcome most, largest first.
     pub limits: Vec<Sensitivity>,
