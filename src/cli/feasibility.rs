@@ -42,6 +42,9 @@ pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
+    if model.file.specs.outer.is_some() {
+        eprintln!("note: the answer is about the model's own box and requirements; specs.outer is not part of it");
+    }
     let backend = args.solver.backend();
     let backend = backend.as_ref();
     let start = Instant::now();

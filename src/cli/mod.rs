@@ -4,6 +4,7 @@ mod analyse;
 mod both;
 mod campaign;
 mod check;
+mod claims;
 mod compare;
 mod cross_check;
 mod error;

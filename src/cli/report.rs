@@ -3,11 +3,12 @@
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
+use super::campaign::told;
 use super::{print, CliError};
 use crate::harness::campaign::folder::{run_folder, CAMPAIGN_FILE};
 use crate::harness::campaign::record::CampaignFile;
 use crate::harness::output::{rebuild_report, write, REPORT_FILE, TRAJECTORY_FILE};
-use crate::harness::report::campaign;
+use crate::harness::report::campaign::{self, CampaignPageError};
 
 /// Arguments of `report`.
 #[derive(clap::Args)]
@@ -21,17 +22,18 @@ pub struct ReportArgs {
 
 /// Builds the report page of a run or of a campaign from its files.
 pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
-    let unsuitable = |error: &dyn std::fmt::Display| CliError::unsuitable(&args.folder, error);
     let default = args.folder.join(REPORT_FILE);
     let path = args.output.as_ref().unwrap_or(&default);
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
-        campaign::page(&args.folder, &link(path, &args.folder))
-            .map_err(|error| unsuitable(&error))?
+        campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
+            CampaignPageError::Campaign(error) => told(&args.folder, error),
+            other => CliError::unsuitable(&args.folder, other),
+        })?
     } else {
-        rebuild_report(&args.folder).map_err(|error| unsuitable(&error))?
+        rebuild_report(&args.folder)?
     };
-    write(path, &page).map_err(|error| unsuitable(&error))?;
+    write(path, &page)?;
     print(&format!("written: {}", path.display()));
     Ok(ExitCode::SUCCESS)
 }
@@ -41,7 +43,7 @@ const PAGES: usize = 20;
 
 /// Writes the pages of the worst kept runs of a campaign, those that are not there yet.
 fn pages_of_kept_runs(folder: &Path) -> Result<(), CliError> {
-    let record = CampaignFile::read(folder).map_err(|error| CliError::unsuitable(folder, error))?;
+    let record = CampaignFile::read(folder).map_err(|error| told(folder, error))?;
     let kept = record
         .results
         .map(|results| results.kept)
@@ -51,9 +53,7 @@ fn pages_of_kept_runs(folder: &Path) -> Result<(), CliError> {
         let page = folder.join(REPORT_FILE);
         // A run whose files were taken away is not linked either.
         if folder.join(TRAJECTORY_FILE).exists() && !page.exists() {
-            let text =
-                rebuild_report(&folder).map_err(|error| CliError::unsuitable(&folder, error))?;
-            write(&page, &text)?;
+            write(&page, &rebuild_report(&folder)?)?;
         }
     }
     Ok(())

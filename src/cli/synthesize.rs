@@ -12,15 +12,14 @@ use synth::model::{kind_of, Kind, Model, Objective};
 use synth::solve::SolveError;
 use synth::synthesis::{self, Form, Outcome, SynthesisError, Synthesized};
 
+use super::claims::Claims;
 use super::progress::SolverProgress;
-use super::reach::{self, Reach};
+use super::reach;
 use super::solver::SolverArg;
 use super::verify::{describe, exit_code};
 use super::{
     both, cross_check, feasibility, files, print, problem, CliError, EXIT_NO, EXIT_SOLVER,
 };
-use crate::harness::design::certified_angle_deg;
-use crate::harness::transmissions::TransmissionBound;
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]
@@ -227,36 +226,26 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let check = check.transpose()?;
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
-    let angle = certified_angle_deg(part.certified_vector_part);
-    let transmissions = TransmissionBound::of_model(model);
-    let reach = Reach::of(&design.file, model, report.verdict);
+    let claims = Claims::of(&design.file, model, report.verdict);
     if args.json {
-        print(
-            &json!({
-                "status": "solved",
-                "verdict": report.verdict,
-                "gamma": part.gamma,
-                "guaranteed_gain": part.guaranteed_gain,
-                "xi": part.xi,
-                "form": design.file.provenance.form,
-                "vertices": vertices,
-                "solve_seconds": design.solve_seconds,
-                "certified_angle_deg": angle,
-                "min_inter_event_s": transmissions.min_inter_event_s,
-                "max_transmissions_per_s": transmissions.max_transmissions_per_s,
-                "outer": both::outer_json(&design.file, model),
-                "certified_angle_any_axis_deg": reach.any_axis_deg,
-                "certified_angle_along_deg": reach.along_deg(),
-                "must_contain": reach.states(),
-                "search": design.file.provenance.search,
-                "worst": report.worst(),
-                "conditions": report.conditions,
-                "not_covered": report.not_covered,
-                "solver_runs": design.file.provenance.solver_runs,
-                "cross_check": check.as_ref().map(cross_check::json),
-            })
-            .to_string(),
-        );
+        let mut told = json!({
+            "status": "solved",
+            "verdict": report.verdict,
+            "gamma": part.gamma,
+            "guaranteed_gain": part.guaranteed_gain,
+            "xi": part.xi,
+            "form": design.file.provenance.form,
+            "vertices": vertices,
+            "solve_seconds": design.solve_seconds,
+            "search": design.file.provenance.search,
+            "worst": report.worst(),
+            "conditions": report.conditions,
+            "not_covered": report.not_covered,
+            "solver_runs": design.file.provenance.solver_runs,
+            "cross_check": check.as_ref().map(cross_check::json),
+        });
+        claims.add_to(&mut told);
+        print(&told.to_string());
         return Ok(exit_code(report.verdict));
     }
     print(&format!(
@@ -274,18 +263,12 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         "guaranteed gain: {:.6} (sup|y| / sup|tau| from rest)",
         part.guaranteed_gain
     ));
-    if let Some(angle) = angle {
+    if let Some(angle) = claims.certified_angle_deg() {
         print(&format!(
             "certified set: every attitude at rest up to {angle:.3} deg"
         ));
     }
-    for line in both::outer_lines(&design.file, model) {
-        print(&line);
-    }
-    for line in reach.lines() {
-        print(&line);
-    }
-    print(&transmissions.describe());
+    claims.lines().iter().for_each(|line| print(line));
     print(&describe(&report));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))

@@ -7,10 +7,8 @@ use serde_json::json;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::model::{kind_of, Kind};
 
-use super::reach::Reach;
-use super::{both, feasibility, files, print, problem, CliError, EXIT_NO};
-use crate::harness::design::certified_angle_deg;
-use crate::harness::transmissions::TransmissionBound;
+use super::claims::Claims;
+use super::{feasibility, files, print, problem, CliError, EXIT_NO};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -37,29 +35,19 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
     let report = design
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;
-    let transmissions = TransmissionBound::of_model(&model);
-    let reach = Reach::of(&design, &model, report.verdict);
+    let claims = Claims::of(&design, &model, report.verdict);
     if args.json {
-        let worst = report.worst();
-        print(
-            &json!({
-                "verdict": report.verdict,
-                "worst": worst,
-                "gamma": design.certificate.gamma,
-                "guaranteed_gain": design.certificate.guaranteed_gain,
-                "xi": design.certificate.xi,
-                "certified_angle_deg": certified_angle_deg(design.certificate.certified_vector_part),
-                "min_inter_event_s": transmissions.min_inter_event_s,
-                "max_transmissions_per_s": transmissions.max_transmissions_per_s,
-                "outer": both::outer_json(&design, &model),
-                "certified_angle_any_axis_deg": reach.any_axis_deg,
-                "certified_angle_along_deg": reach.along_deg(),
-                "must_contain": reach.states(),
-                "conditions": report.conditions,
-                "not_covered": report.not_covered,
-            })
-            .to_string(),
-        );
+        let mut told = json!({
+            "verdict": report.verdict,
+            "worst": report.worst(),
+            "gamma": design.certificate.gamma,
+            "guaranteed_gain": design.certificate.guaranteed_gain,
+            "xi": design.certificate.xi,
+            "conditions": report.conditions,
+            "not_covered": report.not_covered,
+        });
+        claims.add_to(&mut told);
+        print(&told.to_string());
     } else {
         print(&format!(
             "design: {} ({})",
@@ -68,13 +56,7 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         ));
         print(&describe(&report));
         print(&format!("gamma: {}", design.certificate.gamma));
-        for line in both::outer_lines(&design, &model) {
-            print(&line);
-        }
-        for line in reach.lines() {
-            print(&line);
-        }
-        print(&transmissions.describe());
+        claims.lines().iter().for_each(|line| print(line));
     }
     Ok(exit_code(report.verdict))
 }

@@ -3,6 +3,8 @@
 
 #[path = "support/exact.rs"]
 mod exact;
+#[path = "support/numbers.rs"]
+mod numbers;
 #[path = "support/random.rs"]
 mod random;
 
@@ -10,6 +12,7 @@ use std::collections::HashMap;
 
 use exact::{is_positive_definite, rational, Exact, Stream};
 use nalgebra::DMatrix;
+use numbers::numbers;
 use random::{Point, Sizes};
 use serde_json::Value;
 use synth::certify::infeasible::balance::{for_each_statement, Balance};
@@ -360,23 +363,6 @@ fn exact_arithmetic_confirms_the_proofs() {
             assert!(refute(&model, &weights).proved);
             assert!(exactly_true(&model, &weights));
         }
-    }
-}
-
-fn numbers(value: &Value, path: &str, out: &mut Vec<String>) {
-    match value {
-        Value::Number(_) => out.push(path.to_string()),
-        Value::Array(items) => {
-            for (index, item) in items.iter().enumerate() {
-                numbers(item, &format!("{path}/{index}"), out);
-            }
-        }
-        Value::Object(entries) => {
-            for (key, item) in entries {
-                numbers(item, &format!("{path}/{key}"), out);
-            }
-        }
-        _ => {}
     }
 }
 

@@ -20,6 +20,7 @@ use super::table::{Columns, Content, TableReader, TableWriter};
 use super::CampaignError;
 use crate::harness::output::{create_folder, summary_text, write, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::harness::summary::metric_name;
+use synth::model::make_readable;
 
 /// A table, what of the rows it holds, and the inputs in its metadata.
 pub(super) struct Source {
@@ -280,18 +281,6 @@ fn at_end(path: &Path, next: u64, end: u64) -> Result<(), CampaignError> {
             end - 1
         ),
     })
-}
-
-/// Temporary files are private; a result file is as readable as any other.
-#[cfg(unix)]
-fn make_readable(path: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_path: &Path) -> std::io::Result<()> {
-    Ok(())
 }
 
 /// Makes the failed runs again, this time with their trajectory; other folders of kept runs go away.

@@ -10,7 +10,7 @@ const SIZE: (u32, u32) = (960, 340);
 const HEADROOM: f64 = 0.06;
 
 /// Colours that colour-blind readers can tell apart (P. Tol's bright scheme).
-const COLOURS: [RGBColor; 6] = [
+pub const COLOURS: [RGBColor; 6] = [
     RGBColor(68, 119, 170),
     RGBColor(238, 102, 119),
     RGBColor(34, 136, 51),

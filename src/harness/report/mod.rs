@@ -8,6 +8,6 @@ mod page;
 mod prescribed;
 mod series;
 
-pub use figures::{Band, Figure, FigureError, Horizontal};
+pub use figures::{Band, Figure, FigureError, Horizontal, COLOURS};
 pub use page::{document, document_with_style, escape, page, short};
 pub use series::Line;

@@ -7,9 +7,9 @@ use nalgebra::DMatrix;
 use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::{Answer, Decision};
-use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile, Objective};
+use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile};
 use synth::solve::{Backend, Observer};
-use synth::synthesis::{self, BothOutcome, Form, Outcome, Synthesized};
+use synth::synthesis::{self, Form, Outcome, Synthesized};
 
 use super::grid::Grid;
 use super::outcome::{numbers_of, PointOutcome};
@@ -219,15 +219,8 @@ fn run_model(
     let stop = Arc::clone(stop);
     let observer: Observer = Arc::new(move |_| !stop.load(Ordering::Relaxed));
     let backend = (solver.backend)();
-    let outcome = match model.file.specs.objective {
-        Objective::Both => {
-            synthesis::synthesize_both(&model, text, solver.form, backend.as_ref(), Some(observer))
-                .map(one_outcome)
-        }
-        Objective::Gain | Objective::Region => {
-            synthesis::synthesize(&model, text, solver.form, backend.as_ref(), Some(observer))
-        }
-    };
+    let outcome =
+        synthesis::synthesize(&model, text, solver.form, backend.as_ref(), Some(observer));
     match outcome {
         Ok(Outcome::Solved(design)) => designed(values, &design),
         Ok(Outcome::Infeasible(decision)) => {
@@ -239,32 +232,6 @@ fn run_model(
         }
         Ok(Outcome::SolverFailed(decision)) => failed(values, "solver_failed", &decision),
         Err(error) => PointOutcome::invalid(values, error),
-    }
-}
-
-/// The search for two certificates, told like one for one: without a design nothing is proved.
-fn one_outcome(found: BothOutcome) -> Outcome {
-    match found {
-        BothOutcome::Solved(design, _) => Outcome::Solved(design),
-        BothOutcome::None {
-            infeasible,
-            blocking,
-            runs,
-            ..
-        } => {
-            let decision = Decision {
-                answer: Answer::Unknown,
-                slack: None,
-                blocking,
-                shortfall: None,
-                solve_seconds: runs.iter().map(|run| run.seconds).sum(),
-                runs,
-            };
-            match infeasible {
-                true => Outcome::Infeasible(decision),
-                false => Outcome::SolverFailed(decision),
-            }
-        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status, Structured};
 use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Part, Search, Shortfall, Subject,
+    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Shortfall, Subject,
     SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 
@@ -65,7 +65,11 @@ pub fn decide(
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut search = Search::new(Form::Reduced, backend, observer);
-    decide_after(subject(model, model_text, &model.task()), &mut search)
+    let task = model.task();
+    decide_after(
+        Subject::of_model(model, model_text, &task, Form::Reduced),
+        &mut search,
+    )
 }
 
 /// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`]. The given
@@ -82,23 +86,11 @@ pub(super) fn look_for_a_design(
     ];
     let task = model.task();
     settle(
-        subject(model, "", &task),
+        Subject::of_model(model, "", &task, Form::Reduced),
         &mut searches,
         Sought::Design,
         STATE_UNITS.len(),
     )
-}
-
-fn subject<'a>(model: &'a Model, model_text: &'a str, task: &'a Task) -> Subject<'a> {
-    Subject {
-        model,
-        model_text,
-        task,
-        given: &[],
-        part: Part::FIRST,
-        gains_text: None,
-        form: Form::Reduced,
-    }
 }
 
 /// The same after other runs, which are counted.

@@ -20,7 +20,9 @@ pub use file::{
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
 pub use outer::OuterSpecs;
-pub use read::{kind_of, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES};
+pub use read::{
+    kind_of, make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,
+};
 pub use search::SearchFile;
 pub use validate::{Model, MAX_SCHEDULED_RULES};
 

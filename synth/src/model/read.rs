@@ -66,15 +66,22 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Temporary files are private; a result file is as readable as any other.
+/// Gives a new file the permissions of any other result: temporary files are private.
+///
+/// # Errors
+/// The system's.
 #[cfg(unix)]
-fn make_readable(path: &Path) -> std::io::Result<()> {
+pub fn make_readable(path: &Path) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
     fs::set_permissions(path, fs::Permissions::from_mode(0o644))
 }
 
+/// Nothing: only Unix makes temporary files private.
+///
+/// # Errors
+/// None.
 #[cfg(not(unix))]
-fn make_readable(_path: &Path) -> std::io::Result<()> {
+pub fn make_readable(_path: &Path) -> std::io::Result<()> {
     Ok(())
 }
 

@@ -135,18 +135,14 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
     let fixed = task.specification.margin;
     let mut reach = Affine::identity(1, 1.0);
     let (strictness, objective) = match goal {
-        Goal::SmallestGain => (Strictness::fixed(fixed), design.gain_bound.clone()),
-        Goal::LargestMargin { gain_bound } => {
+        Goal::SmallestGain | Goal::SmallestPeak => {
+            (Strictness::fixed(fixed), design.gain_bound.clone())
+        }
+        Goal::LargestMargin { gain_bound: bound } | Goal::LargestRoom { peak: bound } => {
             let margin = unknowns.scalar("margin");
-            design.gain_bound = Affine::identity(1, gain_bound);
+            design.gain_bound = Affine::identity(1, bound);
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
         }
-        Goal::LargestRoom { peak } => {
-            let margin = unknowns.scalar("margin");
-            design.gain_bound = Affine::identity(1, peak);
-            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
-        }
-        Goal::SmallestPeak => (Strictness::fixed(fixed), design.gain_bound.clone()),
         Goal::LargestReach { peak } => {
             let scale_squared = unknowns.scalar("scale squared");
             design.gain_bound = Affine::identity(1, peak.unwrap_or(0.0));

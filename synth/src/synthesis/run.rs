@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::both::synthesize_both;
 use super::outer;
 use super::search::Search;
 use super::subject::{Part, Subject};
@@ -10,7 +11,7 @@ use crate::certify::{Report, Verdict};
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, DesignFile, ProblemUnits, RecoverError};
 use crate::feasibility::{self, Answer, Decision};
-use crate::model::{Mismatch, Model, ModelError};
+use crate::model::{Mismatch, Model, ModelError, Objective};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, SolveError, Status};
 
@@ -110,8 +111,13 @@ pub(crate) fn containment_weights(model: &Model) -> &'static [f64] {
     }
 }
 
-/// Synthesizes a design for a model and checks it. `model_text` is the file's text (its hash goes
+/// Synthesizes what the model's objective asks for and checks it: one design, the outcome of a search where
+/// the model asks for one, or a design with two certificates. `model_text` is the file's text (its hash goes
 /// into the provenance). Only the check decides whether the design is proved.
+///
+/// # Errors
+/// Stopped by the observer; a problem that the solver refuses; numbers that no design file may hold; the
+/// objective both without `specs.outer`.
 pub fn synthesize(
     model: &Model,
     model_text: &str,
@@ -119,18 +125,14 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
+    if model.file.specs.objective == Objective::Both {
+        return Ok(synthesize_both(model, model_text, form, backend, observer)?.into());
+    }
     if outer::wanted(model) {
         return outer::search(model, model_text, form, backend, observer);
     }
-    let subject = Subject {
-        model,
-        model_text,
-        task: &model.task(),
-        given: &[],
-        part: Part::FIRST,
-        gains_text: None,
-        form,
-    };
+    let task = model.task();
+    let subject = Subject::of_model(model, model_text, &task, form);
     let search = Search::new(form, backend, observer);
     Run { subject, search }.search()
 }

@@ -46,6 +46,21 @@ impl Part<'_> {
     };
 }
 
+impl<'a> Subject<'a> {
+    /// A model whose gains are sought.
+    pub fn of_model(model: &'a Model, model_text: &'a str, task: &'a Task, form: Form) -> Self {
+        Subject {
+            model,
+            model_text,
+            task,
+            given: &[],
+            part: Part::FIRST,
+            gains_text: None,
+            form,
+        }
+    }
+}
+
 impl Subject<'_> {
     /// Puts a design file together and checks what a reader of its text would get.
     pub fn design(

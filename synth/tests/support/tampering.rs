@@ -10,27 +10,13 @@ use synth::certify::matrix::Matrix;
 
 use super::exact::{is_positive_definite, Exact};
 
+#[path = "numbers.rs"]
+mod numbers;
+pub use numbers::numbers;
+
 /// A true condition may be refused when its smallest eigenvalue, after scaling to a unit diagonal,
 /// is below this.
 pub const ROOM: f64 = 1e-9;
-
-/// Paths (JSON pointers) of all numbers below a value.
-pub fn numbers(value: &Value, path: &str, out: &mut Vec<String>) {
-    match value {
-        Value::Number(_) => out.push(path.to_string()),
-        Value::Array(items) => {
-            for (index, item) in items.iter().enumerate() {
-                numbers(item, &format!("{path}/{index}"), out);
-            }
-        }
-        Value::Object(entries) => {
-            for (key, item) in entries {
-                numbers(item, &format!("{path}/{key}"), out);
-            }
-        }
-        _ => {}
-    }
-}
 
 /// Every number of the parts that a proof reads.
 pub fn numbers_of_proof(design: &Value) -> Vec<String> {

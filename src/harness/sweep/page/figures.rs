@@ -1,7 +1,8 @@
 //! Which curves show a sweep.
 
-use super::plot::{Mark, Plot, Series, COLOURS, FAINT, INK};
+use super::plot::{Mark, Plot, Series, FAINT, INK};
 use super::scale::number;
+use crate::harness::report::COLOURS;
 use crate::harness::sweep::grid::Grid;
 use crate::harness::sweep::outcome::PointOutcome;
 use crate::harness::sweep::subject::Subject;

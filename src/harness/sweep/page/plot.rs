@@ -13,16 +13,6 @@ pub const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const GRID: RGBColor = RGBColor(0xE1, 0xE1, 0xE1);
 /// What stands back: points that are not on the front.
 pub const FAINT: RGBColor = RGBColor(0x99, 0x99, 0x99);
-/// Curves; colour-blind readers can tell them apart (P. Tol's bright scheme).
-pub const COLOURS: [RGBColor; 6] = [
-    RGBColor(68, 119, 170),
-    RGBColor(238, 102, 119),
-    RGBColor(34, 136, 51),
-    RGBColor(204, 187, 68),
-    RGBColor(102, 204, 238),
-    RGBColor(170, 51, 119),
-];
-
 /// Size of a plot, in pixels.
 pub const SIZE: (u32, u32) = (620, 360);
 

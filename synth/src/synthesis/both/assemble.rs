@@ -107,13 +107,8 @@ pub(super) fn assemble(
     let outer_design = shared.with_own(&mut unknowns, &outer.task, "outer");
     let margin = inner.task.specification.margin;
     let (strictness, objective) = match goal {
-        Goal::LargestMargin { gain_bound } => {
-            inner_design.gain_bound = Affine::identity(1, gain_bound);
-            let margin = unknowns.scalar("margin");
-            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
-        }
-        Goal::LargestRoom { peak } => {
-            inner_design.gain_bound = Affine::identity(1, peak);
+        Goal::LargestMargin { gain_bound: bound } | Goal::LargestRoom { peak: bound } => {
+            inner_design.gain_bound = Affine::identity(1, bound);
             let margin = unknowns.scalar("margin");
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
         }

@@ -5,22 +5,21 @@ use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
 use crate::conditions::Task;
 use crate::design::{recover, CertificateFile, Coupling, OuterFile, ProblemUnits, SolverRun};
+use crate::feasibility::{Answer, Decision};
 use crate::lmi::Problem;
 use crate::model::{Model, ModelError, OuterSpecs};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status};
+use crate::synthesis::run::CONTAINMENT_WEIGHTS;
 use crate::synthesis::solver::{blocking, run_solver, Sought};
-use crate::synthesis::subject::{Part, Subject};
-use crate::synthesis::{Form, Goal, SynthesisError, Synthesized};
+use crate::synthesis::subject::Subject;
+use crate::synthesis::{Form, Goal, Outcome, SynthesisError, Synthesized};
 
 /// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
 const GAIN_ROOM: [f64; 2] = [1e-3, 1e-2];
 
 /// Relative room in gamma of the outer certificate, so that the check can prove it.
 const CLAIM_ROOM: f64 = 1e-5;
-
-/// Weights rho of the containment condition, in the order in which they are tried.
-const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
 
 /// The first ratio of the sizes of the inner and the outer set.
 const FIRST_SCALE: f64 = 0.25;
@@ -94,6 +93,34 @@ pub enum BothOutcome {
     },
 }
 
+impl From<BothOutcome> for Outcome {
+    /// Without a design nothing is proved.
+    fn from(found: BothOutcome) -> Self {
+        match found {
+            BothOutcome::Solved(design, _) => Outcome::Solved(design),
+            BothOutcome::None {
+                infeasible,
+                blocking,
+                runs,
+                ..
+            } => {
+                let decision = Decision {
+                    answer: Answer::Unknown,
+                    slack: None,
+                    blocking,
+                    shortfall: None,
+                    solve_seconds: runs.iter().map(|run| run.seconds).sum(),
+                    runs,
+                };
+                match infeasible {
+                    true => Outcome::Infeasible(decision),
+                    false => Outcome::SolverFailed(decision),
+                }
+            }
+        }
+    }
+}
+
 /// Both tasks in units of their own.
 fn scaled(model: &Model, outer: &Model, choice: Choice) -> (Scaled, Scaled) {
     let outer_task = outer.task();
@@ -145,16 +172,9 @@ pub fn synthesize_both(
     observer: Option<Observer>,
 ) -> Result<BothOutcome, SynthesisError> {
     let outer = model.outer()?;
+    let task = model.task();
     let run = Run {
-        subject: Subject {
-            model,
-            model_text,
-            task: &model.task(),
-            given: &[],
-            part: Part::FIRST,
-            gains_text: None,
-            form,
-        },
+        subject: Subject::of_model(model, model_text, &task, form),
         outer: &outer,
         backend,
         observer,

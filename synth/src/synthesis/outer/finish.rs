@@ -16,7 +16,7 @@ use crate::model::{Model, ModelFile, Plant};
 use crate::scaling::Scaling;
 use crate::solve::Status;
 use crate::synthesis::{
-    Assembled, Form, Goal, Outcome, Part, Search, Subject, SynthesisError, Synthesized,
+    Assembled, Form, Goal, Outcome, Search, Subject, SynthesisError, Synthesized,
 };
 
 /// How the design is tried, one way after the other until one is proved.
@@ -29,30 +29,23 @@ struct Way {
     /// Least margin in scaled units. A large set has entries of very different sizes in one condition, and the
     /// model's own margin may be lost in them.
     margin: f64,
-    /// Whether the largest margin is sought too.
-    largest_margin: bool,
 }
 
-const fn way(shrinking: f64, unit: f64, margin: f64, largest_margin: bool) -> Way {
+const fn way(shrinking: f64, unit: f64, margin: f64) -> Way {
     Way {
         shrinking,
         unit,
         margin,
-        largest_margin,
     }
 }
 
-const REGION_WAYS: [Way; 1] = [way(1e-2, 1.0, 0.1 * REGION_MARGIN, true)];
+const REGION_WAYS: [Way; 1] = [way(1e-2, 1.0, 0.1 * REGION_MARGIN)];
 
 /// Points of the way to a region's summit that are tried, as parts of it: a summit may lie where the solver's digits
 /// do not suffice.
 const POINTS: [f64; 5] = [1.0, 0.6, 0.4, 0.2, 0.0];
 
-const GAIN_WAYS: [Way; 3] = [
-    way(0.0, 1.0, 0.0, true),
-    way(0.0, 0.25, 0.0, true),
-    way(0.0, 4.0, 0.0, true),
-];
+const GAIN_WAYS: [Way; 3] = [way(0.0, 1.0, 0.0), way(0.0, 0.25, 0.0), way(0.0, 4.0, 0.0)];
 
 /// The bound g of the exported design, relative to the smallest: the price of a margin. A region is not after the
 /// gain and can pay more.
@@ -110,7 +103,6 @@ impl Finish<'_> {
                 return Ok(outcome);
             }
         }
-        let point = summit;
         Ok(match unproved {
             Some(design) => Outcome::Solved(closed(design, runs)),
             None => {
@@ -119,9 +111,9 @@ impl Finish<'_> {
                     reason: reason.to_string(),
                     scale: None,
                     angle_deg: None,
-                    limits: sensitivities(self.inner, point)?,
+                    limits: sensitivities(self.inner, summit)?,
                 };
-                Outcome::SolverFailed(decision(shortfall, point.value.blocking.clone(), runs))
+                Outcome::SolverFailed(decision(shortfall, summit.value.blocking.clone(), runs))
             }
         })
     }
@@ -248,7 +240,7 @@ impl Finish<'_> {
         let wide = matches!(self.inner.aim, Aim::Reach { .. });
         #[allow(clippy::borrowed_box)] // What the options below hold.
         let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
-        if !way.largest_margin || (wide && first.as_ref().is_some_and(proved)) {
+        if wide && first.as_ref().is_some_and(proved) {
             return Ok(first);
         }
         let bound =
@@ -280,15 +272,7 @@ impl Finish<'_> {
         if add_claims(model, &mut certificate).is_err() {
             return Ok(None);
         }
-        let subject = Subject {
-            model,
-            model_text: self.model_text,
-            task: making.task,
-            given: &[],
-            part: Part::FIRST,
-            gains_text: None,
-            form: self.form,
-        };
+        let subject = Subject::of_model(model, self.model_text, making.task, self.form);
         let mut design = subject.design(&certificate, making.units)?;
         design.file.provenance.search = Some(self.record(making.point, &model.file));
         Ok(Some(design))

@@ -146,13 +146,10 @@ impl<'a> Whole<'a> {
             return Ok(Found::Nothing(self.no_start(model)?));
         };
         let mut trail = vec![begun.clone()];
-        let end = self.climb_along(&inner, begun, f64::INFINITY, &mut trail)?;
-        if trail
-            .last()
-            .is_none_or(|last| last.coordinates != end.coordinates)
-        {
-            trail.push(end);
-        }
+        // Every rise is told, so that the last point of the trail is the summit.
+        self.climb(&inner, begun, f64::INFINITY, &mut |point| {
+            trail.push(point.clone());
+        })?;
         Ok(Found::Points(trail))
     }
 
@@ -176,7 +173,7 @@ impl<'a> Whole<'a> {
         let Some(begun) = start::first(&inner)? else {
             return Ok(Err(self.no_start(model)?));
         };
-        let end = self.climb(&inner, begun, COVERED.ln())?;
+        let end = self.climb(&inner, begun, COVERED.ln(), &mut |_| {})?;
         if end.value.height >= 0.0 {
             return Ok(Ok(end));
         }
@@ -191,16 +188,13 @@ impl<'a> Whole<'a> {
         Ok(Err(reason))
     }
 
-    fn climb(&self, inner: &Inner<'_>, begun: Point, enough: f64) -> Result<Point, SynthesisError> {
-        self.climb_along(inner, begun, enough, &mut Vec::new())
-    }
-
-    fn climb_along(
+    /// Climbs until it is high enough; `passed` is told of every rise.
+    fn climb(
         &self,
         inner: &Inner<'_>,
         begun: Point,
         enough: f64,
-        trail: &mut Vec<Point>,
+        passed: &mut dyn FnMut(&Point),
     ) -> Result<Point, SynthesisError> {
         let effort = Effort {
             rounds: self.plan.limits.rounds as usize,
@@ -215,7 +209,7 @@ impl<'a> Whole<'a> {
             };
             self.watch.reached(value, height - last);
             last = height;
-            trail.push(point.clone());
+            passed(point);
             height < enough
         })
     }
@@ -240,7 +234,7 @@ impl<'a> Whole<'a> {
         let Some(begun) = start::first(&inner)? else {
             return Ok(none.to_string());
         };
-        let end = free.climb(&inner, begun, f64::INFINITY)?;
+        let end = free.climb(&inner, begun, f64::INFINITY, &mut |_| {})?;
         let gain = (-end.value.height).exp();
         Ok(format!(
             "no design meets the bound {bound} on the gain; the smallest guaranteed gain found, whatever its set, is {gain:.5}"

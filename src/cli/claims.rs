@@ -1,0 +1,57 @@
+//! What a design claims beside gamma, told alike by every verb that proves one.
+
+use serde_json::{json, Value};
+use synth::certify::Verdict;
+use synth::design::DesignFile;
+use synth::model::Model;
+
+use super::both;
+use super::reach::Reach;
+use crate::harness::design::certified_angle_deg;
+use crate::harness::transmissions::TransmissionBound;
+
+/// The claims of a design, in words and as keys of `--json`.
+pub struct Claims {
+    certified_angle_deg: Option<f64>,
+    outer: Value,
+    outer_lines: Vec<String>,
+    reach: Reach,
+    transmissions: TransmissionBound,
+}
+
+impl Claims {
+    /// From the numbers of a design and the verdict about them.
+    pub fn of(design: &DesignFile, model: &Model, verdict: Verdict) -> Self {
+        Claims {
+            certified_angle_deg: certified_angle_deg(design.certificate.certified_vector_part),
+            outer: both::outer_json(design, model),
+            outer_lines: both::outer_lines(design, model),
+            reach: Reach::of(design, model, verdict),
+            transmissions: TransmissionBound::of_model(model),
+        }
+    }
+
+    /// Largest angle such that every attitude at rest within it is a certified start (deg).
+    pub fn certified_angle_deg(&self) -> Option<f64> {
+        self.certified_angle_deg
+    }
+
+    /// Adds the keys to a JSON object.
+    pub fn add_to(&self, report: &mut Value) {
+        report["certified_angle_deg"] = json!(self.certified_angle_deg);
+        report["min_inter_event_s"] = json!(self.transmissions.min_inter_event_s);
+        report["max_transmissions_per_s"] = json!(self.transmissions.max_transmissions_per_s);
+        report["outer"] = self.outer.clone();
+        report["certified_angle_any_axis_deg"] = json!(self.reach.any_axis_deg);
+        report["certified_angle_along_deg"] = json!(self.reach.along_deg());
+        report["must_contain"] = json!(self.reach.states());
+    }
+
+    /// One line for each claim but the certified angle.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = self.outer_lines.clone();
+        lines.extend(self.reach.lines());
+        lines.push(self.transmissions.describe());
+        lines
+    }
+}
