@@ -5,7 +5,7 @@ use super::dense::dot;
 use super::iterate::{longest_step, sandwich, Factors, Point, StepWork};
 use super::layout::Layout;
 use super::ray;
-use super::schur::SchurPlan;
+use super::schur::{SchurPlan, SchurWork};
 use super::system::System;
 use super::warm::Trail;
 use crate::lmi::Semidefinite;
@@ -134,15 +134,18 @@ struct Run<'a> {
     task: &'a Task<'a>,
     plan: SchurPlan,
     system: System,
-    second: Vec<f64>,
+    schur: SchurWork,
     factors: Factors,
+    /// Threads used now.
+    threads: usize,
     /// For S and for Z.
     steps: [StepWork; 2],
-    work: Vec<f64>,
     product: Vec<f64>,
     /// `constant + A(y) - S`, zero once `feasible`.
     residual: Vec<f64>,
     feasible: bool,
+    /// `<A_i, Z>` of the point.
+    products: Vec<f64>,
     constant_norm: f64,
     cost_norm: f64,
     seconds: [f64; 3],
@@ -181,13 +184,14 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
         task,
         plan: SchurPlan::new(layout),
         system: System::default(),
-        second: Vec::new(),
+        schur: SchurWork::default(),
         factors: Factors::new(layout),
         steps: Default::default(),
-        work: Vec::new(),
+        threads: super::threads_now(task.threads),
         product: vec![0.0; layout.length],
         residual: vec![0.0; layout.length],
         feasible: false,
+        products: vec![0.0; layout.cost.len()],
         constant_norm: layout.constant_norm(),
         cost_norm: dot(&layout.cost, &layout.cost).sqrt(),
         seconds: [0.0; 3],
@@ -210,8 +214,9 @@ impl Run<'_> {
         let mut stalled = "iteration limit";
         let mut iteration = 0;
         while iteration < self.task.iterations {
+            self.threads = super::threads_now(self.task.threads);
             self.refresh_slack(&mut point);
-            if !self.factors.update(layout, &point) {
+            if !self.factors.update(layout, &point, self.threads) {
                 stalled = "a matrix lost its definiteness";
                 break;
             }
@@ -266,7 +271,9 @@ impl Run<'_> {
                 break;
             }
             if !self.feasible && measures.dual_objective > 0.0 {
-                if let Some(ray) = ray::dual(layout, &self.system, &self.factors, &point.z) {
+                if let Some(ray) =
+                    ray::dual(layout, &self.system, &self.factors, &point.z, self.threads)
+                {
                     point.z = ray;
                     return outcome(End::Infeasible, &point);
                 }
@@ -297,7 +304,7 @@ impl Run<'_> {
 
     /// The best point so far, with the most that can be said of it.
     fn conclude(
-        &self,
+        &mut self,
         best: Option<(f64, Point, Measures)>,
         last: Point,
         iterations: u32,
@@ -333,7 +340,7 @@ impl Run<'_> {
     /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
     fn refresh_slack(&mut self, point: &mut Point) {
         let layout = self.task.layout;
-        layout.evaluate(1.0, &point.y, &mut self.residual);
+        layout.evaluate(1.0, &point.y, self.threads, &mut self.residual);
         if self.feasible {
             point.s.copy_from_slice(&self.residual);
             self.residual.fill(0.0);
@@ -359,12 +366,12 @@ impl Run<'_> {
         }
     }
 
-    fn measure(&self, point: &Point) -> Measures {
+    fn measure(&mut self, point: &Point) -> Measures {
         let layout = self.task.layout;
         let objective = dot(&layout.cost, &point.y);
         let dual_objective = -layout.against_constant(&point.z);
-        let mut products = vec![0.0; layout.cost.len()];
-        layout.adjoint(&point.z, &mut products);
+        layout.adjoint(&point.z, self.threads, &mut self.products);
+        let products = &self.products;
         let squares = products
             .iter()
             .zip(&layout.cost)
@@ -390,9 +397,9 @@ impl Run<'_> {
             layout,
             &point.z,
             &self.factors.s_inverse,
-            super::threads_now(self.task.threads),
+            self.threads,
             &mut self.system.matrix,
-            &mut self.second,
+            &mut self.schur,
         );
         self.seconds[0] += begin.elapsed().as_secs_f64();
         let begin = std::time::Instant::now();
@@ -415,7 +422,7 @@ impl Run<'_> {
                 &point.z,
                 &self.residual,
                 inverse,
-                &mut self.work,
+                self.threads,
                 &mut base,
             );
             base.iter_mut().for_each(|entry| *entry = -*entry);
@@ -432,7 +439,7 @@ impl Run<'_> {
             &predictor.z,
             &predictor.s,
             inverse,
-            &mut self.work,
+            self.threads,
             &mut target,
         );
         let aim = centring * complementarity;
@@ -492,8 +499,7 @@ impl Run<'_> {
     fn direction(&mut self, point: &Point, target: &[f64], fraction: f64) -> Option<Direction> {
         let layout = self.task.layout;
         let unknowns = layout.cost.len();
-        let mut goal = vec![0.0; unknowns];
-        layout.adjoint(&point.z, &mut goal);
+        let mut goal = self.products.clone();
         for (goal, c) in goal.iter_mut().zip(&layout.cost) {
             *goal = fraction * c + (1.0 - fraction) * *goal;
         }
@@ -505,7 +511,7 @@ impl Run<'_> {
         let mut z = target.to_vec();
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            layout.adjoint(&z, &mut rhs);
+            layout.adjoint(&z, self.threads, &mut rhs);
             rhs.iter_mut().zip(&goal).for_each(|(r, c)| *r -= c);
             let size = dot(&rhs, &rhs).sqrt();
             if size <= REFINED * (1.0 + self.cost_norm) || size > 0.5 * before {
@@ -519,14 +525,14 @@ impl Run<'_> {
                 return None;
             }
             y.iter_mut().zip(&correction).for_each(|(y, d)| *y += d);
-            layout.evaluate(0.0, &y, &mut s);
+            layout.evaluate(0.0, &y, self.threads, &mut s);
             z.copy_from_slice(target);
             sandwich(
                 layout,
                 &point.z,
                 &s,
                 &self.factors.s_inverse,
-                &mut self.work,
+                self.threads,
                 &mut self.product,
             );
             z.iter_mut().zip(&self.product).for_each(|(z, p)| *z -= p);
@@ -553,6 +559,7 @@ impl Run<'_> {
             &factors.s_root,
             &direction.s,
             enough,
+            self.threads,
             s_work,
         );
         let z = longest_step(
@@ -561,6 +568,7 @@ impl Run<'_> {
             &factors.z_root,
             &direction.z,
             enough,
+            self.threads,
             z_work,
         );
         ((damping * s).min(1.0), (damping * z).min(1.0))

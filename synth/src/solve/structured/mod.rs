@@ -4,9 +4,12 @@
 //! `max -<F0, Z>  s.t.  <F_i, Z> = c_i, Z >= 0`, block by block. Each iteration solves one linear system whose
 //! size is the number of unknowns, whatever the number of cones; see the modules for the sources.
 
+mod block;
 mod dense;
+mod halves;
 mod interior_point;
 mod iterate;
+mod kronecker;
 mod layout;
 mod ray;
 mod schur;

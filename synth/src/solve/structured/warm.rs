@@ -67,7 +67,7 @@ fn is_central(layout: &Layout, point: &Point) -> bool {
         return false;
     }
     let mut products = vec![0.0; layout.cost.len()];
-    layout.adjoint(&point.z, &mut products);
+    layout.adjoint(&point.z, 1, &mut products);
     let squares = products
         .iter()
         .zip(&layout.cost)
