@@ -383,3 +383,110 @@ fn over_pairs(n: usize, a: &[Place], e: &Place, z: &[f64], s_inverse: &[f64]) ->
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lmi::{Cone, Entry, Semidefinite};
+    use proptest::prelude::*;
+
+    /// One cone: every place of every unknown is nonzero with the given chance.
+    fn problem(side: usize, unknowns: usize, filled: f64, numbers: &[f64]) -> Semidefinite {
+        let mut next = numbers.iter().cycle().copied();
+        let mut coefficients = Vec::new();
+        for unknown in 0..unknowns {
+            let mut entries = Vec::new();
+            for column in 0..side {
+                for row in 0..=column {
+                    let (chance, value) = (next.next(), next.next());
+                    if chance.is_some_and(|chance| chance.abs() < filled) {
+                        entries.extend(value.map(|value| Entry { row, column, value }));
+                    }
+                }
+            }
+            coefficients.push((unknown, entries));
+        }
+        Semidefinite {
+            cost: vec![1.0; unknowns],
+            offset: 0.0,
+            cones: vec![Cone {
+                name: "test".to_string(),
+                side,
+                constant: Vec::new(),
+                coefficients,
+            }],
+        }
+    }
+
+    /// A symmetric matrix, packed.
+    fn symmetric(side: usize, numbers: &[f64]) -> Vec<f64> {
+        let at = |row: usize, column: usize| numbers[(row * column + row + column) % numbers.len()];
+        let pairs = (0..side).flat_map(|column| (0..side).map(move |row| (row, column)));
+        pairs.map(|(row, column)| at(row, column)).collect()
+    }
+
+    fn full(block: &Block, k: usize) -> nalgebra::DMatrix<f64> {
+        let mut out = nalgebra::DMatrix::zeros(block.side, block.side);
+        for e in block.entries_of(k) {
+            out[(e.row, e.column)] = e.value;
+            out[(e.column, e.row)] = e.value;
+        }
+        out
+    }
+
+    /// Lower triangle of M by each way that this block can be treated.
+    fn by_each_way(layout: &Layout, z: &[f64], inverse: &[f64]) -> Vec<Vec<f64>> {
+        let m = layout.cost.len();
+        let way = Way::new(&layout.blocks[0]);
+        let kronecker = KroneckerPlan::new(&layout.blocks[0]).map(|(plan, _)| plan);
+        let of = |kronecker: Option<KroneckerPlan>| {
+            let plan = SchurPlan {
+                blocks: vec![Way {
+                    kronecker,
+                    ..way.clone()
+                }],
+                parts: std::iter::once(0..1).collect(),
+            };
+            let (mut matrix, mut work) = (Vec::new(), SchurWork::default());
+            plan.assemble(layout, z, inverse, 1, &mut matrix, &mut work);
+            matrix
+        };
+        let lower = |matrix: Vec<f64>| -> Vec<f64> {
+            let places = (0..m).flat_map(|j| (j..m).map(move |i| (i, j)));
+            places.map(|(i, j)| matrix[j * m + i]).collect()
+        };
+        [of(None), of(kronecker)].map(lower).to_vec()
+    }
+
+    proptest! {
+        #[test]
+        fn every_way_gives_the_definition_of_the_schur_complement(
+            side in 1_usize..14,
+            unknowns in 1_usize..40,
+            filled in 0.05_f64..0.9,
+            numbers in prop::collection::vec(-1.0_f64..1.0, 97..211),
+        ) {
+            let layout = Layout::new(&problem(side, unknowns, filled, &numbers));
+            prop_assume!(layout.blocks.len() == 1);
+            let block = &layout.blocks[0];
+            let n = block.side;
+            let z = symmetric(n, &numbers);
+            let inverse = symmetric(n, &numbers[13..]);
+            let m = layout.cost.len();
+            let matrix = |packed: &[f64]| nalgebra::DMatrix::from_column_slice(n, n, packed);
+            let mut expected = vec![0.0; m * m];
+            for (a, &i) in block.unknowns.iter().enumerate() {
+                for (b, &j) in block.unknowns.iter().enumerate() {
+                    let product = matrix(&z) * full(block, b) * matrix(&inverse);
+                    expected[i.min(j) * m + i.max(j)] = full(block, a).dot(&product);
+                }
+            }
+            for found in by_each_way(&layout, &z, &inverse) {
+                let places = (0..m).flat_map(|j| (j..m).map(move |i| j * m + i));
+                for (at, value) in places.zip(found) {
+                    prop_assert!((value - expected[at]).abs() < 1e-11 * (1.0 + expected[at].abs()));
+                }
+            }
+        }
+    }
+}
