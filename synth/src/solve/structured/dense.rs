@@ -194,6 +194,17 @@ pub fn product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
     }
 }
 
+/// `out = A' B`.
+#[inline(always)]
+pub fn transposed_product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
+    for j in 0..n {
+        for i in 0..n {
+            out[j * n + i] =
+                dot_in_lanes(&a[i * n..(i + 1) * n], &b[j * n..(j + 1) * n]);
+        }
+    }
+}
+
 /// `out = L A L'` for a lower triangular L and a symmetric A; `work` has n * n entries.
 #[inline(always)]
 pub fn congruence_by_lower(l: &[f64], a: &[f64], work: &mut [f64], out: &mut [f64], n: usize) {

@@ -7,7 +7,7 @@ use super::iterate::Point;
 use crate::lmi::{self, Entry, Semidefinite};
 
 /// Work of an iteration outside of the Schur complement [multiplications] below which a second thread does not pay.
-const WORTH_A_THREAD: usize = 400_000;
+const WORTH_A_THREAD: usize = 4_000_000;
 
 /// Passes of the balancing.
 const BALANCING_PASSES: usize = 4;

@@ -77,26 +77,36 @@ fn is_central(layout: &Layout, point: &Point) -> bool {
     if residual > DUAL_ROOM * complementarity / objective.max(1e-3) {
         return false;
     }
-    layout.blocks.iter().all(|block| {
-        let (n, range) = (block.side, block.range());
-        let mut root = point.z[range.clone()].to_vec();
-        if !dense::cholesky(&mut root, n) {
-            return false;
-        }
-        // L' S L has the eigenvalues of S Z.
-        let (mut half, mut product) = (vec![0.0; n * n], vec![0.0; n * n]);
-        dense::product(&point.s[range], &root, &mut half, n);
-        for j in 0..n {
-            for i in 0..n {
-                product[j * n + i] =
-                    dense::dot(&root[i * n..(i + 1) * n], &half[j * n..(j + 1) * n]);
+    let least = CENTRAL * mean;
+    dense::vectorised(
+        #[inline(always)]
+        || {
+            for block in &layout.blocks {
+                let range = block.range();
+                if !exceeds(block.side, &point.s[range.clone()], &point.z[range], least) {
+                    return false;
+                }
             }
-        }
-        for k in 0..n {
-            product[k * n + k] -= CENTRAL * mean;
-        }
-        dense::cholesky(&mut product, n)
-    })
+            true
+        },
+    )
+}
+
+/// Whether every eigenvalue of S Z is above `least`.
+#[inline(always)]
+fn exceeds(n: usize, s: &[f64], z: &[f64], least: f64) -> bool {
+    let mut root = z.to_vec();
+    if !dense::cholesky(&mut root, n) {
+        return false;
+    }
+    // L' S L has the eigenvalues of S Z.
+    let (mut half, mut product) = (vec![0.0; n * n], vec![0.0; n * n]);
+    dense::product(s, &root, &mut half, n);
+    dense::transposed_product(&root, &half, &mut product, n);
+    for k in 0..n {
+        product[k * n + k] -= least;
+    }
+    dense::cholesky(&mut product, n)
 }
 
 /// Trails of the last problems, by their shape. Cheap to clone: clones share it.
