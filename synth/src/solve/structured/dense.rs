@@ -199,8 +199,7 @@ pub fn product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
 pub fn transposed_product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
     for j in 0..n {
         for i in 0..n {
-            out[j * n + i] =
-                dot_in_lanes(&a[i * n..(i + 1) * n], &b[j * n..(j + 1) * n]);
+            out[j * n + i] = dot_in_lanes(&a[i * n..(i + 1) * n], &b[j * n..(j + 1) * n]);
         }
     }
 }

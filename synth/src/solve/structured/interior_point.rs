@@ -35,7 +35,7 @@ const LITTLE_PATIENCE: u32 = 2;
 const REFINEMENTS: usize = 4;
 
 /// Residual of `<A_i, Z + dZ> = c_i`, relative, at which a direction is good enough.
-const REFINED: f64 = 1e-10;
+const REFINED: f64 = 1e-8;
 
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
@@ -238,21 +238,25 @@ impl Run<'_> {
                 return outcome(End::Solved, &point);
             }
             let complementarity = dot(&point.s, &point.z);
+            let near = best
+                .as_ref()
+                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
             let nearer = best
                 .as_ref()
                 .is_none_or(|(least, ..)| distance < 0.9 * least);
             let progress = nearer || complementarity < 0.9 * least_complementarity;
             since_best = if progress { 0 } else { since_best + 1 };
             least_complementarity = complementarity.min(least_complementarity);
-            if best.as_ref().is_none_or(|(least, ..)| distance < *least) {
+            // A smaller gap is no reason to give up a point of reduced accuracy.
+            let worse = near && !measures.nearly_there(self.task.relative_gap);
+            if !worse && best.as_ref().is_none_or(|(least, ..)| distance < *least) {
                 best = Some((distance, point.clone(), measures));
             }
-            let lost = best.as_ref().is_some_and(|(least, _, at)| {
-                at.nearly_there(self.task.relative_gap) && distance > 100.0 * least
-            });
-            let near = best
-                .as_ref()
-                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
+            let near = near || measures.nearly_there(self.task.relative_gap);
+            let lost = near
+                && best
+                    .as_ref()
+                    .is_some_and(|(least, ..)| distance > 100.0 * least);
             since_nearer = if nearer { 0 } else { since_nearer + 1 };
             let patience = if self.system.shift > 0.0 {
                 0
