@@ -198,8 +198,13 @@ fn describe(summary: &Summary) -> String {
             lines.push(format!("{name}: {value:.5} {unit}").trim_end().to_string());
         }
     }
+    // The inputs of a plant that is no spacecraft have units of their own.
+    let (input, unit, impulse_unit) = match summary.system == "rigid_body" {
+        true => ("torque", " N m", " N m s"),
+        false => ("input", "", ""),
+    };
     lines.push(format!(
-        "largest torque: {:.4} N m; impulse: {:.4} N m s",
+        "largest {input}: {:.4}{unit}; impulse: {:.4}{impulse_unit}",
         summary.max_torque, summary.impulse
     ));
     if let Some(link) = &summary.link {
