@@ -358,3 +358,13 @@ fn a_design_that_the_scenario_has_no_use_for_is_refused_unread() {
     let message = steadfast(arguments).refusal();
     assert_says(&message, &["wu2018.json", "a design is given"]);
 }
+
+#[test]
+fn a_name_of_several_lines_is_refused_in_a_scenario_too() {
+    let folder = folder();
+    let mut scenario = json(&shipped("wu2018.json"));
+    scenario["name"] = json!("two\nlines");
+    let file = write(folder.path(), "scenario.json", scenario.to_string());
+    let message = steadfast([Path::new("simulate"), &file]).refusal();
+    assert_says(&message, &["field 'name'", "must be on one line"]);
+}

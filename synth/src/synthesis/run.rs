@@ -20,10 +20,10 @@ const GAIN_ROOM: f64 = 1e-3;
 
 /// Larger rooms, tried in this order where no design is proved with the first: the solver's smallest gain
 /// bound may be too small to be true, or leave no margin that a proof can use.
-const WIDER_ROOMS: [f64; 4] = [1e-2, 1e-1, 1.0, 10.0];
+const WIDER_ROOMS: [f64; 3] = [1e-2, 1e-1, 1.0];
 
 /// Units in which the larger rooms are tried, the first ones that gave a gain bound.
-const WIDENED_UNITS: usize = 3;
+const WIDENED_UNITS: usize = 2;
 
 /// State units tried one after the other, as fractions of the region's smallest extent, until a design is
 /// proved. Where the certified set of a design that is not proved asks for another unit, that comes next:
