@@ -17,6 +17,9 @@ const KINDS: usize = 4;
 /// How far from the central path a start may lie: the smallest eigenvalue of S Z relative to their mean.
 const CENTRAL: f64 = 0.03;
 
+/// Points are kept when the complementarity has fallen to this part of the last one's.
+const KEPT: f64 = 0.7;
+
 /// A start's residual of `<A_i, Z> = c_i`, relative, may exceed its relative complementarity by this factor.
 const DUAL_ROOM: f64 = 100.0;
 
@@ -24,6 +27,8 @@ const DUAL_ROOM: f64 = 100.0;
 #[derive(Debug, Clone, Default)]
 pub struct Trail {
     points: Vec<Known>,
+    /// Of the last one.
+    complementarity: Option<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -33,24 +38,42 @@ struct Known {
 }
 
 impl Trail {
-    /// Keeps a point.
+    /// Keeps a point that is nearer to the solution than the last one.
     pub fn record(&mut self, layout: &Layout, problem: &Semidefinite, point: &Point) {
+        let complementarity = dense::dot(&point.s, &point.z);
+        let near = |last: f64| complementarity > KEPT * last;
+        if self.complementarity.is_some_and(near) {
+            return;
+        }
+        self.complementarity = Some(complementarity);
         self.points.push(Known {
             values: layout.values(&point.y, problem.cost.len()),
             duals: layout.duals(&point.z, problem),
         });
     }
 
-    /// The last point that is a good start for a problem of the same shape, and the part of the trail before it.
+    /// A point that is a good start for a problem of the same shape while the next one is not, and the part of the
+    /// trail before it.
     pub fn start(&self, layout: &Layout) -> Option<(Point, Trail)> {
-        for (index, known) in self.points.iter().enumerate().rev() {
+        let mut found = None;
+        let (mut low, mut high) = (0, self.points.len());
+        while low < high {
+            let middle = (low + high) / 2;
+            let known = &self.points[middle];
             let point = layout.point(&known.values, &known.duals);
             if is_central(layout, &point) {
-                let points = self.points[..index].to_vec();
-                return Some((point, Trail { points }));
+                found = Some((middle, point));
+                low = middle + 1;
+            } else {
+                high = middle;
             }
         }
-        None
+        let (index, point) = found?;
+        let trail = Trail {
+            points: self.points[..index].to_vec(),
+            complementarity: None,
+        };
+        Some((point, trail))
     }
 
     /// True when nothing was recorded.
