@@ -64,14 +64,14 @@ pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
         argument: "--vary",
         reason: error.to_string(),
     })?;
-    let subject = subject(args, &text)?;
+    let mut subject = subject(args, &text)?;
     let grid = Grid::new(subject.file(), &axes)
         .map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
     let identity = Identity::new(&text, &subject, &grid);
     let (journal, known) = Journal::open(&args.output, &identity, &grid, args.restart)?;
     let resumed = known.iter().flatten().count();
-    let outcomes = swept(args, &subject, &grid, (&journal, known))?;
+    let outcomes = swept(args, &mut subject, &grid, (&journal, known))?;
     let name = args.file.file_name().map(|name| name.to_string_lossy());
     let finished = Finished {
         subject: &subject,
@@ -115,7 +115,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
 
 fn swept(
     args: &SweepArgs,
-    subject: &Subject,
+    subject: &mut Subject,
     grid: &Grid,
     (journal, known): (&Journal, Known),
 ) -> Result<Vec<PointOutcome>, CliError> {
@@ -125,6 +125,9 @@ fn swept(
         done: &|| progress.done(),
         stop: progress.stop(),
     };
+    if done < grid.points() {
+        subject.prepare(&watch.stop);
+    }
     let outcomes = sweep::run(subject, grid, threads(args.jobs), (journal, known), &watch);
     outcomes.map_err(|error| match error {
         SweepError::Interrupted { done, points } => CliError::Resumable {

@@ -462,6 +462,37 @@ fn times_of_a_bisection_with_and_without_warm_starts() {
 }
 
 #[test]
+fn a_frozen_memory_helps_neighbours_and_makes_no_result_depend_on_others() {
+    let at = |limit: f64| {
+        let mut file = model("xu2020.json").file;
+        let synth::model::PlantFile::Exact(plant) = &mut file.plant else {
+            panic!("an exact plant");
+        };
+        plant.torque_limit_nm = [limit; 3];
+        gain_problem(&Model::new(file).expect("a valid model"), Form::Slack)
+    };
+    let run = |solver: &Structured, limit: f64| {
+        let (problem, accuracy) = at(limit);
+        solver.solve(&problem, accuracy, None).unwrap()
+    };
+    let first = Structured::warm();
+    run(&first, 2.0);
+    let frozen = first.frozen();
+    let alone = run(&frozen, 2.02);
+    run(&frozen, 2.4);
+    let again = run(&frozen, 2.02);
+    assert!(alone.values == again.values && alone.duals == again.duals);
+    let cold = run(&Structured::default(), 2.02);
+    assert_close(alone.objective, cold.objective, 1e-6, "objective");
+    assert!(
+        3 * alone.iterations <= 2 * cold.iterations,
+        "{} of {}",
+        alone.iterations,
+        cold.iterations
+    );
+}
+
+#[test]
 fn a_warm_start_far_away_does_no_harm() {
     let solver = Structured::warm();
     for seed in [1, 2, 1, 3, 1] {

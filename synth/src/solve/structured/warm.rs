@@ -139,6 +139,14 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// The same trails, not shared.
+    pub fn copied(&self) -> Self {
+        let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
+        Memory {
+            trails: Arc::new(Mutex::new(trails.clone())),
+        }
+    }
+
     /// The trail of the last problem of this shape.
     pub fn recall(&self, shape: u64) -> Option<Trail> {
         let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
