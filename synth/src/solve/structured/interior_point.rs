@@ -127,7 +127,7 @@ pub struct Task<'a> {
     /// Threads that may be used.
     pub threads: usize,
     /// Called between iterations; `false` stops.
-    pub observer: &'a dyn Fn(u32, &Measures) -> bool,
+    pub observer: &'a (dyn Fn(u32, &Measures) -> bool + Sync),
 }
 
 struct Run<'a> {
@@ -197,7 +197,11 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
         seconds: [0.0; 3],
     };
     let begin = std::time::Instant::now();
-    let mut outcome = run.iterate(start, trail);
+    // Inside of the pool the halves change hands without waking anybody; who is not there in time finds nothing left.
+    let mut outcome = match run.threads {
+        0 | 1 => run.iterate(start, trail),
+        _ => rayon::scope(|_| run.iterate(start, trail)),
+    };
     outcome.seconds = run.seconds;
     outcome.seconds[2] = begin.elapsed().as_secs_f64() - run.seconds[0] - run.seconds[1];
     outcome
