@@ -1,9 +1,12 @@
-//! Side by side, in one run: Clarabel and the structured solver, csdp and sdpa on the exports of all forms, and cvxpy + Clarabel on the full form, for models/xu2020.json; then growth with
-//! the number of vertices. Other solvers are left out, and named, when they are not installed.
+//! Side by side, in one run: Clarabel and the structured solver, csdp and sdpa on the exports of all forms, and cvxpy +
+//! Clarabel on the full form, for models/xu2020.json; then single solves with 16, 256 and 1024 vertices at once, and whole
+//! syntheses against the number of vertices. Other solvers are left out, and named, when they are not installed.
 //!
 //! `cargo bench --bench synthesis` runs everything; `-- --quick` leaves out what takes minutes;
 //! `-- --growth 1024` runs one model with that many vertices and nothing else.
 
+#[path = "synthesis/at_once.rs"]
+mod at_once;
 #[path = "synthesis/external.rs"]
 mod external;
 #[path = "synthesis/growth.rs"]
@@ -33,6 +36,10 @@ fn main() {
         child(&arguments[position + 1], &arguments[position + 2]);
         return;
     }
+    if let Some(position) = arguments.iter().position(|a| a == "--child-file") {
+        at_once::child(&arguments[position + 1], &arguments[position + 2]);
+        return;
+    }
     if let Some(position) = arguments.iter().position(|a| a == "--growth") {
         let vertices = arguments
             .get(position + 1)
@@ -44,6 +51,7 @@ fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let rows = side_by_side(folder.path(), quick);
     print_table("models/xu2020.json, smallest gain", &rows);
+    at_once::run(folder.path(), quick);
     growth::run(quick);
 }
 
@@ -79,7 +87,7 @@ fn child(form: &str, padding: &str) {
     println!(
         "{seconds} {} {} {}",
         solution.objective,
-        solution.status_text,
+        solution.status_text.split(':').next().unwrap_or_default(),
         external::peak_memory_mb()
     );
 }
@@ -148,8 +156,8 @@ pub fn print_table(title: &str, rows: &[Row]) {
         println!(
             "{:34} {:>9} {:>9} {:>12}  {}",
             row.what,
-            show(row.seconds, 2),
-            show(ratio, 1),
+            show(row.seconds, 3),
+            show(ratio, 2),
             show(row.gamma, 7),
             row.note
         );

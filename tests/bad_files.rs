@@ -269,3 +269,102 @@ fn a_damaged_problem_or_its_design_never_makes_anything_fall_over() {
     Run::new(run.expect("the command runs")).ends_with(0);
     assert_survives(&design, &["verify"], 33, &[0, 1, 2]);
 }
+
+#[test]
+fn a_file_that_was_cut_off_is_said_to_end_too_early() {
+    let folder = folder();
+    // Within a name, within a number and between two keys: of no kind that could be told.
+    for contents in [
+        r#"{"schema_version": 1, "model": {"name": "x"#,
+        r#"{"schema_version": 1, "certificate": {"xi": 714.8"#,
+        r#"{"schema_version": 1, "duration_s": 5,"#,
+    ] {
+        let file = write(folder.path(), "cut.json", contents);
+        for verb in ["check", "verify", "synthesize", "simulate"] {
+            let message = steadfast([Path::new(verb), &file]).refusal();
+            assert_says(&message, &["cut.json: not JSON: the file ends too early"]);
+        }
+    }
+}
+
+#[test]
+fn a_bad_use_of_the_arguments_is_one_line() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let scenario = shipped("wu2018-campaign.json");
+    let scenario = scenario.to_str().expect("a path in UTF-8");
+    let out = out.to_str().expect("a path in UTF-8");
+    let cases: [(&[&str], &str); 5] = [
+        (&["synthesize"], "were not provided: <MODEL>; Usage:"),
+        (&["simulate", scenario, "--seed", "3"], "--run-index <K>"),
+        (
+            &["campaign", scenario, "--runs", "-3", "-o", out],
+            "invalid value '-3' for '--runs <N>'",
+        ),
+        (
+            &[
+                "campaign", scenario, "--runs", "3", "--jobs", "0", "-o", out,
+            ],
+            "0 is not in 1..=1024",
+        ),
+        (
+            &[
+                "sweep",
+                scenario,
+                "--vary",
+                "seed=1,2",
+                "--solver",
+                "structured",
+                "-o",
+                out,
+            ],
+            "argument --solver: a solver goes with a model",
+        ),
+    ];
+    for (arguments, part) in cases {
+        assert_says(&steadfast(arguments).refusal(), &[part]);
+    }
+    assert!(names_in(folder.path()).is_empty());
+}
+
+#[test]
+fn a_file_in_the_place_of_a_folder_is_refused_before_any_run() {
+    let folder = folder();
+    let file = write(folder.path(), "taken", "mine");
+    let scenario = shipped("wu2018-campaign.json");
+    let verbs: [&[&str]; 3] = [
+        &["simulate"],
+        &["campaign", "--runs", "2"],
+        &["sweep", "--vary", "seed=1,2"],
+    ];
+    for verb in verbs {
+        let mut command = command();
+        command.args(verb).arg(&scenario).arg("-o").arg(&file);
+        let run = Run::new(command.output().expect("the command runs"));
+        let expected = format!("{}: this is a file; a folder is needed", file.display());
+        assert_eq!(run.refusal(), expected);
+    }
+    assert_eq!(text(&file), "mine");
+}
+
+#[test]
+fn a_design_that_the_scenario_has_no_use_for_is_refused_unread() {
+    let arguments = [
+        Path::new("simulate"),
+        &shipped("wu2018.json"),
+        "--design".as_ref(),
+        "nowhere.json".as_ref(),
+    ];
+    let message = steadfast(arguments).refusal();
+    assert_says(&message, &["wu2018.json", "a design is given"]);
+}
+
+#[test]
+fn a_name_of_several_lines_is_refused_in_a_scenario_too() {
+    let folder = folder();
+    let mut scenario = json(&shipped("wu2018.json"));
+    scenario["name"] = json!("two\nlines");
+    let file = write(folder.path(), "scenario.json", scenario.to_string());
+    let message = steadfast([Path::new("simulate"), &file]).refusal();
+    assert_says(&message, &["field 'name'", "must be on one line"]);
+}

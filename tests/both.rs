@@ -199,6 +199,10 @@ fn the_two_certificates_cannot_take_each_others_place() {
 fn without_the_outer_certificate_only_the_inner_claims_remain() {
     let mut changed = design();
     changed.as_object_mut().unwrap().remove("outer");
+    // The model still asks for both.
+    let message = verify(&changed).refusal();
+    assert!(message.contains("field 'outer': is missing"), "{message}");
+    changed["model"]["specs"]["objective"] = json!("gain");
     let report = verify(&changed).ends_with(0).json();
     assert_eq!(report["outer"], Value::Null);
     let conditions = report["conditions"].as_array().unwrap();

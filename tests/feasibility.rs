@@ -282,3 +282,14 @@ fn bad_models_and_certificates_are_refused_with_the_field() {
         "{message}"
     );
 }
+
+#[test]
+fn the_design_of_a_model_for_two_certificates_is_one_for_the_gain() {
+    let folder = folder();
+    let output = folder.path().join("design.json");
+    let model = shipped("xu2020-both.json");
+    let path = output.to_str().expect("a path in UTF-8");
+    feasibility(&model, &["--no-relaxations", "-o", path]).ends_with(0);
+    assert_eq!(json(&output)["model"]["specs"]["objective"], "gain");
+    verify(&output, &[]).ends_with(0);
+}

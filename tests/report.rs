@@ -224,3 +224,25 @@ fn a_campaign_that_is_not_complete_or_not_one_is_refused_in_a_sentence() {
     );
     assert!(!folder.path().join("report.html").exists());
 }
+
+#[test]
+fn a_page_never_takes_the_place_of_what_it_is_made_of() {
+    for name in [
+        "campaign.json",
+        "runs.parquet",
+        "profiles.parquet",
+        "scenario.json",
+    ] {
+        let file = campaign().join(name);
+        let before = std::fs::read(&file).expect("a file of the campaign");
+        let message = report(campaign(), Some(&file)).refusal();
+        assert!(message.ends_with("it would be overwritten"), "{message}");
+        assert_eq!(std::fs::read(&file).expect("it is still there"), before);
+    }
+    let file = campaign().join("scenario.json");
+    let message = report(&file, None).refusal();
+    assert!(
+        message.contains("the folder of a run or of a campaign is expected"),
+        "{message}"
+    );
+}

@@ -307,6 +307,17 @@ fn every_entry_of_a_list_is_varied_at_once() {
 }
 
 #[test]
+fn a_list_of_one_entry_can_be_varied_as_a_list() {
+    let folder = folder();
+    let file = shipped("double-integrator.json");
+    let out = folder.path().join("out");
+    sweep(&file, &["input_limit[*]=1,2"], &out, &[]).ends_with(0);
+    let rows = Rows::read(&out);
+    assert_eq!(rows.columns[0], "plant.vertices.input_limit[*]");
+    assert_ne!(rows.number(0, "gamma"), rows.number(1, "gamma"));
+}
+
+#[test]
 fn a_logarithmic_range_has_equal_ratios() {
     let folder = folder();
     let out = folder.path().join("out");

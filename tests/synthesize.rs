@@ -163,6 +163,67 @@ fn an_infeasible_model_is_explained_in_words() {
     }
 }
 
+/// A model of one input that acts on the last state, from which the first comes by integrations.
+fn chain(states: usize, matrices: Value, bound: f64, sampling_s: f64, nu: f64) -> Value {
+    let mut model = json(&shipped("double-integrator.json"));
+    let last = |row: usize| json!([f64::from(u8::from(row + 1 == states))]);
+    let plant = json!({
+        "state_matrices": matrices,
+        "input_matrix": (0..states).map(last).collect::<Vec<_>>(),
+        "input_limit": [5],
+        "disturbance_bound": bound,
+    });
+    set(&mut model, "/plant/vertices", plant);
+    model["specs"] = json!({
+        "phi_per_s": 0.05, "hbar_s": sampling_s, "nu": nu, "xi_max": 1000,
+    });
+    model
+}
+
+#[test]
+fn where_the_smallest_gain_leaves_no_margin_a_larger_one_is_proved() {
+    // A chain of five states, in which the solver's smallest gain bound is smaller than is true.
+    let matrices = json!([[
+        [0, 1, 0, 0, 0],
+        [0, 0, 1, 0, 0],
+        [0, 0, 0, 1, 0],
+        [0, 0, 0, 0, 1],
+        [0.1, -1, -1, -2, -2]
+    ]]);
+    let folder = folder();
+    let model = chain(5, matrices, 0.01, 0.02, 0.02);
+    let path = write(folder.path(), "model.json", model.to_string());
+    let report = synthesize(&path, &["--json"]).ends_with(0).json();
+    assert_eq!(report["verdict"], "proved");
+    // Two masses and a spring, the force on one of them and the other the output.
+    let mut model = chain(
+        4,
+        json!([
+            [
+                [0, 1, 0, 0],
+                [-1, -0.1, 1, 0.1],
+                [0, 0, 0, 1],
+                [1, 0.1, -1, -0.1]
+            ],
+            [
+                [0, 1, 0, 0],
+                [-2, -0.1, 2, 0.1],
+                [0, 0, 0, 1],
+                [2, 0.1, -2, -0.1]
+            ]
+        ]),
+        0.02,
+        0.05,
+        0.02,
+    );
+    model["plant"]["vertices"]["input_matrix"] = json!([[0], [1], [0], [0]]);
+    model["plant"]["vertices"]["output_matrix"] = json!([[0, 0, 1, 0]]);
+    model["specs"]["xi_max"] = json!(200);
+    let path = write(folder.path(), "model.json", model.to_string());
+    let report = synthesize(&path, &["--json"]).ends_with(0).json();
+    assert_eq!(report["verdict"], "proved");
+}
+
 #[test]
 fn what_is_not_proved_is_not_written() {
     // A stable plant with a tight disturbance weight: hard for the solver. Whatever comes out, only a

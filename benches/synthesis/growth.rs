@@ -67,7 +67,7 @@ fn synthesis_row(parameters: u32, backend: &dyn Backend, form: Form) -> Row {
 
 /// A spacecraft-like model whose state matrix depends on `parameters` parameters in [-1, 1]: three
 /// rates, the scalar part, and small couplings made by a fixed recurrence.
-fn model_file(parameters: u32) -> ModelFile {
+pub fn model_file(parameters: u32) -> ModelFile {
     let moments = [350.0, 270.0, 190.0];
     let mut couplings = Couplings(1);
     let extra: Vec<[[f64; 6]; 6]> = (4..parameters).map(|_| couplings.next_matrix()).collect();

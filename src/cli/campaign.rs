@@ -9,7 +9,7 @@ use serde_json::{json, Value};
 
 use super::progress::{interrupted, PartsProgress};
 use super::simulate::{design_of, design_path};
-use super::{files, print, CliError, EXIT_NO};
+use super::{files, print, threads, CliError, EXIT_NO};
 use crate::harness::campaign::finish::{finish, finish_again};
 use crate::harness::campaign::parts::{Job, Watch};
 use crate::harness::campaign::plan::{Plan, PlanError, MAX_RUNS};
@@ -22,6 +22,7 @@ pub(super) const KEPT: usize = 100;
 
 /// Arguments of `campaign`.
 #[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct CampaignArgs {
     /// Scenario file; its `dispersions` say what is drawn anew for every run
     scenario: PathBuf,
@@ -32,8 +33,8 @@ pub struct CampaignArgs {
     #[arg(long)]
     seed: Option<u64>,
     /// Threads; one for each processor when left out
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
-    jobs: usize,
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Make part i of n only, for `merge`
     #[arg(long, value_name = "i/n")]
     shard: Option<String>,
@@ -54,6 +55,7 @@ pub struct CampaignArgs {
 /// Makes the runs. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
     check_runs(args.runs)?;
+    files::check_folder(&args.output)?;
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
     let text = files::text(&args.scenario)?;
     let scenario =
@@ -71,7 +73,14 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
     }
     let told = |error| told(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
-    let job = Job::new(&plan, design_sha256, shard, args.jobs, &args.output).map_err(told)?;
+    let job = Job::new(
+        &plan,
+        design_sha256,
+        shard,
+        threads(args.jobs),
+        &args.output,
+    )
+    .map_err(told)?;
     let stop = interrupted();
     let state = job.prepare(&text, design_text.as_deref(), &stop);
     let results = state.and_then(|state| make(&job, state, args.keep, stop));

@@ -17,7 +17,7 @@ use crate::harness::tune::limits::least_time_s;
 /// Arguments of `check`.
 #[derive(clap::Args)]
 pub struct CheckArgs {
-    /// Model, design, scenario, gains or problem file, or infeasibility certificate
+    /// Model, design, scenario, gains, problem or requirements file, or infeasibility certificate
     file: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]

@@ -53,6 +53,9 @@ impl Read {
 
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
 pub fn run(args: &CompareArgs) -> Result<ExitCode, CliError> {
+    if let Some(folder) = &args.output {
+        super::files::check_folder(folder)?;
+    }
     let mut files = Vec::new();
     for path in &args.scenarios {
         files.push(read(path)?);

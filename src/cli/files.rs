@@ -81,6 +81,17 @@ pub fn check_output(path: &Path, input: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Refuses an output folder that is something else, before any long work.
+pub fn check_folder(path: &Path) -> Result<(), CliError> {
+    match path.exists() && !path.is_dir() {
+        true => Err(CliError::unsuitable(
+            path,
+            "this is a file; a folder is needed",
+        )),
+        false => Ok(()),
+    }
+}
+
 /// Writes a result file whole or not at all.
 pub fn write(path: &Path, contents: &str) -> Result<(), CliError> {
     write_bytes(path, contents.as_bytes())

@@ -11,6 +11,7 @@ use crate::harness::campaign::CampaignError;
 
 /// Arguments of `merge`.
 #[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct MergeArgs {
     /// Folders of all shards of a campaign, in any order
     #[arg(required = true)]

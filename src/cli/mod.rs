@@ -31,6 +31,7 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 /// Exit status: the answer is no (infeasible, not proved, requirement missed).
@@ -88,11 +89,7 @@ enum Verb {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => {
-            // Printing help or a usage error can only fail when the stream is closed.
-            let _ = error.print();
-            return ExitCode::from(u8::from(error.use_stderr()));
-        }
+        Err(error) => return usage(&error),
     };
     let outcome = match &cli.verb {
         Verb::Synthesize(args) => synthesize::run(args),
@@ -115,6 +112,40 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         complain(&error.to_string());
         ExitCode::from(error.exit_status())
     })
+}
+
+/// Prints help, or what is wrong with the arguments in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if help || !error.use_stderr() {
+        // Printing help can only fail when the stream is closed.
+        let _ = error.print();
+        return ExitCode::from(u8::from(error.use_stderr()));
+    }
+    complain(&one_line(&error.to_string()));
+    ExitCode::from(1)
+}
+
+/// The parser's lines as one sentence.
+fn one_line(text: &str) -> String {
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let said = lines.filter(|line| !line.starts_with("For more information"));
+    let joined = said.fold(String::new(), |mut sentence, line| {
+        let between = match sentence.chars().last() {
+            None => "",
+            Some(':') => " ",
+            Some(_) => "; ",
+        };
+        sentence.push_str(between);
+        sentence.push_str(line);
+        sentence
+    });
+    joined.trim_start_matches("error: ").to_string()
+}
+
+/// Threads for `--jobs`; 0, one for each processor, when left out.
+fn threads(jobs: Option<u16>) -> usize {
+    jobs.map_or(0, usize::from)
 }
 
 /// Prints to standard output. A reader that closed its end has seen enough; any other failure, such as

@@ -4,10 +4,12 @@ use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
 use super::campaign::told;
-use super::{print, CliError};
-use crate::harness::campaign::folder::{run_folder, CAMPAIGN_FILE};
+use super::{files, print, CliError};
+use crate::harness::campaign::folder::{
+    run_folder, CAMPAIGN_FILE, DESIGN_FILE, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
+};
 use crate::harness::campaign::record::CampaignFile;
-use crate::harness::output::{rebuild_report, write, REPORT_FILE, TRAJECTORY_FILE};
+use crate::harness::output::{rebuild_report, write, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::harness::report::campaign::{self, CampaignPageError};
 
 /// Arguments of `report`.
@@ -24,6 +26,7 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
     let default = args.folder.join(REPORT_FILE);
     let path = args.output.as_ref().unwrap_or(&default);
+    check_paths(&args.folder, path)?;
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
@@ -36,6 +39,32 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
     write(path, &page)?;
     print(&format!("written: {}", path.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Files of a folder that a page must not take the place of.
+const KEPT_FILES: [&str; 7] = [
+    SUMMARY_FILE,
+    TRAJECTORY_FILE,
+    CAMPAIGN_FILE,
+    RUNS_FILE,
+    PROFILES_FILE,
+    SCENARIO_FILE,
+    DESIGN_FILE,
+];
+
+/// Refuses what is no folder, and a page that would replace what it is made of.
+fn check_paths(folder: &Path, page: &Path) -> Result<(), CliError> {
+    if !folder.is_dir() {
+        let reason = match folder.exists() {
+            true => "this is a file; the folder of a run or of a campaign is expected here",
+            false => "there is no such folder",
+        };
+        return Err(CliError::unsuitable(folder, reason));
+    }
+    for name in KEPT_FILES {
+        files::check_output(page, &folder.join(name))?;
+    }
+    Ok(())
 }
 
 /// Kept runs that get a page of their own: the worst.

@@ -10,11 +10,12 @@ use crate::harness::design::Design;
 use crate::harness::link::LinkOutcome;
 use crate::harness::output::{summary_text, write_run};
 use crate::harness::scenario::{ControllerChoice, PlanFile, Scenario};
-use crate::harness::simulation::{simulate, Outcome};
+use crate::harness::simulation::{simulate, Outcome, SimulateError};
 use crate::harness::summary::{CertificateOutcome, RunVerdict, Summary};
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct SimulateArgs {
     /// Scenario file
     scenario: PathBuf,
@@ -43,6 +44,9 @@ pub struct SimulateArgs {
 pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
     let text = files::text(&args.scenario)?;
     let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
+    if let Some(folder) = &args.output {
+        files::check_folder(folder)?;
+    }
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
     let outcome = match args.run_index {
         Some(run) => run_of_campaign(args, &text, &scenario, design.as_ref(), run)?,
@@ -50,7 +54,7 @@ pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
             .map_err(|error| CliError::unsuitable(&args.scenario, error))?,
     };
     if let Some(folder) = &args.output {
-        write_run(folder, &outcome).map_err(|error| CliError::unsuitable(folder, error))?;
+        write_run(folder, &outcome)?;
         eprintln!("written: {}", folder.join("report.html").display());
     }
     let summary = &outcome.summary;
@@ -78,6 +82,11 @@ pub(super) fn design_of(
     let Some(path) = design_path(scenario, scenario_path, given) else {
         return Ok(None);
     };
+    let needs_one = matches!(scenario.controller, ControllerChoice::Design(_));
+    if given.is_some() && !needs_one {
+        let error = SimulateError::UnusedDesign;
+        return Err(CliError::unsuitable(scenario_path, error));
+    }
     let design = read_design(&path)?;
     announce(&design);
     Ok(Some(design))
@@ -189,8 +198,13 @@ fn describe(summary: &Summary) -> String {
             lines.push(format!("{name}: {value:.5} {unit}").trim_end().to_string());
         }
     }
+    // The inputs of a plant that is no spacecraft have units of their own.
+    let (input, unit, impulse_unit) = match summary.system == "rigid_body" {
+        true => ("torque", " N m", " N m s"),
+        false => ("input", "", ""),
+    };
     lines.push(format!(
-        "largest torque: {:.4} N m; impulse: {:.4} N m s",
+        "largest {input}: {:.4}{unit}; impulse: {:.4}{impulse_unit}",
         summary.max_torque, summary.impulse
     ));
     if let Some(link) = &summary.link {

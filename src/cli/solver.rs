@@ -35,14 +35,11 @@ impl SolverArg {
         }
     }
 
-    /// The solver with its form, for many problems.
+    /// The solver for many problems.
     pub fn choice(self) -> SolverChoice {
-        SolverChoice {
-            backend: match self {
-                SolverArg::Clarabel => || Box::new(Clarabel::default()),
-                SolverArg::Structured => || Box::new(Structured::default()),
-            },
-            form: self.form(),
+        match self {
+            SolverArg::Clarabel => SolverChoice::Clarabel,
+            SolverArg::Structured => SolverChoice::Structured(Structured::default()),
         }
     }
 

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::progress::PartsProgress;
 use super::simulate::design_of;
 use super::solver::SolverArg;
-use super::{files, print, CliError};
+use super::{files, print, threads, CliError};
 use crate::harness::output::create_folder;
 use crate::harness::scenario::Scenario;
 use crate::harness::simulation::check_design;
@@ -22,6 +22,7 @@ use crate::harness::sweep::{self, SweepError, Watch};
 
 /// Arguments of `sweep`.
 #[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct SweepArgs {
     /// Scenario or model file
     file: PathBuf,
@@ -39,12 +40,12 @@ pub struct SweepArgs {
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
-    /// Solver, for models
-    #[arg(long, default_value = "clarabel")]
-    solver: SolverArg,
+    /// Solver, for models; clarabel when left out
+    #[arg(long)]
+    solver: Option<SolverArg>,
     /// Threads; one for each processor when left out
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
-    jobs: usize,
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Throw away the points in the folder and begin again
     #[arg(long)]
     restart: bool,
@@ -56,20 +57,21 @@ pub struct SweepArgs {
 /// Runs every point and writes the table. 0: done, whatever the points' verdicts.
 pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
     let text = files::text(&args.file)?;
+    files::check_folder(&args.output)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {
         argument: "--vary",
         reason: error.to_string(),
     })?;
-    let subject = subject(args, &text)?;
+    let mut subject = subject(args, &text)?;
     let grid = Grid::new(subject.file(), &axes)
         .map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
     let identity = Identity::new(&text, &subject, &grid);
     let (journal, known) = Journal::open(&args.output, &identity, &grid, args.restart)?;
     let resumed = known.iter().flatten().count();
-    let outcomes = swept(args, &subject, &grid, (&journal, known))?;
+    let outcomes = swept(args, &mut subject, &grid, (&journal, known))?;
     let name = args.file.file_name().map(|name| name.to_string_lossy());
     let finished = Finished {
         subject: &subject,
@@ -87,6 +89,12 @@ pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
 fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
     let failed = |error| CliError::file(&args.file, error);
     if Subject::is_scenario(text) {
+        if args.solver.is_some() {
+            return Err(CliError::Argument {
+                argument: "--solver",
+                reason: "a solver goes with a model; this file is a scenario".to_string(),
+            });
+        }
         let scenario = Scenario::from_json(text).map_err(failed)?;
         let design = design_of(&scenario, &args.file, args.design.as_deref())?;
         check_design(&scenario, design.as_ref())
@@ -94,7 +102,10 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         return Subject::scenario(text, design.map(Box::new)).map_err(failed);
     }
     match &args.design {
-        None => Subject::model(text, args.solver.choice()).map_err(failed),
+        None => {
+            let solver = args.solver.unwrap_or(SolverArg::Clarabel);
+            Subject::model(text, solver.choice()).map_err(failed)
+        }
         Some(_) => Err(CliError::Argument {
             argument: "--design",
             reason: "a design goes with a scenario; this file is none".to_string(),
@@ -104,7 +115,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
 
 fn swept(
     args: &SweepArgs,
-    subject: &Subject,
+    subject: &mut Subject,
     grid: &Grid,
     (journal, known): (&Journal, Known),
 ) -> Result<Vec<PointOutcome>, CliError> {
@@ -114,7 +125,10 @@ fn swept(
         done: &|| progress.done(),
         stop: progress.stop(),
     };
-    let outcomes = sweep::run(subject, grid, args.jobs, (journal, known), &watch);
+    if done < grid.points() {
+        subject.prepare(&watch.stop);
+    }
+    let outcomes = sweep::run(subject, grid, threads(args.jobs), (journal, known), &watch);
     outcomes.map_err(|error| match error {
         SweepError::Interrupted { done, points } => CliError::Resumable {
             done,

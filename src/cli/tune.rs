@@ -7,7 +7,7 @@ use serde_json::json;
 use synth::model::read_text;
 
 use super::progress::PartsProgress;
-use super::{files, print, CliError, EXIT_NO};
+use super::{files, print, threads, CliError, EXIT_NO};
 use crate::harness::tune::file::Requirements;
 use crate::harness::tune::limits::check_possible;
 use crate::harness::tune::report::{RunReport, TuneReport};
@@ -15,6 +15,7 @@ use crate::harness::tune::{tune, Tuned, Watch};
 
 /// Arguments of `tune`.
 #[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct TuneArgs {
     /// Requirements file
     requirements: PathBuf,
@@ -22,8 +23,8 @@ pub struct TuneArgs {
     #[arg(short, long)]
     output: PathBuf,
     /// Threads; one for each processor when left out
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
-    jobs: usize,
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -38,7 +39,7 @@ pub fn run(args: &TuneArgs) -> Result<ExitCode, CliError> {
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
     files::check_output(&args.output, &args.requirements)?;
-    let tuned = tuned(&requirements, args.jobs)?;
+    let tuned = tuned(&requirements, threads(args.jobs))?;
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";
     files::write(&args.output, &scenario)?;

@@ -3,6 +3,7 @@
 use runtime::local_rules::FuzzySet;
 use sha2::{Digest, Sha256};
 use synth::certify::{Report, Verdict};
+use synth::design::CertificateFile;
 use synth::fuzzy::{ExactSpacecraft, RuleModel, SPACECRAFT_VERTICES};
 use synth::model::{Model, Plant};
 use synth::problem::{Problem, ProblemDesignFile};
@@ -286,14 +287,48 @@ fn fuzzy_sets(rules: &RuleModel) -> [Quantity; 2] {
 
 /// What only the proof needs.
 fn proof(design: &Design) -> Vec<Quantity> {
-    let (proof, model): (_, &Model) = (&design.file.certificate, &design.model);
+    let model: &Model = &design.model;
     let specs = &model.file.specs;
-    let spacecraft = model.plant.inertia().is_some();
-    let disturbance = model.plant.takagi_sugeno().disturbance_bound;
-    let (bound, unit) = match spacecraft {
+    let (bound, unit) = match model.plant.inertia().is_some() {
         true => ("disturbance_bound_nm", "N m"),
         false => ("disturbance_bound", "disturbance"),
     };
+    let mut out = certificate(&design.file.certificate);
+    out.extend([
+        Quantity::number("phi_per_s", specs.phi_per_s, "1/s", "decay rate"),
+        Quantity::number(
+            bound,
+            model.plant.takagi_sugeno().disturbance_bound,
+            unit,
+            "bound on the norm of the disturbance",
+        ),
+    ]);
+    if let (Some(outer), Some(specs)) = (&design.file.outer, &specs.outer) {
+        out.push(Quantity::number(
+            "outer_trigger_multiple",
+            outer.trigger_multiple,
+            "1",
+            "the outer functional uses this multiple of trigger_weight",
+        ));
+        let meaning = "decay rate of the outer functional";
+        out.push(Quantity::number(
+            "outer_phi_per_s",
+            specs.phi_per_s,
+            "1/s",
+            meaning,
+        ));
+        let outer = certificate(&outer.certificate).into_iter();
+        out.extend(outer.map(|quantity| Quantity {
+            name: format!("outer_{}", quantity.name),
+            meaning: format!("outer certificate: {}", quantity.meaning),
+            ..quantity
+        }));
+    }
+    out
+}
+
+/// The unknowns of one certificate.
+fn certificate(proof: &CertificateFile) -> Vec<Quantity> {
     let matrix =
         |name, rows: &Vec<Vec<f64>>, unit, meaning| Quantity::matrix(name, rows, unit, meaning);
     let number = Quantity::number;
@@ -329,13 +364,6 @@ fn proof(design: &Design) -> Vec<Quantity> {
             &proof.sector_weight,
             MIXED,
             "the diagonal of M",
-        ),
-        number("phi_per_s", specs.phi_per_s, "1/s", "decay rate"),
-        number(
-            bound,
-            disturbance,
-            unit,
-            "bound on the norm of the disturbance",
         ),
         number(
             "xi",

@@ -1,7 +1,7 @@
 //! From a scenario file to checked numbers.
 
 use sha2::{Digest, Sha256};
-use synth::model::{check_positive, finite, parse, FileError, Kind, ModelError};
+use synth::model::{check_line, check_positive, finite, parse, FileError, Kind, ModelError};
 
 use super::controllers::{check_controller, ControllerChoice};
 use super::dispersions::{check_dispersions, Dispersions};
@@ -99,6 +99,7 @@ impl Scenario {
                 expected: SCENARIO_SCHEMA_VERSION,
             });
         }
+        check_line("name", &file.name)?;
         check_positive("duration_s", file.duration_s)?;
         let system = check_system(&file.system, file.random.seed)?;
         let controller = check_controller(&file.controller, &system)?;

@@ -156,10 +156,10 @@ fn is_whole(number: &Number) -> bool {
     number.is_u64() || number.is_i64()
 }
 
-/// All entries of a list of two numbers or more as one.
+/// All entries of a list of numbers as one.
 fn every_entry(entries: &[Value], name: &str, pointer: &str) -> Option<Parameter> {
     let numbers: Option<Vec<&Number>> = entries.iter().map(Value::as_number).collect();
-    let numbers = numbers.filter(|numbers| numbers.len() > 1)?;
+    let numbers = numbers.filter(|numbers| !numbers.is_empty())?;
     Some(Parameter {
         name: format!("{name}[*]"),
         pointers: (0..numbers.len())

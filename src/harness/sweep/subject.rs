@@ -7,8 +7,8 @@ use nalgebra::DMatrix;
 use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::{Answer, Decision};
-use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile};
-use synth::solve::{Backend, Observer};
+use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile, Objective};
+use synth::solve::{Backend, Clarabel, Observer, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
 use super::grid::Grid;
@@ -36,13 +36,31 @@ pub enum Subject {
     },
 }
 
-/// A solver and the form of the problems it is given.
-#[derive(Debug, Clone, Copy)]
-pub struct SolverChoice {
-    /// Makes a solver.
-    pub backend: fn() -> Box<dyn Backend>,
-    /// The form of the decrease condition.
-    pub form: Form,
+/// A solver, with the form of the problems it is given.
+#[derive(Debug, Clone)]
+pub enum SolverChoice {
+    /// Clarabel.
+    Clarabel,
+    /// The structured solver, which may start from the way to the solution of the file's own model. That is the
+    /// same for every point, so that points do not depend on each other.
+    Structured(Structured),
+}
+
+impl SolverChoice {
+    fn backend(&self) -> Box<dyn Backend> {
+        match self {
+            SolverChoice::Clarabel => Box::new(Clarabel::default()),
+            SolverChoice::Structured(solver) => Box::new(solver.clone()),
+        }
+    }
+
+    /// The form of the decrease condition that the solver is fastest with.
+    fn form(&self) -> Form {
+        match self {
+            SolverChoice::Clarabel => Form::Reduced,
+            SolverChoice::Structured(_) => Form::Slack,
+        }
+    }
 }
 
 /// Conditions that block a synthesis, as many as a row names.
@@ -109,8 +127,8 @@ impl Subject {
         match self {
             Subject::Scenario { .. } => None,
             Subject::Model { solver, .. } => {
-                let form = format!("{:?}", solver.form).to_lowercase();
-                Some(format!("{}, {form} form", (solver.backend)().name()))
+                let form = format!("{:?}", solver.form()).to_lowercase();
+                Some(format!("{}, {form} form", solver.backend().name()))
             }
         }
     }
@@ -126,6 +144,26 @@ impl Subject {
         }
     }
 
+    /// Solves the file's own model once, for the points to start from. A search takes too long for that.
+    pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
+        let Subject::Model { file, solver } = self else {
+            return;
+        };
+        let SolverChoice::Structured(solver) = solver else {
+            return;
+        };
+        let text = file.to_string();
+        let Ok(model) = Model::from_json(&text) else {
+            return;
+        };
+        if model.file.specs.objective == Objective::Gain {
+            let first = Structured::warm();
+            // Whatever comes of it: where nothing is remembered, points start cold.
+            let _ = synthesis::synthesize(&model, &text, Form::Slack, &first, Some(until(stop)));
+            *solver = first.frozen();
+        }
+    }
+
     /// Runs one point. A synthesis ends early when `stop` is set; its outcome is of no use then.
     pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
         let row = values.to_vec();
@@ -135,7 +173,7 @@ impl Subject {
         };
         match self {
             Subject::Scenario { design, .. } => run_scenario(row, &text, design.as_deref()),
-            Subject::Model { solver, .. } => run_model(row, &text, *solver, stop),
+            Subject::Model { solver, .. } => run_model(row, &text, solver, stop),
         }
     }
 }
@@ -206,21 +244,24 @@ fn why_not(summary: &Summary) -> Option<String> {
     }
 }
 
+fn until(stop: &Arc<AtomicBool>) -> Observer {
+    let stop = Arc::clone(stop);
+    Arc::new(move |_| !stop.load(Ordering::Relaxed))
+}
+
 fn run_model(
     values: Vec<f64>,
     text: &str,
-    solver: SolverChoice,
+    solver: &SolverChoice,
     stop: &Arc<AtomicBool>,
 ) -> PointOutcome {
     let model = match Model::from_json(text) {
         Ok(model) => model,
         Err(error) => return PointOutcome::invalid(values, error),
     };
-    let stop = Arc::clone(stop);
-    let observer: Observer = Arc::new(move |_| !stop.load(Ordering::Relaxed));
-    let backend = (solver.backend)();
-    let outcome =
-        synthesis::synthesize(&model, text, solver.form, backend.as_ref(), Some(observer));
+    let backend = solver.backend();
+    let observer = Some(until(stop));
+    let outcome = synthesis::synthesize(&model, text, solver.form(), backend.as_ref(), observer);
     match outcome {
         Ok(Outcome::Solved(design)) => designed(values, &design),
         Ok(Outcome::Infeasible(decision)) => {

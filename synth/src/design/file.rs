@@ -10,7 +10,7 @@ use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::certify::{check, ConditionMargin, Report, Verdict};
 use crate::model::{
     check_matrix, check_positive, check_symmetric, parse, FileError, Kind, Mismatch, Model,
-    ModelError, ModelFile, Plant,
+    ModelError, ModelFile, Objective, Plant,
 };
 
 /// The version this program reads and writes.
@@ -179,7 +179,15 @@ impl DesignFile {
         }
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.certificate(&model)?;
-        file.outer_certificate(&model)?;
+        let outer = file.outer_certificate(&model)?;
+        if outer.is_none() && model.file.specs.objective == Objective::Both {
+            return Err(ModelError::Choice {
+                field: "outer".to_string(),
+                reason: "is missing; the model's objective \"both\" needs a second certificate"
+                    .to_string(),
+            }
+            .into());
+        }
         Ok((file, model))
     }
 

@@ -72,16 +72,16 @@ pub fn decide(
     )
 }
 
-/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`]. The given
+/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`]. The other
 /// solver is asked where the structured one, which is faster here, does not know.
 pub(super) fn look_for_a_design(
     model: &Model,
+    structured: &Structured,
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let structured = Structured::default();
     let mut searches = [
-        Search::new(Form::Slack, &structured, observer.clone()),
+        Search::new(Form::Slack, structured, observer.clone()),
         Search::new(Form::Reduced, backend, observer),
     ];
     let task = model.task();

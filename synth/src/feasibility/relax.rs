@@ -2,7 +2,7 @@
 
 use super::decide::{look_for_a_design, Answer};
 use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
-use crate::solve::{Backend, Observer};
+use crate::solve::{Backend, Observer, Structured};
 use crate::synthesis::SynthesisError;
 
 /// A requirement that can be relaxed alone.
@@ -165,9 +165,12 @@ pub fn relaxations(
     observer: Option<Observer>,
 ) -> Result<Vec<Relaxation>, SynthesisError> {
     let mut out = Vec::new();
+    // Neighbours of one model: each starts from the way to the last.
+    let structured = Structured::warm();
     for requirement in Requirement::ALL {
         let mut search = Relaxing {
             model,
+            structured: &structured,
             backend,
             observer: observer.clone(),
             requirement,
@@ -196,6 +199,7 @@ pub fn relaxations(
 
 struct Relaxing<'a> {
     model: &'a Model,
+    structured: &'a Structured,
     backend: &'a dyn Backend,
     observer: Option<Observer>,
     requirement: Requirement,
@@ -272,7 +276,8 @@ impl Relaxing<'_> {
         let Some((model, _)) = self.requirement.scaled(self.model, factor) else {
             return Ok(None);
         };
-        let decision = look_for_a_design(&model, self.backend, self.observer.clone())?;
+        let decision =
+            look_for_a_design(&model, self.structured, self.backend, self.observer.clone())?;
         self.solves += decision.runs.len();
         Ok(Some(Probe {
             at,

@@ -15,6 +15,9 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
     if let Some(found) = kind_of(text).filter(|found| *found != expected) {
         return FileError::WrongKind { found, expected };
     }
+    if let Some(reason) = ends_early(text) {
+        return FileError::NotJson { reason };
+    }
     let field = match error.path().to_string().as_str() {
         "." | "" | "?" => "(top level)".to_string(),
         path => path.to_string(),
@@ -45,6 +48,12 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
         },
         _ => FileError::NotJson { reason: message },
     }
+}
+
+/// The parser's words about a file that was cut off: the first fault may then be about what is there.
+fn ends_early(text: &str) -> Option<String> {
+    let fault = serde_json::from_str::<IgnoredAny>(text).err()?;
+    (fault.classify() == Category::Eof).then(|| format!("the file ends too early: {fault}"))
 }
 
 /// The word or number around a position (line and column from 1), at most 40 characters of it.

@@ -18,6 +18,13 @@ use crate::solve::{Backend, Observer, SolveError, Status};
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;
 
+/// Larger rooms, tried in this order where no design is proved with the first: the solver's smallest gain
+/// bound may be too small to be true, or leave no margin that a proof can use.
+const WIDER_ROOMS: [f64; 3] = [1e-2, 1e-1, 1.0];
+
+/// Units in which the larger rooms are tried, the first ones that gave a gain bound.
+const WIDENED_UNITS: usize = 2;
+
 /// State units tried one after the other, as fractions of the region's smallest extent, until a design is
 /// proved. Where the certified set of a design that is not proved asks for another unit, that comes next:
 /// the set may be much smaller than the region.
@@ -189,6 +196,8 @@ struct Found {
     best: Option<Box<Synthesized>>,
     /// A design that is not proved.
     unproved: Option<Box<Synthesized>>,
+    /// The units that gave no proved design, with the solver's smallest gain bound in each.
+    bounds: Vec<(ProblemUnits, f64)>,
     /// How often the solver called the problem infeasible.
     infeasible: u32,
 }
@@ -200,21 +209,45 @@ impl Run<'_> {
             let first = self.unit_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
         }
-        if let Some(design) = found.best.or(found.unproved) {
+        if found.best.is_none() {
+            self.try_wider_rooms(&mut found)?;
+        }
+        if let Some(design) = found.best {
             return Ok(Outcome::Solved(self.closed(design)));
         }
         let decision = feasibility::decide_after(self.subject, &mut self.search)?;
         let slack = decision.slack;
-        Ok(match decision.answer {
-            Answer::Infeasible(_) => Outcome::Infeasible(decision),
+        let opinion = slack.map_or(found.infeasible > 0, |slack| slack > 0.0);
+        Ok(match (&decision.answer, found.unproved) {
+            (Answer::Infeasible(_), _) => Outcome::Infeasible(decision),
             // The point is a design too, if not one with a small gain.
-            Answer::Feasible(design) => Outcome::Solved(self.closed(design)),
-            Answer::Unknown if slack.map_or(found.infeasible > 0, |slack| slack > 0.0) => {
-                Outcome::Infeasible(decision)
-            }
+            (Answer::Feasible(design), _) => Outcome::Solved(self.closed(design.clone())),
+            (Answer::Unknown, Some(design)) => Outcome::Solved(self.closed(design)),
+            (Answer::Unknown, None) if opinion => Outcome::Infeasible(decision),
             // The solver contradicts itself, or never got anywhere.
-            Answer::Unknown => Outcome::SolverFailed(decision),
+            (Answer::Unknown, None) => Outcome::SolverFailed(decision),
         })
+    }
+
+    /// Tries larger gain bounds where none was proved with the usual room.
+    fn try_wider_rooms(&mut self, found: &mut Found) -> Result<(), SynthesisError> {
+        let bounds: Vec<(ProblemUnits, f64)> =
+            found.bounds.iter().take(WIDENED_UNITS).copied().collect();
+        for room in WIDER_ROOMS {
+            for &(units, smallest) in &bounds {
+                match self.attempt_with(units, smallest * (1.0 + room))? {
+                    Attempt::Designed(design) => {
+                        found.best = Some(better(found.best.take(), design));
+                    }
+                    Attempt::Unproved(design, _) => found.unproved = Some(design),
+                    Attempt::Infeasible | Attempt::Stuck => {}
+                }
+            }
+            if found.best.is_some() {
+                return Ok(());
+            }
+        }
+        Ok(())
     }
 
     /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that says
@@ -258,7 +291,7 @@ impl Run<'_> {
                 state_fraction,
                 containment_weight,
             };
-            match self.attempt(units)? {
+            match self.attempt(units, &mut found.bounds)? {
                 Attempt::Designed(design) => {
                     found.best = Some(better(found.best.take(), design));
                     return Ok(());
@@ -313,22 +346,36 @@ impl Run<'_> {
         design
     }
 
-    fn attempt(&mut self, units: ProblemUnits) -> Result<Attempt, SynthesisError> {
-        let model = self.subject.model;
-        let (scaling, task) = scaled(self.subject.task, units);
+    fn attempt(
+        &mut self,
+        units: ProblemUnits,
+        bounds: &mut Vec<(ProblemUnits, f64)>,
+    ) -> Result<Attempt, SynthesisError> {
+        let (_, task) = scaled(self.subject.task, units);
         let (_, smallest) = self.search.solve(&task, Goal::SmallestGain)?;
         match smallest.status {
             Status::Solved | Status::Inaccurate => {}
             Status::Infeasible => return Ok(Attempt::Infeasible),
             Status::Unbounded | Status::Failed | Status::Cancelled => return Ok(Attempt::Stuck),
         }
-        let gain_bound = smallest.objective * (1.0 + GAIN_ROOM);
+        let gain_bound = smallest.objective;
         if !(gain_bound.is_finite() && gain_bound > 0.0) {
             return Ok(Attempt::Stuck);
         }
-        let (assembled, inside) = self
-            .search
-            .solve(&task, Goal::LargestMargin { gain_bound })?;
+        bounds.push((units, gain_bound));
+        self.attempt_with(units, gain_bound * (1.0 + GAIN_ROOM))
+    }
+
+    /// The design with the largest margin at a gain bound (scaled units).
+    fn attempt_with(
+        &mut self,
+        units: ProblemUnits,
+        gain_bound: f64,
+    ) -> Result<Attempt, SynthesisError> {
+        let model = self.subject.model;
+        let (scaling, task) = scaled(self.subject.task, units);
+        let goal = Goal::LargestMargin { gain_bound };
+        let (assembled, inside) = self.search.solve(&task, goal)?;
         match recover(model, &assembled.design, &inside.values, &scaling) {
             Ok(certificate) => {
                 let radius = certified_radius(&certificate.lyapunov);

@@ -11,7 +11,7 @@ use crate::design::{
     CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits, Provenance, VerdictFile,
     DESIGN_SCHEMA_VERSION,
 };
-use crate::model::Model;
+use crate::model::{Model, Objective};
 
 /// A model, its file's text and the form of its problem.
 #[derive(Debug, Clone, Copy)]
@@ -90,10 +90,15 @@ impl Subject<'_> {
         provenance: Provenance,
     ) -> Result<Box<Synthesized>, SynthesisError> {
         let (controller, certificate) = CertificateFile::split(certificate);
+        let mut model = self.model.file.clone();
+        // One certificate is no proof of what the objective asks of two.
+        if outer.is_none() && model.specs.objective == Objective::Both {
+            model.specs.objective = Objective::Gain;
+        }
         let mut file = DesignFile {
             schema_version: DESIGN_SCHEMA_VERSION,
             name: self.model.file.name.clone(),
-            model: self.model.file.clone(),
+            model,
             controller,
             certificate,
             outer,

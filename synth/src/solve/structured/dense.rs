@@ -2,7 +2,7 @@
 //!
 //! Plain loops over columns: the blocks have sides of about 6 to 36, where calling a general library costs more
 //! than the arithmetic. The order of every sum is fixed, so results do not depend on the machine's
-//! vector width.
+//! vector width: products and sums are fused everywhere, one rounding for both.
 
 /// Entries that one instruction of a common processor works on.
 pub const LANES: usize = 4;
@@ -13,22 +13,41 @@ pub fn vectorised<R>(loops: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(loops)
 }
 
-/// `y += a x`.
+/// The leading whole lanes of a vector, and the rest.
 #[inline(always)]
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += a * x;
+fn lanes(x: &[f64]) -> (&[[f64; LANES]], &[f64]) {
+    x.as_chunks::<LANES>()
+}
+
+/// `y += sum_k a[k] x[k]`, or, where `fresh`, `y = sum_k a[k] x[k]`; all vectors have y's length.
+#[inline(always)]
+pub fn add_vectors<const N: usize>(a: [f64; N], x: [&[f64]; N], fresh: bool, y: &mut [f64]) {
+    let length = y.len();
+    let x = x.map(|x| lanes(&x[..length]));
+    let (y_lanes, y_rest) = y.as_chunks_mut::<LANES>();
+    for (at, y) in y_lanes.iter_mut().enumerate() {
+        let mut sum = if fresh { [0.0; LANES] } else { *y };
+        for k in 0..N {
+            let x = x[k].0[at];
+            for i in 0..LANES {
+                sum[i] = a[k].mul_add(x[i], sum[i]);
+            }
+        }
+        *y = sum;
+    }
+    for (at, y) in y_rest.iter_mut().enumerate() {
+        let mut sum = if fresh { 0.0 } else { *y };
+        for k in 0..N {
+            sum = a[k].mul_add(x[k].1[at], sum);
+        }
+        *y = sum;
     }
 }
 
-/// `y += a0 x0 + a1 x1 + a2 x2 + a3 x3`, all of the same length.
+/// `y += a x`.
 #[inline(always)]
-fn axpy4(a: [f64; 4], x: [&[f64]; 4], y: &mut [f64]) {
-    let n = y.len();
-    let (x0, x1, x2, x3) = (&x[0][..n], &x[1][..n], &x[2][..n], &x[3][..n]);
-    for i in 0..n {
-        y[i] += (a[0] * x0[i] + a[1] * x1[i]) + (a[2] * x2[i] + a[3] * x3[i]);
-    }
+pub fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    add_vectors([a], [x], false, y);
 }
 
 /// `y += sum_k weight(k) column(k)` for k in the range; `columns` is column-major with n rows, of which
@@ -45,9 +64,10 @@ fn combine(
     let column = |k: usize| &columns[k * n + top..(k + 1) * n];
     let mut k = range.start;
     while k + 4 <= range.end {
-        axpy4(
+        add_vectors(
             [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)],
             [column(k), column(k + 1), column(k + 2), column(k + 3)],
+            false,
             y,
         );
         k += 4;
@@ -58,23 +78,29 @@ fn combine(
     }
 }
 
-/// The sum of the entrywise products, summed in four lanes.
+/// The sum of the entrywise products, summed in lanes.
 #[inline(always)]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4
-        .remainder()
-        .iter()
-        .zip(b4.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (a, b) in a4.zip(b4) {
-        for lane in 0..4 {
-            lanes[lane] += a[lane] * b[lane];
+fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (lanes(a), lanes(b));
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..LANES {
+            sums[i] = a[i].mul_add(b[i], sums[i]);
         }
     }
-    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
+    let mut rest = 0.0;
+    for (a, b) in a_rest.iter().zip(b_rest) {
+        rest = a.mul_add(*b, rest);
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// The sum of the entrywise products.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    vectorised(
+        #[inline(always)]
+        || dot_in_lanes(a, b),
+    )
 }
 
 /// Factors `A = L L'` in place: the lower triangle becomes L, the upper one zero. `false` when a pivot is
@@ -140,7 +166,7 @@ pub fn solve_lower(l: &[f64], x: &mut [f64], n: usize) {
 pub fn solve_lower_transposed(l: &[f64], x: &mut [f64], n: usize) {
     for k in (0..n).rev() {
         let (value, below) = x[k..].split_at_mut(1);
-        value[0] = (value[0] - dot(&l[k * n + k + 1..(k + 1) * n], below)) / l[k * n + k];
+        value[0] = (value[0] - dot_in_lanes(&l[k * n + k + 1..(k + 1) * n], below)) / l[k * n + k];
     }
 }
 
@@ -150,7 +176,7 @@ pub fn gram_of_lower(a: &[f64], out: &mut [f64], n: usize) {
     for j in 0..n {
         for i in 0..=j {
             // Column j of a lower triangle begins at row j, which is not above row i.
-            let value = dot(&a[i * n + j..(i + 1) * n], &a[j * n + j..(j + 1) * n]);
+            let value = dot_in_lanes(&a[i * n + j..(i + 1) * n], &a[j * n + j..(j + 1) * n]);
             out[j * n + i] = value;
             out[i * n + j] = value;
         }
@@ -165,6 +191,16 @@ pub fn product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
         column.fill(0.0);
         let weights = &b[j * n..(j + 1) * n];
         combine(a, n, 0, 0..n, |k| weights[k], column);
+    }
+}
+
+/// `out = A' B`.
+#[inline(always)]
+pub fn transposed_product(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
+    for j in 0..n {
+        for i in 0..n {
+            out[j * n + i] = dot_in_lanes(&a[i * n..(i + 1) * n], &b[j * n..(j + 1) * n]);
+        }
     }
 }
 
@@ -186,6 +222,16 @@ pub fn congruence_by_lower(l: &[f64], a: &[f64], work: &mut [f64], out: &mut [f6
         combine(work, n, j, 0..j + 1, |k| l[k * n + j], column);
     }
     mirror_lower(out, n);
+}
+
+/// Copies the upper triangle onto the lower one.
+#[inline(always)]
+pub fn mirror_upper(a: &mut [f64], n: usize) {
+    for j in 0..n {
+        for i in 0..j {
+            a[i * n + j] = a[j * n + i];
+        }
+    }
 }
 
 /// Copies the lower triangle onto the upper one.
@@ -219,7 +265,7 @@ pub fn tridiagonalise(a: &mut [f64], n: usize, diagonal: &mut [f64], off: &mut [
     for k in 0..n.saturating_sub(2) {
         diagonal[k] = a[k * n + k];
         let below = &a[k * n + k + 1..(k + 1) * n];
-        let tail: f64 = dot(&below[1..], &below[1..]);
+        let tail: f64 = dot_in_lanes(&below[1..], &below[1..]);
         let head = below[0];
         if tail == 0.0 {
             off[k + 1] = head;
@@ -232,11 +278,11 @@ pub fn tridiagonalise(a: &mut [f64], n: usize, diagonal: &mut [f64], off: &mut [
         v.copy_from_slice(below);
         v[0] -= alpha;
         // H = I - beta v v' with beta = 2 / v'v.
-        let beta = 2.0 / dot(v, v);
+        let beta = 2.0 / dot_in_lanes(v, v);
         let p = &mut product[k + 1..n];
         symmetric_product(a, n, k + 1, v, p);
         p.iter_mut().for_each(|entry| *entry *= beta);
-        let shift = 0.5 * beta * dot(p, v);
+        let shift = 0.5 * beta * dot_in_lanes(p, v);
         axpy(-shift, v, p);
         for j in k + 1..n {
             let (vj, pj) = (v[j - k - 1], p[j - k - 1]);
@@ -263,7 +309,7 @@ pub fn symmetric_product(a: &[f64], n: usize, top: usize, v: &[f64], out: &mut [
     for j in top..n {
         let column = &a[j * n + j..(j + 1) * n];
         let at = j - top;
-        out[at] += dot(column, &v[at..]);
+        out[at] += dot_in_lanes(column, &v[at..]);
         axpy(v[at], &column[1..], &mut out[at + 1..]);
     }
 }
@@ -380,34 +426,16 @@ pub fn sum_of_pairs(basis: &[f64], count: usize, stride: usize, rows: usize, out
         let column = |k: usize| &basis[k * stride..k * stride + top];
         let weight = |k: usize| basis[(k ^ 1) * stride + c];
         let mut k = 0;
+        y.fill(0.0);
         if count % 4 == 2 {
-            let (a0, a1) = (weight(0), weight(1));
-            let (x0, x1) = (column(0).chunks_exact(LANES), column(1).chunks_exact(LANES));
-            for ((y, x0), x1) in y.chunks_exact_mut(LANES).zip(x0).zip(x1) {
-                for i in 0..LANES {
-                    y[i] = a0 * x0[i] + a1 * x1[i];
-                }
-            }
+            axpy(weight(0), column(0), y);
+            axpy(weight(1), column(1), y);
             k = 2;
-        } else {
-            y.fill(0.0);
         }
         while k + 4 <= count {
-            let a = [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)];
-            let (x0, x1) = (
-                column(k).chunks_exact(LANES),
-                column(k + 1).chunks_exact(LANES),
-            );
-            let (x2, x3) = (
-                column(k + 2).chunks_exact(LANES),
-                column(k + 3).chunks_exact(LANES),
-            );
-            let x = x0.zip(x1).zip(x2.zip(x3));
-            for (y, ((x0, x1), (x2, x3))) in y.chunks_exact_mut(LANES).zip(x) {
-                for i in 0..LANES {
-                    y[i] += (a[0] * x0[i] + a[1] * x1[i]) + (a[2] * x2[i] + a[3] * x3[i]);
-                }
-            }
+            let weights = [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)];
+            let columns = [column(k), column(k + 1), column(k + 2), column(k + 3)];
+            add_vectors(weights, columns, false, y);
             k += 4;
         }
     }

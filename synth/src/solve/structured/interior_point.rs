@@ -5,7 +5,7 @@ use super::dense::dot;
 use super::iterate::{longest_step, sandwich, Factors, Point, StepWork};
 use super::layout::Layout;
 use super::ray;
-use super::schur::SchurPlan;
+use super::schur::{SchurPlan, SchurWork};
 use super::system::System;
 use super::warm::Trail;
 use crate::lmi::Semidefinite;
@@ -35,7 +35,7 @@ const LITTLE_PATIENCE: u32 = 2;
 const REFINEMENTS: usize = 4;
 
 /// Residual of `<A_i, Z + dZ> = c_i`, relative, at which a direction is good enough.
-const REFINED: f64 = 1e-10;
+const REFINED: f64 = 1e-8;
 
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
@@ -127,22 +127,25 @@ pub struct Task<'a> {
     /// Threads that may be used.
     pub threads: usize,
     /// Called between iterations; `false` stops.
-    pub observer: &'a dyn Fn(u32, &Measures) -> bool,
+    pub observer: &'a (dyn Fn(u32, &Measures) -> bool + Sync),
 }
 
 struct Run<'a> {
     task: &'a Task<'a>,
     plan: SchurPlan,
     system: System,
-    second: Vec<f64>,
+    schur: SchurWork,
     factors: Factors,
+    /// Threads used now.
+    threads: usize,
     /// For S and for Z.
     steps: [StepWork; 2],
-    work: Vec<f64>,
     product: Vec<f64>,
     /// `constant + A(y) - S`, zero once `feasible`.
     residual: Vec<f64>,
     feasible: bool,
+    /// `<A_i, Z>` of the point.
+    products: Vec<f64>,
     constant_norm: f64,
     cost_norm: f64,
     seconds: [f64; 3],
@@ -181,19 +184,24 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
         task,
         plan: SchurPlan::new(layout),
         system: System::default(),
-        second: Vec::new(),
+        schur: SchurWork::default(),
         factors: Factors::new(layout),
         steps: Default::default(),
-        work: Vec::new(),
+        threads: super::threads_now(task.threads),
         product: vec![0.0; layout.length],
         residual: vec![0.0; layout.length],
         feasible: false,
+        products: vec![0.0; layout.cost.len()],
         constant_norm: layout.constant_norm(),
         cost_norm: dot(&layout.cost, &layout.cost).sqrt(),
         seconds: [0.0; 3],
     };
     let begin = std::time::Instant::now();
-    let mut outcome = run.iterate(start, trail);
+    // Inside of the pool the halves change hands without waking anybody; who is not there in time finds nothing left.
+    let mut outcome = match run.threads {
+        0 | 1 => run.iterate(start, trail),
+        _ => rayon::scope(|_| run.iterate(start, trail)),
+    };
     outcome.seconds = run.seconds;
     outcome.seconds[2] = begin.elapsed().as_secs_f64() - run.seconds[0] - run.seconds[1];
     outcome
@@ -210,8 +218,9 @@ impl Run<'_> {
         let mut stalled = "iteration limit";
         let mut iteration = 0;
         while iteration < self.task.iterations {
+            self.threads = super::threads_now(self.task.threads);
             self.refresh_slack(&mut point);
-            if !self.factors.update(layout, &point) {
+            if !self.factors.update(layout, &point, self.threads) {
                 stalled = "a matrix lost its definiteness";
                 break;
             }
@@ -233,21 +242,25 @@ impl Run<'_> {
                 return outcome(End::Solved, &point);
             }
             let complementarity = dot(&point.s, &point.z);
+            let near = best
+                .as_ref()
+                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
             let nearer = best
                 .as_ref()
                 .is_none_or(|(least, ..)| distance < 0.9 * least);
             let progress = nearer || complementarity < 0.9 * least_complementarity;
             since_best = if progress { 0 } else { since_best + 1 };
             least_complementarity = complementarity.min(least_complementarity);
-            if best.as_ref().is_none_or(|(least, ..)| distance < *least) {
+            // A smaller gap is no reason to give up a point of reduced accuracy.
+            let worse = near && !measures.nearly_there(self.task.relative_gap);
+            if !worse && best.as_ref().is_none_or(|(least, ..)| distance < *least) {
                 best = Some((distance, point.clone(), measures));
             }
-            let lost = best.as_ref().is_some_and(|(least, _, at)| {
-                at.nearly_there(self.task.relative_gap) && distance > 100.0 * least
-            });
-            let near = best
-                .as_ref()
-                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
+            let near = near || measures.nearly_there(self.task.relative_gap);
+            let lost = near
+                && best
+                    .as_ref()
+                    .is_some_and(|(least, ..)| distance > 100.0 * least);
             since_nearer = if nearer { 0 } else { since_nearer + 1 };
             let patience = if self.system.shift > 0.0 {
                 0
@@ -266,7 +279,9 @@ impl Run<'_> {
                 break;
             }
             if !self.feasible && measures.dual_objective > 0.0 {
-                if let Some(ray) = ray::dual(layout, &self.system, &self.factors, &point.z) {
+                if let Some(ray) =
+                    ray::dual(layout, &self.system, &self.factors, &point.z, self.threads)
+                {
                     point.z = ray;
                     return outcome(End::Infeasible, &point);
                 }
@@ -297,7 +312,7 @@ impl Run<'_> {
 
     /// The best point so far, with the most that can be said of it.
     fn conclude(
-        &self,
+        &mut self,
         best: Option<(f64, Point, Measures)>,
         last: Point,
         iterations: u32,
@@ -333,7 +348,7 @@ impl Run<'_> {
     /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
     fn refresh_slack(&mut self, point: &mut Point) {
         let layout = self.task.layout;
-        layout.evaluate(1.0, &point.y, &mut self.residual);
+        layout.evaluate(1.0, &point.y, self.threads, &mut self.residual);
         if self.feasible {
             point.s.copy_from_slice(&self.residual);
             self.residual.fill(0.0);
@@ -359,12 +374,12 @@ impl Run<'_> {
         }
     }
 
-    fn measure(&self, point: &Point) -> Measures {
+    fn measure(&mut self, point: &Point) -> Measures {
         let layout = self.task.layout;
         let objective = dot(&layout.cost, &point.y);
         let dual_objective = -layout.against_constant(&point.z);
-        let mut products = vec![0.0; layout.cost.len()];
-        layout.adjoint(&point.z, &mut products);
+        layout.adjoint(&point.z, self.threads, &mut self.products);
+        let products = &self.products;
         let squares = products
             .iter()
             .zip(&layout.cost)
@@ -390,9 +405,9 @@ impl Run<'_> {
             layout,
             &point.z,
             &self.factors.s_inverse,
-            super::threads_now(self.task.threads),
+            self.threads,
             &mut self.system.matrix,
-            &mut self.second,
+            &mut self.schur,
         );
         self.seconds[0] += begin.elapsed().as_secs_f64();
         let begin = std::time::Instant::now();
@@ -415,7 +430,7 @@ impl Run<'_> {
                 &point.z,
                 &self.residual,
                 inverse,
-                &mut self.work,
+                self.threads,
                 &mut base,
             );
             base.iter_mut().for_each(|entry| *entry = -*entry);
@@ -432,7 +447,7 @@ impl Run<'_> {
             &predictor.z,
             &predictor.s,
             inverse,
-            &mut self.work,
+            self.threads,
             &mut target,
         );
         let aim = centring * complementarity;
@@ -492,8 +507,7 @@ impl Run<'_> {
     fn direction(&mut self, point: &Point, target: &[f64], fraction: f64) -> Option<Direction> {
         let layout = self.task.layout;
         let unknowns = layout.cost.len();
-        let mut goal = vec![0.0; unknowns];
-        layout.adjoint(&point.z, &mut goal);
+        let mut goal = self.products.clone();
         for (goal, c) in goal.iter_mut().zip(&layout.cost) {
             *goal = fraction * c + (1.0 - fraction) * *goal;
         }
@@ -505,7 +519,7 @@ impl Run<'_> {
         let mut z = target.to_vec();
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            layout.adjoint(&z, &mut rhs);
+            layout.adjoint(&z, self.threads, &mut rhs);
             rhs.iter_mut().zip(&goal).for_each(|(r, c)| *r -= c);
             let size = dot(&rhs, &rhs).sqrt();
             if size <= REFINED * (1.0 + self.cost_norm) || size > 0.5 * before {
@@ -519,14 +533,14 @@ impl Run<'_> {
                 return None;
             }
             y.iter_mut().zip(&correction).for_each(|(y, d)| *y += d);
-            layout.evaluate(0.0, &y, &mut s);
+            layout.evaluate(0.0, &y, self.threads, &mut s);
             z.copy_from_slice(target);
             sandwich(
                 layout,
                 &point.z,
                 &s,
                 &self.factors.s_inverse,
-                &mut self.work,
+                self.threads,
                 &mut self.product,
             );
             z.iter_mut().zip(&self.product).for_each(|(z, p)| *z -= p);
@@ -553,6 +567,7 @@ impl Run<'_> {
             &factors.s_root,
             &direction.s,
             enough,
+            self.threads,
             s_work,
         );
         let z = longest_step(
@@ -561,6 +576,7 @@ impl Run<'_> {
             &factors.z_root,
             &direction.z,
             enough,
+            self.threads,
             z_work,
         );
         ((damping * s).min(1.0), (damping * z).min(1.0))

@@ -1,72 +1,16 @@
 //! The problem as the iterations see it: rows and unknowns that matter, in balanced units, packed.
 
+use super::block::{Block, Place};
+use super::dense::LANES;
+use super::halves::both;
 use super::iterate::Point;
 use crate::lmi::{self, Entry, Semidefinite};
 
+/// Work of an iteration outside of the Schur complement [multiplications] below which a second thread does not pay.
+const WORTH_A_THREAD: usize = 4_000_000;
+
 /// Passes of the balancing.
 const BALANCING_PASSES: usize = 4;
-
-/// One entry of a symmetric coefficient on or above the diagonal.
-#[derive(Debug, Clone, Copy)]
-pub struct Place {
-    /// Row, not below the column's place on the diagonal.
-    pub row: usize,
-    /// Column.
-    pub column: usize,
-    /// Place of (row, column) in the column-major block.
-    pub at: usize,
-    /// Place of (column, row).
-    pub mirror: usize,
-    /// The value off the diagonal, half the value on it: `<A, W>` for the symmetric part of any W is the sum of
-    /// weight (W\[at\] + W\[mirror\]).
-    pub weight: f64,
-}
-
-impl Place {
-    /// The entry itself.
-    pub fn value(&self) -> f64 {
-        if self.row == self.column {
-            2.0 * self.weight
-        } else {
-            self.weight
-        }
-    }
-}
-
-/// One block: `constant + sum_i y_i coefficient_i >= 0`.
-#[derive(Debug, Clone)]
-pub struct Block {
-    /// Side.
-    pub side: usize,
-    /// Where its side * side entries begin in packed storage.
-    pub offset: usize,
-    /// Constant matrix.
-    pub constant: Vec<Place>,
-    /// Unknowns that occur, those with the most entries first.
-    pub unknowns: Vec<usize>,
-    /// Entries of the k-th of these unknowns: `entries[starts[k]..starts[k + 1]]`.
-    pub starts: Vec<usize>,
-    /// See `starts`.
-    pub entries: Vec<Place>,
-    /// Index of the cone it comes from.
-    source: usize,
-    /// Its rows in that cone.
-    rows: Vec<usize>,
-    /// Factor of each row: the block is `D X D` of the cone's X.
-    scale: Vec<f64>,
-}
-
-impl Block {
-    /// Where it lies in packed storage.
-    pub fn range(&self) -> std::ops::Range<usize> {
-        self.offset..self.offset + self.side * self.side
-    }
-
-    /// Entries of the k-th unknown.
-    pub fn entries_of(&self, k: usize) -> &[Place] {
-        &self.entries[self.starts[k]..self.starts[k + 1]]
-    }
-}
 
 /// The problem in balanced units.
 #[derive(Debug, Clone)]
@@ -75,6 +19,8 @@ pub struct Layout {
     pub cost: Vec<f64>,
     /// Blocks.
     pub blocks: Vec<Block>,
+    /// Index of the first block of the second half: the halves are worked on by one thread each, where it pays.
+    pub middle: usize,
     /// Length of packed storage.
     pub length: usize,
     /// Sum of the sides.
@@ -107,6 +53,7 @@ impl Layout {
         let mut layout = Layout {
             cost: kept.iter().map(|&u| problem.cost[u]).collect(),
             blocks: Vec::new(),
+            middle: 0,
             length: 0,
             order: 0,
             objective_unit: 1.0,
@@ -120,7 +67,34 @@ impl Layout {
             layout.add(source, cone, &place);
         }
         layout.balance();
+        layout.finish();
         layout
+    }
+
+    /// Once nothing changes any more: the blocks' compact entries, and the halves.
+    fn finish(&mut self) {
+        self.blocks.iter_mut().for_each(Block::finish);
+        let work = |block: &Block| {
+            let padded = block.side.next_multiple_of(LANES);
+            12 * block.side * padded * padded + 16 * block.entries.len()
+        };
+        let total: usize = self.blocks.iter().map(work).sum();
+        self.middle = self.blocks.len();
+        if total >= WORTH_A_THREAD {
+            let mut sum = 0;
+            let half = self.blocks.iter().position(|block| {
+                sum += work(block);
+                2 * sum >= total
+            });
+            self.middle = half.map_or(self.blocks.len(), |at| at + 1);
+        }
+    }
+
+    /// Where the second half begins in packed storage.
+    pub fn middle_offset(&self) -> usize {
+        self.blocks
+            .get(self.middle)
+            .map_or(self.length, |block| block.offset)
     }
 
     fn add(&mut self, source: usize, cone: &lmi::Cone, place: &[usize]) {
@@ -157,23 +131,12 @@ impl Layout {
             .for_each(|(k, &row)| position[row] = k);
         let places = |entries: &[Entry]| -> Vec<Place> {
             let kept = entries.iter().filter(|entry| entry.value != 0.0);
-            kept.map(|e| place_of(position[e.row], position[e.column], e.value, side))
+            kept.map(|e| Place::new(position[e.row], position[e.column], e.value))
                 .collect()
         };
-        let mut block = Block {
-            side,
-            offset: self.length,
-            constant: places(&cone.constant),
-            unknowns: coefficients.iter().map(|(unknown, _)| *unknown).collect(),
-            starts: vec![0],
-            entries: Vec::new(),
-            source,
-            rows,
-            scale: vec![1.0; side],
-        };
-        for (_, entries) in &coefficients {
-            block.entries.extend(places(entries));
-            block.starts.push(block.entries.len());
+        let mut block = Block::new(source, rows, self.length, places(&cone.constant));
+        for (unknown, entries) in &coefficients {
+            block.push(*unknown, places(entries));
         }
         self.length += side * side;
         self.order += side;
@@ -188,7 +151,7 @@ impl Layout {
             for block in &self.blocks {
                 for (k, &unknown) in block.unknowns.iter().enumerate() {
                     for entry in block.entries_of(k) {
-                        largest[unknown] = largest[unknown].max(entry.value().abs());
+                        largest[unknown] = largest[unknown].max(entry.value.abs());
                     }
                 }
             }
@@ -215,14 +178,14 @@ impl Layout {
             .iter()
             .fold(0.0_f64, |max, cost| max.max(cost.abs()));
         let constants = self.blocks.iter().flat_map(|block| &block.constant);
-        let largest_constant = constants.fold(0.0_f64, |max, entry| max.max(entry.value().abs()));
+        let largest_constant = constants.fold(0.0_f64, |max, entry| max.max(entry.value.abs()));
         let cost_unit = power_of_two(largest_cost);
         self.constant_unit = power_of_two(largest_constant);
         self.objective_unit = cost_unit * self.constant_unit;
         self.cost.iter_mut().for_each(|cost| *cost /= cost_unit);
         for block in &mut self.blocks {
             for entry in &mut block.constant {
-                entry.weight /= self.constant_unit;
+                entry.value /= self.constant_unit;
             }
         }
     }
@@ -273,7 +236,7 @@ impl Layout {
                 }
             }
         }
-        self.evaluate(1.0, &point.y, &mut point.s);
+        self.evaluate(1.0, &point.y, 1, &mut point.s);
         point
     }
 
@@ -286,60 +249,64 @@ impl Layout {
         out.cost.iter_mut().for_each(|cost| *cost = 0.0);
         out.cost.push(1.0);
         for block in &mut out.blocks {
-            block.unknowns.push(shift);
-            block
-                .entries
-                .extend((0..block.side).map(|k| place_of(k, k, 1.0, block.side)));
-            block.starts.push(block.entries.len());
+            block.push(shift, (0..block.side).map(|k| Place::new(k, k, 1.0)));
         }
-        out.blocks.push(Block {
-            side: 1,
-            offset: out.length,
-            constant: vec![place_of(0, 0, 1.0, 1)],
-            unknowns: vec![shift],
-            starts: vec![0, 1],
-            entries: vec![place_of(0, 0, 1.0, 1)],
-            source: 0,
-            rows: Vec::new(),
-            scale: Vec::new(),
-        });
+        let one = Place::new(0, 0, 1.0);
+        let mut bound = Block::new(0, vec![0], out.length, vec![one]);
+        bound.push(shift, [one]);
+        out.blocks.push(bound);
         out.length += 1;
         out.order += 1;
+        out.finish();
         out
     }
 
     /// `out = constant * factor + sum_i y_i coefficient_i`, packed and full.
-    pub fn evaluate(&self, factor: f64, y: &[f64], out: &mut [f64]) {
-        for block in &self.blocks {
-            block.evaluate(factor, y, &mut out[block.range()]);
-        }
-    }
-
-    /// `out_i = <A_i, W>` with the symmetric part of W.
-    pub fn adjoint(&self, w: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for block in &self.blocks {
-            let w = &w[block.range()];
-            for (k, &unknown) in block.unknowns.iter().enumerate() {
-                out[unknown] += inner(block.entries_of(k), w);
+    pub fn evaluate(&self, factor: f64, y: &[f64], threads: usize, out: &mut [f64]) {
+        let middle = self.middle_offset();
+        let (first, second) = out.split_at_mut(middle);
+        let fill = |blocks: &[Block], base: usize, out: &mut [f64]| {
+            for block in blocks {
+                let range = block.offset - base..block.range().end - base;
+                block.evaluate(factor, y, &mut out[range]);
             }
-        }
+        };
+        let (before, after) = self.blocks.split_at(self.middle);
+        both(
+            threads,
+            || fill(before, 0, first),
+            || fill(after, middle, second),
+        );
     }
 
-    /// `<constant, W>` with the symmetric part of W.
+    /// `out_i = <A_i, W>` for a symmetric W.
+    pub fn adjoint(&self, w: &[f64], threads: usize, out: &mut [f64]) {
+        let add = |blocks: &[Block], out: &mut [f64]| {
+            out.fill(0.0);
+            for block in blocks {
+                block.adjoint(&w[block.range()], out);
+            }
+        };
+        let (before, after) = self.blocks.split_at(self.middle);
+        if after.is_empty() {
+            return add(before, out);
+        }
+        let mut second = vec![0.0; out.len()];
+        both(threads, || add(before, out), || add(after, &mut second));
+        out.iter_mut().zip(&second).for_each(|(a, b)| *a += b);
+    }
+
+    /// `<constant, W>` for a symmetric W.
     pub fn against_constant(&self, w: &[f64]) -> f64 {
         let blocks = self.blocks.iter();
         blocks
-            .map(|block| inner(&block.constant, &w[block.range()]))
+            .map(|block| block.against_constant(&w[block.range()]))
             .sum()
     }
 
     /// Frobenius norm of the constant.
     pub fn constant_norm(&self) -> f64 {
-        let squares = |e: &Place| {
-            let count = if e.row == e.column { 1.0 } else { 2.0 };
-            count * e.value() * e.value()
-        };
+        let squares = |e: &Place| e.count() * e.value * e.value;
         let entries = self.blocks.iter().flat_map(|block| &block.constant);
         entries.map(squares).sum::<f64>().sqrt()
     }
@@ -350,8 +317,7 @@ impl Layout {
         for block in &self.blocks {
             for (k, &unknown) in block.unknowns.iter().enumerate() {
                 for e in block.entries_of(k) {
-                    let count = if e.row == e.column { 1.0 } else { 2.0 };
-                    squares[unknown] += count * e.value() * e.value();
+                    squares[unknown] += e.count() * e.value * e.value;
                 }
             }
         }
@@ -359,75 +325,8 @@ impl Layout {
     }
 }
 
-impl Block {
-    fn scale_unknowns(&mut self, factors: &[f64]) {
-        for (k, &unknown) in self.unknowns.iter().enumerate() {
-            for entry in &mut self.entries[self.starts[k]..self.starts[k + 1]] {
-                entry.weight *= factors[unknown];
-            }
-        }
-    }
-
-    fn balance_rows(&mut self) {
-        let mut largest = vec![0.0_f64; self.side];
-        for entry in &self.entries {
-            let size = entry.value().abs();
-            largest[entry.row] = largest[entry.row].max(size);
-            largest[entry.column] = largest[entry.column].max(size);
-        }
-        let factors: Vec<f64> = largest
-            .iter()
-            .map(|&size| power_of_two(1.0 / size.sqrt()))
-            .collect();
-        for entry in self.entries.iter_mut().chain(&mut self.constant) {
-            entry.weight *= factors[entry.row] * factors[entry.column];
-        }
-        for (scale, factor) in self.scale.iter_mut().zip(&factors) {
-            *scale *= factor;
-        }
-    }
-
-    fn evaluate(&self, factor: f64, y: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        // The mirrored entry of a diagonal one is itself: it gets its two halves.
-        let mut add = |entry: &Place, factor: f64| {
-            out[entry.at] += factor * entry.weight;
-            out[entry.mirror] += factor * entry.weight;
-        };
-        if factor != 0.0 {
-            self.constant.iter().for_each(|entry| add(entry, factor));
-        }
-        for (k, &unknown) in self.unknowns.iter().enumerate() {
-            let value = y[unknown];
-            self.entries_of(k)
-                .iter()
-                .for_each(|entry| add(entry, value));
-        }
-    }
-}
-
-/// `<A, W>` for the symmetric part of W.
-#[inline(always)]
-fn inner(entries: &[Place], w: &[f64]) -> f64 {
-    entries
-        .iter()
-        .map(|e| e.weight * (w[e.at] + w[e.mirror]))
-        .sum()
-}
-
-fn place_of(row: usize, column: usize, value: f64, side: usize) -> Place {
-    let (row, column) = (row.min(column), row.max(column));
-    Place {
-        row,
-        column,
-        at: column * side + row,
-        mirror: row * side + column,
-        weight: if row == column { 0.5 * value } else { value },
-    }
-}
-
 /// The power of two nearest to a positive number; 1 for zero and infinity, which stand for "nothing there".
-fn power_of_two(x: f64) -> f64 {
+pub fn power_of_two(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
         return 1.0;
     }

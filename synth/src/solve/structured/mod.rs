@@ -4,9 +4,12 @@
 //! `max -<F0, Z>  s.t.  <F_i, Z> = c_i, Z >= 0`, block by block. Each iteration solves one linear system whose
 //! size is the number of unknowns, whatever the number of cones; see the modules for the sources.
 
+mod block;
 mod dense;
+mod halves;
 mod interior_point;
 mod iterate;
+mod kronecker;
 mod layout;
 mod ray;
 mod schur;
@@ -44,6 +47,8 @@ pub struct Structured {
     /// Threads that may be used while no other solve is in progress; the result does not depend on their number.
     pub threads: usize,
     memory: Option<Memory>,
+    /// Whether the memory stays as it is.
+    frozen: bool,
 }
 
 impl Default for Structured {
@@ -52,6 +57,7 @@ impl Default for Structured {
         Structured {
             threads: available.min(2),
             memory: None,
+            frozen: false,
         }
     }
 }
@@ -102,6 +108,22 @@ impl Structured {
         Structured {
             memory: Some(Memory::default()),
             ..Structured::default()
+        }
+    }
+
+    /// The same solver, which remembers nothing more: its results do not depend on what it solved before. Where
+    /// [`warm`](Structured::warm) solvers share their memory, this one has its own.
+    pub fn frozen(&self) -> Self {
+        Structured {
+            memory: self.memory.as_ref().map(Memory::copied),
+            frozen: true,
+            ..self.clone()
+        }
+    }
+
+    fn keep(&self, memory: &Memory, shape: u64, trail: Trail) {
+        if !self.frozen {
+            memory.keep(shape, trail);
         }
     }
 
@@ -170,7 +192,7 @@ impl Structured {
             let outcome = interior_point::solve(&short, start, Some(&mut trail));
             match outcome.end {
                 End::Solved | End::Reduced(_) => {
-                    memory.keep(shape, trail);
+                    self.keep(memory, shape, trail);
                     return outcome;
                 }
                 End::Infeasible | End::Cancelled => return outcome,
@@ -181,7 +203,7 @@ impl Structured {
         let mut outcome = cold(task, Some(&mut trail));
         outcome.iterations += spent;
         if matches!(outcome.end, End::Solved | End::Reduced(_)) {
-            memory.keep(shape, trail);
+            self.keep(memory, shape, trail);
         }
         outcome
     }

@@ -13,20 +13,25 @@ const CORRECTIONS: usize = 3;
 /// From a point's multipliers, a ray that proves the inequalities infeasible: Z > 0 with `<constant, Z> = -1` and
 /// every `<A_i, Z>` zero to rounding. For any y, `<constant + A(y), Z> <= -1 + sum |y_i <A_i, Z>|`: with residuals below
 /// 1/r no solution with `sum |y_i| <= r` exists. `None` when this Z is not such a ray, nor near one.
-pub fn dual(layout: &Layout, system: &System, factors: &Factors, z: &[f64]) -> Option<Vec<f64>> {
+pub fn dual(
+    layout: &Layout,
+    system: &System,
+    factors: &Factors,
+    z: &[f64],
+    threads: usize,
+) -> Option<Vec<f64>> {
     let mut ray = z.to_vec();
     let mut residual = vec![0.0; layout.cost.len()];
     let mut shift = vec![0.0; layout.cost.len()];
     let mut matrix = vec![0.0; layout.length];
     let mut correction = vec![0.0; layout.length];
-    let mut work = Vec::new();
     for _ in 0..CORRECTIONS {
         // The nearest point of <A_i, Z> = 0, in the metric of the direction.
-        layout.adjoint(&ray, &mut residual);
+        layout.adjoint(&ray, threads, &mut residual);
         system.solve(&residual, &mut shift);
-        layout.evaluate(0.0, &shift, &mut matrix);
+        layout.evaluate(0.0, &shift, threads, &mut matrix);
         let inverse = &factors.s_inverse;
-        sandwich(layout, z, &matrix, inverse, &mut work, &mut correction);
+        sandwich(layout, z, &matrix, inverse, threads, &mut correction);
         ray.iter_mut().zip(&correction).for_each(|(z, c)| *z -= c);
         if let Some(ray) = accepted(layout, &ray) {
             return Some(ray);
@@ -39,7 +44,7 @@ pub fn dual(layout: &Layout, system: &System, factors: &Factors, z: &[f64]) -> O
 pub fn accepted(layout: &Layout, z: &[f64]) -> Option<Vec<f64>> {
     let strength = -layout.against_constant(z);
     let mut residual = vec![0.0; layout.cost.len()];
-    layout.adjoint(z, &mut residual);
+    layout.adjoint(z, 1, &mut residual);
     let error: f64 = residual.iter().map(|r| r.abs()).sum();
     let proves =
         strength > 0.0 && error * EXCLUDED_SIZE <= strength && positive_definite(layout, z);
@@ -54,7 +59,7 @@ pub fn primal(layout: &Layout, y: &[f64]) -> Option<Vec<f64>> {
     }
     let ray: Vec<f64> = y.iter().map(|value| value / fall).collect();
     let mut matrix = vec![0.0; layout.length];
-    layout.evaluate(0.0, &ray, &mut matrix);
+    layout.evaluate(0.0, &ray, 1, &mut matrix);
     for block in &layout.blocks {
         for k in 0..block.side {
             matrix[block.offset + k * block.side + k] += 1.0 / EXCLUDED_SIZE;

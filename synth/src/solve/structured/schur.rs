@@ -4,10 +4,13 @@
 //! Mathematical Programming 79:235-253, 1997) choose for each unknown between a dense product (their F1, F2) and a
 //! sum over pairs of entries (F3). The dense way here forms `V = U + U'`, `U = Z A_j S^-1`, as a sum of a few outer
 //! products, and only in the rows that later unknowns ask for, so that it is F1 for dense and cheap for sparse
-//! coefficients.
+//! coefficients. Small blocks with many unknowns go by way of a Kronecker product instead.
 
+use super::block::{Block, Place};
 use super::dense;
-use super::layout::{Block, Layout, Place};
+use super::halves::both;
+use super::kronecker::{KroneckerPlan, KroneckerWork};
+use super::layout::Layout;
 
 /// Cost of one product of the sum over pairs, in gathered entries of V.
 const PAIR: usize = 10;
@@ -18,9 +21,51 @@ const WORTH_A_THREAD: usize = 150_000;
 /// How each unknown of each block is treated, found once for a problem.
 #[derive(Debug, Clone)]
 pub struct SchurPlan {
-    blocks: Vec<BlockPlan>,
+    blocks: Vec<Way>,
     /// Blocks of each part. Parts are summed separately, whatever the number of threads.
     parts: Vec<std::ops::Range<usize>>,
+}
+
+/// Scratch of [`SchurPlan::assemble`].
+#[derive(Debug, Default)]
+pub struct SchurWork {
+    second: Vec<f64>,
+    parts: [PartWork; 2],
+}
+
+#[derive(Debug, Default)]
+struct PartWork {
+    products: Work,
+    sums: KroneckerWork,
+}
+
+/// How one block is treated, and its cost in multiplications.
+#[derive(Debug, Clone)]
+struct Way {
+    /// Where it is cheaper than a product for each unknown.
+    kronecker: Option<KroneckerPlan>,
+    products: BlockPlan,
+    cost: usize,
+}
+
+impl Way {
+    fn new(block: &Block) -> Self {
+        let products = BlockPlan::new(block);
+        let cost = products.cost;
+        let kronecker = KroneckerPlan::new(block).filter(|(_, other)| *other < cost);
+        match kronecker {
+            None => Way {
+                kronecker: None,
+                products,
+                cost,
+            },
+            Some((plan, cost)) => Way {
+                kronecker: Some(plan),
+                products,
+                cost,
+            },
+        }
+    }
 }
 
 /// One entry of a coefficient: where V is read and which unknown it belongs to.
@@ -55,7 +100,7 @@ struct BlockPlan {
 impl SchurPlan {
     /// The plan for a problem.
     pub fn new(layout: &Layout) -> Self {
-        let blocks: Vec<BlockPlan> = layout.blocks.iter().map(BlockPlan::new).collect();
+        let blocks: Vec<Way> = layout.blocks.iter().map(Way::new).collect();
         let total: usize = blocks.iter().map(|block| block.cost).sum();
         let mut parts = Vec::new();
         if total < WORTH_A_THREAD {
@@ -74,7 +119,7 @@ impl SchurPlan {
         SchurPlan { blocks, parts }
     }
 
-    /// Fills the lower triangle of the m x m column-major `matrix`. `second` is scratch for the second part.
+    /// Fills the lower triangle of the m x m column-major `matrix`.
     pub fn assemble(
         &self,
         layout: &Layout,
@@ -82,10 +127,10 @@ impl SchurPlan {
         s_inverse: &[f64],
         threads: usize,
         matrix: &mut Vec<f64>,
-        second: &mut Vec<f64>,
+        work: &mut SchurWork,
     ) {
         let m = layout.cost.len();
-        let fill = |part: std::ops::Range<usize>, out: &mut Vec<f64>| {
+        let fill = |part: std::ops::Range<usize>, work: &mut PartWork, out: &mut Vec<f64>| {
             out.clear();
             out.resize(m * m, 0.0);
             let blocks = &layout.blocks[part.clone()];
@@ -93,12 +138,21 @@ impl SchurPlan {
             dense::vectorised(
                 #[inline(always)]
                 || {
-                    let mut work = Work::default();
-                    for (plan, block) in plans.iter().zip(blocks) {
+                    for (way, block) in plans.iter().zip(blocks) {
                         let range = block.range();
                         let (z, s_inverse) = (&z[range.clone()], &s_inverse[range]);
-                        plan.add(block, z, s_inverse, m, &mut work, out);
+                        match &way.kronecker {
+                            Some(plan) => {
+                                let sums = &mut work.sums;
+                                plan.add(&block.unknowns, z, s_inverse, m, sums, out);
+                            }
+                            None => {
+                                let products = &mut work.products;
+                                way.products.add(block, z, s_inverse, m, products, out);
+                            }
+                        }
                     }
+                    work.sums.flush(m, out);
                 },
             );
         };
@@ -107,17 +161,15 @@ impl SchurPlan {
                 matrix.clear();
                 matrix.resize(m * m, 0.0);
             }
-            [only] => fill(only.clone(), matrix),
+            [only] => fill(only.clone(), &mut work.parts[0], matrix),
             [first, rest, ..] => {
-                if threads > 1 {
-                    std::thread::scope(|scope| {
-                        scope.spawn(|| fill(rest.clone(), second));
-                        fill(first.clone(), matrix);
-                    });
-                } else {
-                    fill(first.clone(), matrix);
-                    fill(rest.clone(), second);
-                }
+                let SchurWork { second, parts } = work;
+                let [here, there] = parts;
+                both(
+                    threads,
+                    || fill(first.clone(), here, matrix),
+                    || fill(rest.clone(), there, second),
+                );
                 matrix.iter_mut().zip(second).for_each(|(a, b)| *a += *b);
             }
         }
@@ -130,7 +182,7 @@ impl SchurPlan {
     }
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Work {
     basis: Vec<f64>,
     v: Vec<f64>,
@@ -144,7 +196,7 @@ impl BlockPlan {
         let mut reads = Vec::with_capacity(block.entries.len());
         for (k, &unknown) in block.unknowns.iter().enumerate() {
             reads.extend(block.entries_of(k).iter().map(|e| Read {
-                weight: e.weight,
+                weight: e.count() * e.value / 2.0,
                 at: (e.column * stride + e.row) as u32,
                 unknown: unknown as u32,
             }));
@@ -269,15 +321,15 @@ fn terms(entries: &[Place]) -> Vec<Term> {
         let mut rest = Vec::new();
         left.retain(|e| match (e.row == center, e.column == center) {
             (true, true) => {
-                rest.push((center, 0.5 * e.value()));
+                rest.push((center, 0.5 * e.value));
                 false
             }
             (true, false) => {
-                rest.push((e.column, e.value()));
+                rest.push((e.column, e.value));
                 false
             }
             (false, true) => {
-                rest.push((e.row, e.value()));
+                rest.push((e.row, e.value));
                 false
             }
             (false, false) => true,
@@ -301,7 +353,7 @@ fn terms(entries: &[Place]) -> Vec<Term> {
         let mate = move |e: &Place| if e.row == center { e.column } else { e.row };
         Term {
             center,
-            rest: meets.map(|e| (mate(e), e.value())).collect(),
+            rest: meets.map(|e| (mate(e), e.value)).collect(),
             two_sided: false,
         }
     };
@@ -327,7 +379,114 @@ fn over_pairs(n: usize, a: &[Place], e: &Place, z: &[f64], s_inverse: &[f64]) ->
             + z[r + p] * s_inverse[c + q]
             + z[r + q] * s_inverse[c + p];
         // Halved weights on the diagonal count each of the coinciding terms once.
-        sum += f.weight * mixed;
+        sum += 0.5 * f.count() * f.value * mixed;
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lmi::{Cone, Entry, Semidefinite};
+    use proptest::prelude::*;
+
+    /// One cone: every place of every unknown is nonzero with the given chance.
+    fn problem(side: usize, unknowns: usize, filled: f64, numbers: &[f64]) -> Semidefinite {
+        let mut next = numbers.iter().cycle().copied();
+        let mut coefficients = Vec::new();
+        for unknown in 0..unknowns {
+            let mut entries = Vec::new();
+            for column in 0..side {
+                for row in 0..=column {
+                    let (chance, value) = (next.next(), next.next());
+                    if chance.is_some_and(|chance| chance.abs() < filled) {
+                        entries.extend(value.map(|value| Entry { row, column, value }));
+                    }
+                }
+            }
+            coefficients.push((unknown, entries));
+        }
+        Semidefinite {
+            cost: vec![1.0; unknowns],
+            offset: 0.0,
+            cones: vec![Cone {
+                name: "test".to_string(),
+                side,
+                constant: Vec::new(),
+                coefficients,
+            }],
+        }
+    }
+
+    /// A symmetric matrix, packed.
+    fn symmetric(side: usize, numbers: &[f64]) -> Vec<f64> {
+        let at = |row: usize, column: usize| numbers[(row * column + row + column) % numbers.len()];
+        let pairs = (0..side).flat_map(|column| (0..side).map(move |row| (row, column)));
+        pairs.map(|(row, column)| at(row, column)).collect()
+    }
+
+    fn full(block: &Block, k: usize) -> nalgebra::DMatrix<f64> {
+        let mut out = nalgebra::DMatrix::zeros(block.side, block.side);
+        for e in block.entries_of(k) {
+            out[(e.row, e.column)] = e.value;
+            out[(e.column, e.row)] = e.value;
+        }
+        out
+    }
+
+    /// Lower triangle of M by each way that this block can be treated.
+    fn by_each_way(layout: &Layout, z: &[f64], inverse: &[f64]) -> Vec<Vec<f64>> {
+        let m = layout.cost.len();
+        let way = Way::new(&layout.blocks[0]);
+        let kronecker = KroneckerPlan::new(&layout.blocks[0]).map(|(plan, _)| plan);
+        let of = |kronecker: Option<KroneckerPlan>| {
+            let plan = SchurPlan {
+                blocks: vec![Way {
+                    kronecker,
+                    ..way.clone()
+                }],
+                parts: std::iter::once(0..1).collect(),
+            };
+            let (mut matrix, mut work) = (Vec::new(), SchurWork::default());
+            plan.assemble(layout, z, inverse, 1, &mut matrix, &mut work);
+            matrix
+        };
+        let lower = |matrix: Vec<f64>| -> Vec<f64> {
+            let places = (0..m).flat_map(|j| (j..m).map(move |i| (i, j)));
+            places.map(|(i, j)| matrix[j * m + i]).collect()
+        };
+        [of(None), of(kronecker)].map(lower).to_vec()
+    }
+
+    proptest! {
+        #[test]
+        fn every_way_gives_the_definition_of_the_schur_complement(
+            side in 1_usize..14,
+            unknowns in 1_usize..40,
+            filled in 0.05_f64..0.9,
+            numbers in prop::collection::vec(-1.0_f64..1.0, 97..211),
+        ) {
+            let layout = Layout::new(&problem(side, unknowns, filled, &numbers));
+            prop_assume!(layout.blocks.len() == 1);
+            let block = &layout.blocks[0];
+            let n = block.side;
+            let z = symmetric(n, &numbers);
+            let inverse = symmetric(n, &numbers[13..]);
+            let m = layout.cost.len();
+            let matrix = |packed: &[f64]| nalgebra::DMatrix::from_column_slice(n, n, packed);
+            let mut expected = vec![0.0; m * m];
+            for (a, &i) in block.unknowns.iter().enumerate() {
+                for (b, &j) in block.unknowns.iter().enumerate() {
+                    let product = matrix(&z) * full(block, b) * matrix(&inverse);
+                    expected[i.min(j) * m + i.max(j)] = full(block, a).dot(&product);
+                }
+            }
+            for found in by_each_way(&layout, &z, &inverse) {
+                let places = (0..m).flat_map(|j| (j..m).map(move |i| j * m + i));
+                for (at, value) in places.zip(found) {
+                    prop_assert!((value - expected[at]).abs() < 1e-11 * (1.0 + expected[at].abs()));
+                }
+            }
+        }
+    }
 }

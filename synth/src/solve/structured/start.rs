@@ -48,7 +48,7 @@ pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Point> {
         s: vec![0.0; layout.length],
         z: vec![0.0; layout.length],
     };
-    layout.evaluate(1.0, y, &mut point.s);
+    layout.evaluate(1.0, y, 1, &mut point.s);
     for block in &layout.blocks {
         for k in 0..block.side {
             // Any definite matrix: only the factors of S are wanted.
@@ -56,11 +56,11 @@ pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Point> {
         }
     }
     let mut factors = Factors::new(layout);
-    if !factors.update(layout, &point) {
+    if !factors.update(layout, &point, 1) {
         return None;
     }
     let mut products = vec![0.0; layout.cost.len()];
-    layout.adjoint(&factors.s_inverse, &mut products);
+    layout.adjoint(&factors.s_inverse, 1, &mut products);
     let size = dot(&products, &products);
     let best = dot(&products, &layout.cost) / size;
     let fallback = dot(&layout.cost, &layout.cost).sqrt() / size.sqrt();

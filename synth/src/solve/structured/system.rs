@@ -9,7 +9,7 @@ use faer::{MatMut, Par};
 use super::dense::{self, dot};
 
 /// Relative residual at which refinement stops.
-const REFINED: f64 = 1e-14;
+const REFINED: f64 = 1e-9;
 
 /// Most steps of refinement.
 const REFINEMENTS: usize = 25;

@@ -17,6 +17,9 @@ const KINDS: usize = 4;
 /// How far from the central path a start may lie: the smallest eigenvalue of S Z relative to their mean.
 const CENTRAL: f64 = 0.03;
 
+/// Points are kept when the complementarity has fallen to this part of the last one's.
+const KEPT: f64 = 0.7;
+
 /// A start's residual of `<A_i, Z> = c_i`, relative, may exceed its relative complementarity by this factor.
 const DUAL_ROOM: f64 = 100.0;
 
@@ -24,6 +27,8 @@ const DUAL_ROOM: f64 = 100.0;
 #[derive(Debug, Clone, Default)]
 pub struct Trail {
     points: Vec<Known>,
+    /// Of the last one.
+    complementarity: Option<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -33,24 +38,42 @@ struct Known {
 }
 
 impl Trail {
-    /// Keeps a point.
+    /// Keeps a point that is nearer to the solution than the last one.
     pub fn record(&mut self, layout: &Layout, problem: &Semidefinite, point: &Point) {
+        let complementarity = dense::dot(&point.s, &point.z);
+        let near = |last: f64| complementarity > KEPT * last;
+        if self.complementarity.is_some_and(near) {
+            return;
+        }
+        self.complementarity = Some(complementarity);
         self.points.push(Known {
             values: layout.values(&point.y, problem.cost.len()),
             duals: layout.duals(&point.z, problem),
         });
     }
 
-    /// The last point that is a good start for a problem of the same shape, and the part of the trail before it.
+    /// A point that is a good start for a problem of the same shape while the next one is not, and the part of the
+    /// trail before it.
     pub fn start(&self, layout: &Layout) -> Option<(Point, Trail)> {
-        for (index, known) in self.points.iter().enumerate().rev() {
+        let mut found = None;
+        let (mut low, mut high) = (0, self.points.len());
+        while low < high {
+            let middle = (low + high) / 2;
+            let known = &self.points[middle];
             let point = layout.point(&known.values, &known.duals);
             if is_central(layout, &point) {
-                let points = self.points[..index].to_vec();
-                return Some((point, Trail { points }));
+                found = Some((middle, point));
+                low = middle + 1;
+            } else {
+                high = middle;
             }
         }
-        None
+        let (index, point) = found?;
+        let trail = Trail {
+            points: self.points[..index].to_vec(),
+            complementarity: None,
+        };
+        Some((point, trail))
     }
 
     /// True when nothing was recorded.
@@ -67,7 +90,7 @@ fn is_central(layout: &Layout, point: &Point) -> bool {
         return false;
     }
     let mut products = vec![0.0; layout.cost.len()];
-    layout.adjoint(&point.z, &mut products);
+    layout.adjoint(&point.z, 1, &mut products);
     let squares = products
         .iter()
         .zip(&layout.cost)
@@ -77,26 +100,36 @@ fn is_central(layout: &Layout, point: &Point) -> bool {
     if residual > DUAL_ROOM * complementarity / objective.max(1e-3) {
         return false;
     }
-    layout.blocks.iter().all(|block| {
-        let (n, range) = (block.side, block.range());
-        let mut root = point.z[range.clone()].to_vec();
-        if !dense::cholesky(&mut root, n) {
-            return false;
-        }
-        // L' S L has the eigenvalues of S Z.
-        let (mut half, mut product) = (vec![0.0; n * n], vec![0.0; n * n]);
-        dense::product(&point.s[range], &root, &mut half, n);
-        for j in 0..n {
-            for i in 0..n {
-                product[j * n + i] =
-                    dense::dot(&root[i * n..(i + 1) * n], &half[j * n..(j + 1) * n]);
+    let least = CENTRAL * mean;
+    dense::vectorised(
+        #[inline(always)]
+        || {
+            for block in &layout.blocks {
+                let range = block.range();
+                if !exceeds(block.side, &point.s[range.clone()], &point.z[range], least) {
+                    return false;
+                }
             }
-        }
-        for k in 0..n {
-            product[k * n + k] -= CENTRAL * mean;
-        }
-        dense::cholesky(&mut product, n)
-    })
+            true
+        },
+    )
+}
+
+/// Whether every eigenvalue of S Z is above `least`.
+#[inline(always)]
+fn exceeds(n: usize, s: &[f64], z: &[f64], least: f64) -> bool {
+    let mut root = z.to_vec();
+    if !dense::cholesky(&mut root, n) {
+        return false;
+    }
+    // L' S L has the eigenvalues of S Z.
+    let (mut half, mut product) = (vec![0.0; n * n], vec![0.0; n * n]);
+    dense::product(s, &root, &mut half, n);
+    dense::transposed_product(&root, &half, &mut product, n);
+    for k in 0..n {
+        product[k * n + k] -= least;
+    }
+    dense::cholesky(&mut product, n)
 }
 
 /// Trails of the last problems, by their shape. Cheap to clone: clones share it.
@@ -106,6 +139,14 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// The same trails, not shared.
+    pub fn copied(&self) -> Self {
+        let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
+        Memory {
+            trails: Arc::new(Mutex::new(trails.clone())),
+        }
+    }
+
     /// The trail of the last problem of this shape.
     pub fn recall(&self, shape: u64) -> Option<Trail> {
         let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
