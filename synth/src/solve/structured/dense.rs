@@ -16,7 +16,7 @@ pub fn vectorised<R>(loops: impl FnOnce() -> R) -> R {
 /// The leading whole lanes of a vector, and the rest.
 #[inline(always)]
 fn lanes(x: &[f64]) -> (&[[f64; LANES]], &[f64]) {
-    x.as_chunks::<LANES>()
+    pulp::as_arrays::<LANES, _>(x)
 }
 
 /// `y += sum_k a[k] x[k]`, or, where `fresh`, `y = sum_k a[k] x[k]`; all vectors have y's length.
@@ -24,7 +24,7 @@ fn lanes(x: &[f64]) -> (&[[f64; LANES]], &[f64]) {
 pub fn add_vectors<const N: usize>(a: [f64; N], x: [&[f64]; N], fresh: bool, y: &mut [f64]) {
     let length = y.len();
     let x = x.map(|x| lanes(&x[..length]));
-    let (y_lanes, y_rest) = y.as_chunks_mut::<LANES>();
+    let (y_lanes, y_rest) = pulp::as_arrays_mut::<LANES, _>(y);
     for (at, y) in y_lanes.iter_mut().enumerate() {
         let mut sum = if fresh { [0.0; LANES] } else { *y };
         for k in 0..N {

@@ -170,7 +170,7 @@ fn combine<'a>(
     mut fresh: bool,
     out: &mut [f64],
 ) {
-    let (fours, rest) = entries.as_chunks::<4>();
+    let (fours, rest) = pulp::as_arrays::<4, _>(entries);
     for e in fours {
         add_vectors(e.map(|e| e.1), e.map(|e| vector(e.0)), fresh, out);
         fresh = false;
