@@ -18,10 +18,7 @@ pub enum SolverArg {
 impl SolverArg {
     /// The solver with its usual settings.
     pub fn backend(self) -> Box<dyn Backend> {
-        match self {
-            SolverArg::Clarabel => Box::new(Clarabel::default()),
-            SolverArg::Structured => Box::new(Structured::default()),
-        }
+        self.choice().backend()
     }
 
     /// The solver with the settings that suit a form.
@@ -45,10 +42,7 @@ impl SolverArg {
 
     /// The form of the decrease condition that the solver is fastest with.
     pub fn form(self) -> Form {
-        match self {
-            SolverArg::Clarabel => Form::Reduced,
-            SolverArg::Structured => Form::Slack,
-        }
+        self.choice().form()
     }
 
     /// The other solver.

@@ -47,7 +47,8 @@ pub enum SolverChoice {
 }
 
 impl SolverChoice {
-    fn backend(&self) -> Box<dyn Backend> {
+    /// The solver.
+    pub fn backend(&self) -> Box<dyn Backend> {
         match self {
             SolverChoice::Clarabel => Box::new(Clarabel::default()),
             SolverChoice::Structured(solver) => Box::new(solver.clone()),
@@ -55,7 +56,7 @@ impl SolverChoice {
     }
 
     /// The form of the decrease condition that the solver is fastest with.
-    fn form(&self) -> Form {
+    pub fn form(&self) -> Form {
         match self {
             SolverChoice::Clarabel => Form::Reduced,
             SolverChoice::Structured(_) => Form::Slack,
@@ -127,8 +128,8 @@ impl Subject {
         match self {
             Subject::Scenario { .. } => None,
             Subject::Model { solver, .. } => {
-                let form = format!("{:?}", solver.form()).to_lowercase();
-                Some(format!("{}, {form} form", solver.backend().name()))
+                let (backend, form) = (solver.backend(), solver.form());
+                Some(format!("{}, {} form", backend.name(), form.name()))
             }
         }
     }

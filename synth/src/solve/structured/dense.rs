@@ -46,7 +46,7 @@ pub fn add_vectors<const N: usize>(a: [f64; N], x: [&[f64]; N], fresh: bool, y: 
 
 /// `y += a x`.
 #[inline(always)]
-pub fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     add_vectors([a], [x], false, y);
 }
 

@@ -242,25 +242,28 @@ impl Run<'_> {
                 return outcome(End::Solved, &point);
             }
             let complementarity = dot(&point.s, &point.z);
-            let near = best
-                .as_ref()
-                .is_some_and(|(.., at)| at.nearly_there(self.task.relative_gap));
             let nearer = best
                 .as_ref()
                 .is_none_or(|(least, ..)| distance < 0.9 * least);
             let progress = nearer || complementarity < 0.9 * least_complementarity;
             since_best = if progress { 0 } else { since_best + 1 };
             least_complementarity = complementarity.min(least_complementarity);
-            // A smaller gap is no reason to give up a point of reduced accuracy.
-            let worse = near && !measures.nearly_there(self.task.relative_gap);
-            if !worse && best.as_ref().is_none_or(|(least, ..)| distance < *least) {
+            let gap = self.task.relative_gap;
+            // A smaller distance is no reason to give up a point of reduced accuracy.
+            let replaces = |(least, _, at): &(f64, Point, Measures)| match (
+                measures.nearly_there(gap),
+                at.nearly_there(gap),
+            ) {
+                (true, false) => true,
+                (false, true) => false,
+                _ => distance < *least,
+            };
+            if best.as_ref().is_none_or(replaces) {
                 best = Some((distance, point.clone(), measures));
             }
-            let near = near || measures.nearly_there(self.task.relative_gap);
-            let lost = near
-                && best
-                    .as_ref()
-                    .is_some_and(|(least, ..)| distance > 100.0 * least);
+            let kept = best.as_ref();
+            let near = kept.is_some_and(|(.., at)| at.nearly_there(gap));
+            let lost = near && kept.is_some_and(|(least, ..)| distance > 100.0 * least);
             since_nearer = if nearer { 0 } else { since_nearer + 1 };
             let patience = if self.system.shift > 0.0 {
                 0

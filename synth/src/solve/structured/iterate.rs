@@ -216,10 +216,7 @@ pub fn sandwich(
     threads: usize,
     out: &mut [f64],
 ) {
-    let (before, after) = layout.blocks.split_at(layout.middle);
-    let middle = layout.middle_offset();
-    let (first, second) = out.split_at_mut(middle);
-    let fill = |blocks: &[Block], base: usize, out: &mut [f64]| {
+    layout.fill_halves(threads, out, |blocks, base, out| {
         let mut work = Vec::new();
         dense::vectorised(
             #[inline(always)]
@@ -234,10 +231,5 @@ pub fn sandwich(
                 }
             },
         );
-    };
-    both(
-        threads,
-        || fill(before, 0, first),
-        || fill(after, middle, second),
-    );
+    });
 }

@@ -263,14 +263,23 @@ impl Layout {
 
     /// `out = constant * factor + sum_i y_i coefficient_i`, packed and full.
     pub fn evaluate(&self, factor: f64, y: &[f64], threads: usize, out: &mut [f64]) {
-        let middle = self.middle_offset();
-        let (first, second) = out.split_at_mut(middle);
-        let fill = |blocks: &[Block], base: usize, out: &mut [f64]| {
+        self.fill_halves(threads, out, |blocks, base, out| {
             for block in blocks {
                 let range = block.offset - base..block.range().end - base;
                 block.evaluate(factor, y, &mut out[range]);
             }
-        };
+        });
+    }
+
+    /// Fills packed storage half by half: the blocks of a half, where its storage begins, and its storage.
+    pub fn fill_halves(
+        &self,
+        threads: usize,
+        out: &mut [f64],
+        fill: impl Fn(&[Block], usize, &mut [f64]) + Sync,
+    ) {
+        let middle = self.middle_offset();
+        let (first, second) = out.split_at_mut(middle);
         let (before, after) = self.blocks.split_at(self.middle);
         both(
             threads,

@@ -121,12 +121,6 @@ impl Structured {
         }
     }
 
-    fn keep(&self, memory: &Memory, shape: u64, trail: Trail) {
-        if !self.frozen {
-            memory.keep(shape, trail);
-        }
-    }
-
     /// As [`Backend::solve`], with timings.
     pub fn solve_timed(
         &self,
@@ -180,31 +174,35 @@ impl Structured {
             return cold(task, None);
         };
         let shape = warm::shape(task.problem);
+        let keep = |outcome: &Outcome, trail: Option<Trail>| {
+            let solved = matches!(outcome.end, End::Solved | End::Reduced(_));
+            if let Some(trail) = trail.filter(|_| solved) {
+                memory.keep(shape, trail);
+            }
+        };
         let known = memory
             .recall(shape)
             .and_then(|trail| trail.start(task.layout));
         let mut spent = 0;
-        if let Some((start, mut trail)) = known {
+        if let Some((start, before)) = known {
             let short = Task {
                 iterations: WARM_ITERATIONS,
                 ..*task
             };
-            let outcome = interior_point::solve(&short, start, Some(&mut trail));
+            let mut trail = (!self.frozen).then_some(before);
+            let outcome = interior_point::solve(&short, start, trail.as_mut());
             match outcome.end {
-                End::Solved | End::Reduced(_) => {
-                    self.keep(memory, shape, trail);
+                End::Unbounded | End::Stalled(_) => spent = outcome.iterations,
+                _ => {
+                    keep(&outcome, trail);
                     return outcome;
                 }
-                End::Infeasible | End::Cancelled => return outcome,
-                End::Unbounded | End::Stalled(_) => spent = outcome.iterations,
             }
         }
-        let mut trail = Trail::default();
-        let mut outcome = cold(task, Some(&mut trail));
+        let mut trail = (!self.frozen).then(Trail::default);
+        let mut outcome = cold(task, trail.as_mut());
         outcome.iterations += spent;
-        if matches!(outcome.end, End::Solved | End::Reduced(_)) {
-            self.keep(memory, shape, trail);
-        }
+        keep(&outcome, trail);
         outcome
     }
 }

@@ -39,31 +39,21 @@ struct PartWork {
     sums: KroneckerWork,
 }
 
-/// How one block is treated, and its cost in multiplications.
+/// How one block is treated.
 #[derive(Debug, Clone)]
-struct Way {
-    /// Where it is cheaper than a product for each unknown.
-    kronecker: Option<KroneckerPlan>,
-    products: BlockPlan,
-    cost: usize,
+enum Way {
+    Products(BlockPlan),
+    Kronecker(KroneckerPlan),
 }
 
 impl Way {
-    fn new(block: &Block) -> Self {
+    /// The cheaper way and its cost in multiplications.
+    fn new(block: &Block) -> (Self, usize) {
         let products = BlockPlan::new(block);
         let cost = products.cost;
-        let kronecker = KroneckerPlan::new(block).filter(|(_, other)| *other < cost);
-        match kronecker {
-            None => Way {
-                kronecker: None,
-                products,
-                cost,
-            },
-            Some((plan, cost)) => Way {
-                kronecker: Some(plan),
-                products,
-                cost,
-            },
+        match KroneckerPlan::new(block).filter(|(_, other)| *other < cost) {
+            None => (Way::Products(products), cost),
+            Some((plan, cost)) => (Way::Kronecker(plan), cost),
         }
     }
 }
@@ -100,15 +90,16 @@ struct BlockPlan {
 impl SchurPlan {
     /// The plan for a problem.
     pub fn new(layout: &Layout) -> Self {
-        let blocks: Vec<Way> = layout.blocks.iter().map(Way::new).collect();
-        let total: usize = blocks.iter().map(|block| block.cost).sum();
+        let ways = layout.blocks.iter().map(Way::new);
+        let (blocks, costs): (Vec<Way>, Vec<usize>) = ways.unzip();
+        let total: usize = costs.iter().sum();
         let mut parts = Vec::new();
         if total < WORTH_A_THREAD {
             parts.push(0..blocks.len());
         } else {
             let mut sum = 0;
-            let half = blocks.iter().position(|block| {
-                sum += block.cost;
+            let half = costs.iter().position(|cost| {
+                sum += cost;
                 2 * sum >= total
             });
             let middle = half.map_or(blocks.len(), |at| at + 1);
@@ -141,14 +132,14 @@ impl SchurPlan {
                     for (way, block) in plans.iter().zip(blocks) {
                         let range = block.range();
                         let (z, s_inverse) = (&z[range.clone()], &s_inverse[range]);
-                        match &way.kronecker {
-                            Some(plan) => {
+                        match way {
+                            Way::Kronecker(plan) => {
                                 let sums = &mut work.sums;
                                 plan.add(&block.unknowns, z, s_inverse, m, sums, out);
                             }
-                            None => {
+                            Way::Products(plan) => {
                                 let products = &mut work.products;
-                                way.products.add(block, z, s_inverse, m, products, out);
+                                plan.add(block, z, s_inverse, m, products, out);
                             }
                         }
                     }
@@ -437,14 +428,10 @@ mod tests {
     /// Lower triangle of M by each way that this block can be treated.
     fn by_each_way(layout: &Layout, z: &[f64], inverse: &[f64]) -> Vec<Vec<f64>> {
         let m = layout.cost.len();
-        let way = Way::new(&layout.blocks[0]);
-        let kronecker = KroneckerPlan::new(&layout.blocks[0]).map(|(plan, _)| plan);
-        let of = |kronecker: Option<KroneckerPlan>| {
+        let (kronecker, _) = KroneckerPlan::new(&layout.blocks[0]).expect("a small block");
+        let of = |way: Way| {
             let plan = SchurPlan {
-                blocks: vec![Way {
-                    kronecker,
-                    ..way.clone()
-                }],
+                blocks: vec![way],
                 parts: std::iter::once(0..1).collect(),
             };
             let (mut matrix, mut work) = (Vec::new(), SchurWork::default());
@@ -455,7 +442,11 @@ mod tests {
             let places = (0..m).flat_map(|j| (j..m).map(move |i| (i, j)));
             places.map(|(i, j)| matrix[j * m + i]).collect()
         };
-        [of(None), of(kronecker)].map(lower).to_vec()
+        let ways = [
+            Way::Products(BlockPlan::new(&layout.blocks[0])),
+            Way::Kronecker(kronecker),
+        ];
+        ways.map(|way| lower(of(way))).to_vec()
     }
 
     proptest! {
