@@ -56,7 +56,7 @@ fn tell_none(
     blocking: &[(String, f64)],
     runs: &[SolverRun],
 ) {
-    let status = if infeasible { "infeasible" } else { "failed" };
+    let status = if infeasible { "undecided" } else { "failed" };
     if ending.json {
         let shares = blocking.iter();
         let shares: Vec<Value> = shares
@@ -73,7 +73,7 @@ fn tell_none(
             "conditions": [],
             "certified_angle_deg": null,
             "outer": null,
-            "feasibility": "unknown",
+            "feasibility": "undecided",
             "blocking": shares,
             "attempts": tried.len(),
             "solve_seconds": runs.iter().map(|run| run.seconds).sum::<f64>(),
@@ -85,9 +85,9 @@ fn tell_none(
     let model = ending.model_path.display();
     print(&match infeasible {
         true => format!(
-            "{model}: no design with both certificates exists, says the solver (not proved)"
+            "{model}: UNDECIDED: no design with both certificates was found, and none was proved not to exist"
         ),
-        false => format!("{model}: the solver failed numerically"),
+        false => format!("{model}: the solvers failed numerically"),
     });
     runs.iter().for_each(|run| print(&describe_run(run)));
     for line in feasibility::blocking_lines(blocking) {

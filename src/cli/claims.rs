@@ -10,8 +10,9 @@ use super::reach::Reach;
 use crate::harness::design::certified_angle_deg;
 use crate::harness::transmissions::TransmissionBound;
 
-/// The claims of a design, in words and as keys of `--json`.
+/// The claims of a design, in words and as keys of `--json`; null and no words where it is not proved.
 pub struct Claims {
+    proved: bool,
     certified_angle_deg: Option<f64>,
     outer: Value,
     outer_lines: Vec<String>,
@@ -22,12 +23,29 @@ pub struct Claims {
 impl Claims {
     /// From the numbers of a design and the verdict about them.
     pub fn of(design: &DesignFile, model: &Model, verdict: Verdict) -> Self {
+        let proved = verdict == Verdict::Proved;
+        let part = &design.certificate;
         Claims {
-            certified_angle_deg: certified_angle_deg(design.certificate.certified_vector_part),
-            outer: both::outer_json(design, model),
-            outer_lines: both::outer_lines(design, model),
+            proved,
+            certified_angle_deg: certified_angle_deg(part.certified_vector_part).filter(|_| proved),
+            outer: match proved {
+                true => both::outer_json(design, model),
+                false => Value::Null,
+            },
+            outer_lines: match proved {
+                true => both::outer_lines(design, model),
+                false => Vec::new(),
+            },
             reach: Reach::of(design, model, verdict),
             transmissions: TransmissionBound::of_model(model),
+        }
+    }
+
+    /// A proved number; null where nothing is proved.
+    pub fn number(&self, value: f64) -> Value {
+        match self.proved {
+            true => json!(value),
+            false => Value::Null,
         }
     }
 
@@ -39,8 +57,10 @@ impl Claims {
     /// Adds the keys to a JSON object.
     pub fn add_to(&self, report: &mut Value) {
         report["certified_angle_deg"] = json!(self.certified_angle_deg);
-        report["min_inter_event_s"] = json!(self.transmissions.min_inter_event_s);
-        report["max_transmissions_per_s"] = json!(self.transmissions.max_transmissions_per_s);
+        let transmissions = self.proved.then_some(&self.transmissions);
+        report["min_inter_event_s"] = json!(transmissions.map(|own| own.min_inter_event_s));
+        report["max_transmissions_per_s"] =
+            json!(transmissions.map(|own| own.max_transmissions_per_s));
         report["outer"] = self.outer.clone();
         report["certified_angle_any_axis_deg"] = json!(self.reach.any_axis_deg);
         report["certified_angle_along_deg"] = json!(self.reach.along_deg());
@@ -51,7 +71,9 @@ impl Claims {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = self.outer_lines.clone();
         lines.extend(self.reach.lines());
-        lines.push(self.transmissions.describe());
+        if self.proved {
+            lines.push(self.transmissions.describe());
+        }
         lines
     }
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{json, Value};
-use synth::certify::Verdict;
+use synth::certify::infeasible::Limit;
 use synth::feasibility::{decide, relaxations, Answer, Decision, InfeasibilityFile, Relaxation};
 use synth::model::Model;
 use synth::solve::Backend;
@@ -13,7 +13,6 @@ use synth::solve::Backend;
 use super::progress::SolverProgress;
 use super::solver::SolverArg;
 use super::synthesize::solver_problem;
-use super::verify::exit_code;
 use super::{files, print, CliError, EXIT_NO};
 
 /// Arguments of `feasibility`.
@@ -74,7 +73,7 @@ pub fn run(args: &FeasibilityArgs) -> Result<ExitCode, CliError> {
     }
     Ok(match decision.answer {
         Answer::Feasible(_) => ExitCode::SUCCESS,
-        Answer::Infeasible(_) | Answer::Unknown => ExitCode::from(EXIT_NO),
+        Answer::Infeasible(_) | Answer::Undecided(_) => ExitCode::from(EXIT_NO),
     })
 }
 
@@ -92,8 +91,8 @@ fn relax(
 fn write(path: Option<&Path>, decision: &Decision) -> Result<bool, CliError> {
     let text = match &decision.answer {
         Answer::Feasible(design) => design.file.to_json(),
-        Answer::Infeasible(proof) => proof.file.to_json(),
-        Answer::Unknown => return Ok(false),
+        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => proof.file.to_json(),
+        Answer::Undecided(None) => return Ok(false),
     };
     match path {
         Some(path) => files::write(path, &text).map(|()| true),
@@ -106,16 +105,34 @@ pub fn verdict(answer: &Answer) -> &'static str {
     match answer {
         Answer::Feasible(_) => "feasible",
         Answer::Infeasible(_) => "infeasible",
-        Answer::Unknown => "unknown",
+        Answer::Undecided(_) => "undecided",
     }
 }
 
-/// The bound of a proved no.
+/// The bound of proved weights.
 pub fn bound(answer: &Answer) -> Option<f64> {
     match answer {
-        Answer::Infeasible(proof) => Some(proof.bound),
+        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => Some(proof.bound),
         _ => None,
     }
+}
+
+/// What was proved about a part of the designs, where the whole is undecided.
+pub fn shown(answer: &Answer) -> Option<String> {
+    match answer {
+        Answer::Undecided(Some(proof)) => Some(partial_statement(&proof.file, &proof.limits)),
+        _ => None,
+    }
+}
+
+/// What weights state that do not cover every design.
+fn partial_statement(proof: &InfeasibilityFile, limits: &[Limit]) -> String {
+    let limits: Vec<String> = limits.iter().map(Limit::to_string).collect();
+    let what = match proof.gains.is_empty() {
+        true => "no design satisfies the conditions",
+        false => "for these gains the conditions cannot hold",
+    };
+    format!("{what} {}", limits.join(", and "))
 }
 
 /// The given gains, from 1, that a proved no is about.
@@ -138,6 +155,7 @@ fn report(decision: &Decision, seconds: f64, relaxed: Option<&[Relaxation]>) -> 
         "blocking": names,
         "blocking_shares": shares,
         "bound": bound(&decision.answer),
+        "shown": shown(&decision.answer),
         "relaxations": relaxations,
         "seconds": seconds,
         "solve_seconds": decision.solve_seconds,
@@ -176,9 +194,19 @@ pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError>
     let outcomes = file.verify(&model);
     let outcomes = outcomes.map_err(|problem| CliError::value(path, problem))?;
     let proved = outcomes.iter().all(|outcome| outcome.proved);
-    let verdict = match proved {
-        true => Verdict::Proved,
-        false => Verdict::NotProved,
+    let limits = match proved {
+        true => file.limits(&model),
+        false => Ok(Vec::new()),
+    };
+    let limits = limits.map_err(|error| solver_problem(path, error))?;
+    let verdict = match (proved, limits.as_slice()) {
+        (true, []) => "proved",
+        (true, _) => "undecided",
+        (false, _) => "not_proved",
+    };
+    let exit = match verdict {
+        "proved" => ExitCode::SUCCESS,
+        _ => ExitCode::from(EXIT_NO),
     };
     let bound = outcomes.iter().map(|outcome| outcome.bound);
     let bound = bound.fold(f64::MAX, f64::min);
@@ -191,22 +219,19 @@ pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError>
             "verdict": verdict,
             "statement": "infeasible",
             "bound": bound,
+            "limits": limits.iter().map(Limit::to_string).collect::<Vec<_>>(),
             "gains": file.blocking_gains(),
             "worst": worst,
             "conditions": conditions.collect::<Vec<_>>(),
         });
         print(&report.to_string());
-        return Ok(exit_code(verdict));
+        return Ok(exit);
     }
     print(&format!(
         "infeasibility of: {} ({})",
         file.name,
         path.display()
     ));
-    match proved {
-        true => print(&format!("verdict: PROVED, {}", statement(&file, bound))),
-        false => print("verdict: NOT PROVED"),
-    }
     for (index, outcome) in outcomes.iter().enumerate() {
         let constant = outcome.constant;
         print(&format!(
@@ -221,7 +246,12 @@ pub fn verify(path: &Path, text: &str, json: bool) -> Result<ExitCode, CliError>
             condition.name, condition.margin
         ));
     }
-    Ok(exit_code(verdict))
+    print(&match verdict {
+        "proved" => format!("verdict: PROVED, {}", statement(&file, bound)),
+        "undecided" => format!("verdict: UNDECIDED, {}", partial_statement(&file, &limits)),
+        _ => "verdict: NOT PROVED".to_string(),
+    });
+    Ok(exit)
 }
 
 /// What an infeasibility certificate states.
@@ -267,9 +297,13 @@ pub fn headline(answer: &Answer) -> String {
             "INFEASIBLE, proved: {}",
             statement(&proof.file, proof.bound)
         ),
-        Answer::Unknown => {
-            "UNKNOWN: neither a design nor its impossibility could be proved".to_string()
+        Answer::Undecided(None) => {
+            "UNDECIDED: neither a design nor its impossibility could be proved".to_string()
         }
+        Answer::Undecided(Some(proof)) => format!(
+            "UNDECIDED: neither a design nor its impossibility could be proved; shown: {}",
+            partial_statement(&proof.file, &proof.limits)
+        ),
     }
 }
 
@@ -277,7 +311,7 @@ pub fn headline(answer: &Answer) -> String {
 pub fn slack_line(slack: Option<f64>) -> Option<String> {
     let slack = slack?;
     Some(format!(
-        "smallest slack t with which every condition holds: {slack:.4e} (scaled units; the solver's number; above 0: they cannot hold)"
+        "smallest slack t with which every condition holds: {slack:.4e} (scaled units; the solver's number, not proved)"
     ))
 }
 

@@ -33,6 +33,10 @@ pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<ExitCode, CliErro
             tell_failure(args, &problem, &failure, "infeasible");
             Ok(ExitCode::from(EXIT_NO))
         }
+        ProblemOutcome::Undecided(failure) => {
+            tell_failure(args, &problem, &failure, "undecided");
+            Ok(ExitCode::from(EXIT_NO))
+        }
         ProblemOutcome::SolverFailed(failure) => {
             tell_failure(args, &problem, &failure, "failed");
             Ok(ExitCode::from(EXIT_SOLVER))
@@ -67,6 +71,9 @@ fn finish(
     if args.json {
         let mut out = answer(problem, &design.file, &report);
         out["status"] = json!("solved");
+        out["optimality"] = json!(design
+            .optimality
+            .filter(|_| report.verdict == Verdict::Proved));
         out["solve_seconds"] = json!(design.solve_seconds);
         out["solver_runs"] = json!(runs);
         print(&out.to_string());
@@ -74,8 +81,11 @@ fn finish(
     }
     print(&headline(problem));
     runs.iter().for_each(|run| print(&describe_run(run)));
-    print(&guarantee(problem, &design.file));
-    print(&describe(&report));
+    if report.verdict == Verdict::Proved {
+        print(&guarantee(problem, &design.file));
+    }
+    let remark = design.optimality.and_then(|optimality| optimality.remark());
+    print(&describe(&report, remark.as_deref()));
     print_end(kept.map(std::path::PathBuf::as_path), report.verdict);
     Ok(exit_code(report.verdict))
 }
@@ -88,8 +98,10 @@ pub fn verify(path: &Path, text: &str, as_json: bool) -> Result<ExitCode, CliErr
         print(&answer(&problem, &design, &report).to_string());
     } else {
         print(&format!("design: {} ({})", design.name, path.display()));
-        print(&describe(&report));
-        print(&guarantee(&problem, &design));
+        print(&describe(&report, None));
+        if report.verdict == Verdict::Proved {
+            print(&guarantee(&problem, &design));
+        }
     }
     Ok(exit_code(report.verdict))
 }
@@ -124,7 +136,7 @@ fn answer(problem: &Problem, design: &ProblemDesignFile, report: &Report) -> Val
     json!({
         "problem": problem.task.name(),
         "verdict": report.verdict,
-        "guarantee": design.certificate.guarantee,
+        "guarantee": (report.verdict == Verdict::Proved).then_some(design.certificate.guarantee),
         "guarantee_meaning": problem.task.guarantee(),
         "gain": design.controller.gain,
         "vertices": problem.plant.vertices.len(),
@@ -163,11 +175,16 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
     print(&headline(problem));
     runs.iter().for_each(|run| print(&describe_run(run)));
     print(&match (failure.excluded, status) {
-        (Some(excluded), _) => no_solution(excluded),
-        (None, "infeasible") => {
-            "no feedback satisfies the conditions, says the solver (not proved)".to_string()
+        (Some(excluded), "infeasible") => format!("INFEASIBLE, proved {}", no_solution(excluded)),
+        (Some(excluded), _) => format!(
+            "UNDECIDED: no feedback was found; shown {}; solvers returned unknowns up to {:.3e}",
+            no_solution(excluded),
+            excluded.largest_returned
+        ),
+        (None, "undecided") => {
+            "UNDECIDED: no feedback was found, and none was proved not to exist".to_string()
         }
-        (None, _) => "the solver failed numerically".to_string(),
+        (None, _) => "the solvers failed numerically".to_string(),
     });
     match feasibility::slack_line(failure.slack) {
         Some(line) => print(&line),
@@ -178,7 +195,7 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
     print("nothing written");
 }
 
-/// What is proved where there is no feedback.
+/// What is proved about solutions that there are not.
 fn no_solution(excluded: Excluded) -> String {
     let within = match excluded.radius == f64::INFINITY {
         true => String::new(),
@@ -188,7 +205,5 @@ fn no_solution(excluded: Excluded) -> String {
         true => String::new(),
         false => format!(" and a margin of {}", excluded.margin),
     };
-    format!(
-        "INFEASIBLE, proved for the scaled problem as given to the solver: it has no solution{within}{margin}"
-    )
+    format!("for the scaled problem as given to the solver: it has no solution{within}{margin}")
 }

@@ -84,7 +84,11 @@ pub fn shortfall_json(shortfall: &Shortfall) -> Value {
 
 /// The same in words.
 pub fn tell_shortfall(model: &Path, shortfall: &Shortfall, blocking: &[(String, f64)]) {
-    print(&format!("{}: {}", model.display(), shortfall.reason));
+    print(&format!(
+        "{}: UNDECIDED: {}",
+        model.display(),
+        shortfall.reason
+    ));
     if !shortfall.limits.is_empty() {
         print("what holds it back (1 % more of the number changes the outcome by so much):");
     }

@@ -154,6 +154,11 @@ impl Ending<'_> {
                 tell_failure(self, &decision, "infeasible", kept);
                 Ok(ExitCode::from(EXIT_NO))
             }
+            Outcome::Undecided(decision) => {
+                let kept = self.keep_refutation(&decision)?;
+                tell_failure(self, &decision, "undecided", kept);
+                Ok(ExitCode::from(EXIT_NO))
+            }
             Outcome::SolverFailed(decision) => {
                 tell_failure(self, &decision, "failed", None);
                 Ok(ExitCode::from(EXIT_SOLVER))
@@ -167,7 +172,7 @@ impl Ending<'_> {
     fn keep_refutation(&self, decision: &Decision) -> Result<Option<&Path>, CliError> {
         let path = self.output.filter(|_| self.keeps_refutation);
         match (path, &decision.answer) {
-            (Some(path), Answer::Infeasible(proof)) => {
+            (Some(path), Answer::Infeasible(proof) | Answer::Undecided(Some(proof))) => {
                 files::write(path, &proof.file.to_json())?;
                 Ok(Some(path))
             }
@@ -231,9 +236,10 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         let mut told = json!({
             "status": "solved",
             "verdict": report.verdict,
-            "gamma": part.gamma,
-            "guaranteed_gain": part.guaranteed_gain,
-            "xi": part.xi,
+            "gamma": claims.number(part.gamma),
+            "guaranteed_gain": claims.number(part.guaranteed_gain),
+            "xi": claims.number(part.xi),
+            "optimality": design.optimality.filter(|_| report.verdict == Verdict::Proved),
             "form": design.file.provenance.form,
             "vertices": vertices,
             "solve_seconds": design.solve_seconds,
@@ -258,18 +264,21 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     if let Some(check) = &check {
         cross_check::tell(check);
     }
-    print(&format!("gamma: {:.6}", part.gamma));
-    print(&format!(
-        "guaranteed gain: {:.6} (sup|y| / sup|tau| from rest)",
-        part.guaranteed_gain
-    ));
+    if report.verdict == Verdict::Proved {
+        print(&format!("gamma: {:.6}", part.gamma));
+        print(&format!(
+            "guaranteed gain: {:.6} (sup|y| / sup|tau| from rest)",
+            part.guaranteed_gain
+        ));
+    }
     if let Some(angle) = claims.certified_angle_deg() {
         print(&format!(
             "certified set: every attitude at rest up to {angle:.3} deg"
         ));
     }
     claims.lines().iter().for_each(|line| print(line));
-    print(&describe(&report));
+    let remark = design.optimality.and_then(|optimality| optimality.remark());
+    print(&describe(&report, remark.as_deref()));
     print_end(kept, report.verdict);
     Ok(exit_code(report.verdict))
 }
@@ -303,6 +312,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
                 "certified_angle_deg": null,
                 "shortfall": decision.shortfall.as_deref().map(reach::shortfall_json),
                 "feasibility": feasibility::verdict(&decision.answer),
+                "shown": feasibility::shown(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
                 "blocking_gains": feasibility::blocking_gains(&decision.answer),
                 "slack": decision.slack,
@@ -321,7 +331,10 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
     print(&headline(args, decision, status));
     match feasibility::slack_line(decision.slack) {
         Some(line) => print(&line),
-        None if matches!(decision.answer, Answer::Infeasible(_)) => {}
+        None if matches!(
+            decision.answer,
+            Answer::Infeasible(_) | Answer::Undecided(Some(_))
+        ) => {}
         None => print("the smallest slack could not be computed either"),
     }
     for line in feasibility::blocking_lines(&decision.blocking) {
@@ -344,13 +357,13 @@ pub(super) fn describe_run(run: &SolverRun) -> String {
 fn headline(args: &Ending, decision: &Decision, status: &str) -> String {
     let model = args.model_path.display();
     match (&decision.answer, status) {
-        (Answer::Infeasible(_), _) => {
+        (Answer::Infeasible(_) | Answer::Undecided(Some(_)), _) => {
             format!("{model}: {}", feasibility::headline(&decision.answer))
         }
-        (_, "infeasible") => format!(
-            "{model}: no {} exists, says the solver (not proved)",
+        (_, "undecided") => format!(
+            "{model}: UNDECIDED: no {} was found, and none was proved not to exist",
             args.what
         ),
-        _ => format!("{model}: the solver failed numerically"),
+        _ => format!("{model}: the solvers failed numerically"),
     }
 }

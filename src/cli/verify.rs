@@ -40,9 +40,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
         let mut told = json!({
             "verdict": report.verdict,
             "worst": report.worst(),
-            "gamma": design.certificate.gamma,
-            "guaranteed_gain": design.certificate.guaranteed_gain,
-            "xi": design.certificate.xi,
+            "gamma": claims.number(design.certificate.gamma),
+            "guaranteed_gain": claims.number(design.certificate.guaranteed_gain),
+            "xi": claims.number(design.certificate.xi),
             "conditions": report.conditions,
             "not_covered": report.not_covered,
         });
@@ -54,9 +54,11 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
             design.name,
             args.file.display()
         ));
-        print(&describe(&report));
-        print(&format!("gamma: {}", design.certificate.gamma));
-        claims.lines().iter().for_each(|line| print(line));
+        print(&describe(&report, None));
+        if report.verdict == Verdict::Proved {
+            print(&format!("gamma: {}", design.certificate.gamma));
+            claims.lines().iter().for_each(|line| print(line));
+        }
     }
     Ok(exit_code(report.verdict))
 }
@@ -69,29 +71,26 @@ pub fn exit_code(verdict: Verdict) -> ExitCode {
     }
 }
 
-/// The verdict in words.
-pub fn describe(report: &Report) -> String {
-    let mut out = String::new();
+/// The verdict in words, with a remark on its line where there is one. What is not proved claims nothing and ends
+/// with its verdict.
+pub fn describe(report: &Report, remark: Option<&str>) -> String {
+    let failed = report.conditions.iter();
+    let failed = failed.filter(|condition| condition.margin < 0.0);
+    let failed = failed.map(|condition| format!("  not proved: {}", describe_margin(condition)));
+    let worst = report.worst();
+    let worst = worst.map(|worst| format!("worst condition: {}", describe_margin(worst)));
+    let count = format!("{} conditions checked", report.conditions.len());
+    let mut lines: Vec<String> = worst.into_iter().chain(failed).chain([count]).collect();
     match report.verdict {
-        Verdict::Proved => out.push_str("verdict: PROVED\n"),
-        Verdict::NotProved => out.push_str("verdict: NOT PROVED\n"),
+        Verdict::Proved => {
+            let remark = remark.map_or(String::new(), |remark| format!(", {remark}"));
+            lines.insert(0, format!("verdict: PROVED{remark}"));
+            lines.push("the proof assumes:".to_string());
+            lines.extend(report.not_covered.iter().map(|item| format!("  - {item}")));
+        }
+        Verdict::NotProved => lines.push("verdict: NOT PROVED".to_string()),
     }
-    if let Some(worst) = report.worst() {
-        out.push_str(&format!("worst condition: {}\n", describe_margin(worst)));
-    }
-    let failed = report
-        .conditions
-        .iter()
-        .filter(|condition| condition.margin < 0.0);
-    for condition in failed {
-        out.push_str(&format!("  not proved: {}\n", describe_margin(condition)));
-    }
-    out.push_str(&format!("{} conditions checked\n", report.conditions.len()));
-    out.push_str("the proof assumes:");
-    for item in &report.not_covered {
-        out.push_str(&format!("\n  - {item}"));
-    }
-    out
+    lines.join("\n")
 }
 
 fn describe_margin(condition: &ConditionMargin) -> String {

@@ -77,6 +77,20 @@ pub enum FitError {
     },
 }
 
+/// A design that proves something about its gains but is no law that can be run: how they are weighted at a
+/// state is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the design has {gains} gains for a model with {rules} rules: how they are mixed is not known, so it is no \
+     controller that can be run"
+)]
+pub struct NoLaw {
+    /// Gains of the design.
+    pub gains: usize,
+    /// Rules whose memberships the model states.
+    pub rules: usize,
+}
+
 /// Ratios of moments of inertia, plant to model, at which a design is still tried.
 const INERTIA_RATIOS: [f64; 2] = [0.5, 2.0];
 
@@ -108,6 +122,19 @@ impl Design {
     /// True when every condition is proved.
     pub fn proved(&self) -> bool {
         self.report.verdict == Verdict::Proved
+    }
+
+    /// Number of gains of the law: one, or one for each rule of the model.
+    ///
+    /// # Errors
+    /// Gains without memberships.
+    pub fn law_gains(&self) -> Result<usize, NoLaw> {
+        let gains = self.certificate.gain_count();
+        let rules = self.model.plant.membership_count().unwrap_or(0);
+        match gains == 1 || gains == rules {
+            true => Ok(gains),
+            false => Err(NoLaw { gains, rules }),
+        }
     }
 
     /// Refuses a design that is made for another plant.

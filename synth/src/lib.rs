@@ -13,6 +13,7 @@ pub mod feasibility;
 pub mod fuzzy;
 pub mod lmi;
 pub mod model;
+pub mod optimality;
 pub mod problem;
 pub mod reduce;
 pub mod scaling;

@@ -167,7 +167,7 @@ fn judge(seed: u64, count: usize) {
                 infeasible += 1;
                 true
             }
-            Answer::Unknown => {
+            Answer::Undecided(_) => {
                 unknown += 1;
                 eprintln!(
                     "unknown: round {round}, {}, slack {slack:e}",

@@ -26,6 +26,9 @@ pub fn design(path: &Path, format: FormatArg) -> Result<Exported, CliError> {
         }
         Some(Kind::Design) | None => {
             let design = Design::from_json(&text).map_err(|fault| CliError::file(path, fault))?;
+            design
+                .law_gains()
+                .map_err(|fault| CliError::unsuitable(path, fault))?;
             DesignData::of_design(&design)
         }
         Some(other) => {

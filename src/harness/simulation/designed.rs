@@ -32,15 +32,7 @@ pub(super) fn designed<const N: usize, const M: usize, U: Use<N, M>>(
     design: &Design,
     then: U,
 ) -> Result<U::Output, SimulateError> {
-    let count = design.certificate.gain_count();
-    let known = design.model.plant.membership_count();
-    if count > 1 && known != Some(count) {
-        return Err(SimulateError::NoMemberships {
-            gains: count,
-            rules: known.unwrap_or(0),
-        });
-    }
-    Ok(match count {
+    Ok(match design.law_gains()? {
         1 => then.with(local::<N, M, 1>(design)?),
         2 => then.with(local::<N, M, 2>(design)?),
         3..=4 => then.with(local::<N, M, 4>(design)?),
@@ -85,14 +77,10 @@ pub(super) fn on_the_box<U: Use<6, 3>>(
     then: U,
 ) -> Result<U::Output, SimulateError> {
     let region = RigidBodyBox::new(craft.rate_bound.into(), craft.scalar_part_min)?;
-    match design.certificate.gain_count() {
-        1 => Ok(then.with::<_, 1>(controller(design, region)?)),
-        RIGID_BODY_VERTICES => Ok(then.with::<_, RIGID_BODY_VERTICES>(controller(design, region)?)),
-        gains => Err(SimulateError::NoMemberships {
-            gains,
-            rules: RIGID_BODY_VERTICES,
-        }),
-    }
+    Ok(match design.law_gains()? {
+        1 => then.with::<_, 1>(controller(design, region)?),
+        _ => then.with::<_, RIGID_BODY_VERTICES>(controller(design, region)?),
+    })
 }
 
 fn controller<S, const N: usize, const M: usize, const R: usize>(

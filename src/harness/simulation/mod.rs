@@ -11,7 +11,7 @@ pub use attitude_log::{AttitudeLog, SettleRule};
 
 use runtime::error::ParameterError;
 
-use super::design::{Design, FitError};
+use super::design::{Design, FitError, NoLaw};
 use super::recorder::Table;
 use super::scenario::{ControllerChoice, Scenario, System};
 use super::summary::Summary;
@@ -62,17 +62,9 @@ pub enum SimulateError {
     /// The codec refuses the link.
     #[error("field 'link': {0}")]
     Link(ParameterError),
-    /// Several gains and no memberships to weigh them with.
-    #[error(
-        "the design has {gains} gains, but its model has {rules} memberships; such a design can be proved \
-         for any weights, but not run"
-    )]
-    NoMemberships {
-        /// Number of gains.
-        gains: usize,
-        /// Number of memberships.
-        rules: usize,
-    },
+    /// The design's gains are no law that can be run.
+    #[error(transparent)]
+    NoLaw(#[from] NoLaw),
     /// The plant is to be weighted by the memberships of a model that has none.
     #[error(
         "field 'system.takagi_sugeno.mixing': \"model\" needs a design whose model has local rules, as \

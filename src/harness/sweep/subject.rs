@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
-use synth::feasibility::{Answer, Decision};
+use synth::feasibility::Decision;
 use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile, Objective};
 use synth::solve::{Backend, Clarabel, Observer, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
@@ -265,13 +265,8 @@ fn run_model(
     let outcome = synthesis::synthesize(&model, text, solver.form(), backend.as_ref(), observer);
     match outcome {
         Ok(Outcome::Solved(design)) => designed(values, &design),
-        Ok(Outcome::Infeasible(decision)) => {
-            let verdict = match decision.answer {
-                Answer::Infeasible(_) => "infeasible",
-                _ => "infeasible_not_proved",
-            };
-            failed(values, verdict, &decision)
-        }
+        Ok(Outcome::Infeasible(decision)) => failed(values, "infeasible", &decision),
+        Ok(Outcome::Undecided(decision)) => failed(values, "undecided", &decision),
         Ok(Outcome::SolverFailed(decision)) => failed(values, "solver_failed", &decision),
         Err(error) => PointOutcome::invalid(values, error),
     }

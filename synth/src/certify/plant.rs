@@ -79,7 +79,8 @@ impl<S: Scalar> DescriptorPlant<S> {
     /// which make every proof fail that uses them.
     pub fn explicit(plant: &Plant) -> Self {
         let implicit = DescriptorPlant::new(plant);
-        if let Plant::Vertices(_) = plant {
+        // Only a rigid body is kept multiplied by its inertia.
+        if plant.inertia().is_none() {
             return implicit;
         }
         let inverse = inverse_of_descriptor(&implicit.descriptor);

@@ -78,6 +78,7 @@ fn name_of(vertex: usize, choice: &[bool]) -> String {
 impl DesignProblem for SaturatedRegion {
     const NAME: &'static str = "saturated_region";
     const GUARANTEE: &'static str = "beta: beta times the reference set lies in the region";
+    const LARGER_IS_BETTER: bool = true;
     const AUXILIARY_GAINS: &'static [&'static str] = &["saturation_gain"];
 
     /// The unit of the state is about what the saturated input moves in a unit of time.

@@ -22,6 +22,9 @@ pub trait DesignProblem: Sized {
     /// What the guaranteed number is.
     const GUARANTEE: &'static str;
 
+    /// True when a larger guaranteed number is the better one.
+    const LARGER_IS_BETTER: bool = false;
+
     /// Names of further m x n gains that the proof needs, in alphabetical order. Synthesis has them as
     /// Z = H Q.
     const AUXILIARY_GAINS: &'static [&'static str] = &[];

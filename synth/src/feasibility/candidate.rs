@@ -122,7 +122,7 @@ impl Source<'_> {
                 unit: dual.view((n, n), (rows, rows)).into_owned(),
             })
         });
-        let contained = self.model.file.specs.must_contain.len();
+        let contained = self.task.specification.must_contain.len();
         let must_contain = (1..=contained).map(|state| {
             let dual = duals.get(&format!("must contain state {state}"))?;
             Some(self.state(dual))

@@ -15,13 +15,13 @@ use crate::model::{check_matrix, check_positive, check_symmetric, finite, Model,
 impl WeightsFile {
     /// The numbers as written, `None` without weights of a gain. Those too small to be allowed in a file
     /// become 0.
-    pub(super) fn new(weights: &Weights, model: &Model) -> Option<Self> {
+    pub(super) fn new(weights: &Weights) -> Option<Self> {
         let region = |weight: &RegionWeight| RegionWeightFile {
             state: rows(&weight.state),
             cross: rows(&weight.cross),
             unit: rows(&weight.unit),
         };
-        let contains = !model.file.specs.must_contain.is_empty();
+        let contains = !weights.must_contain.is_empty();
         let (first, further) = weights.gains.split_first()?;
         Some(WeightsFile {
             containment_weight: contains.then_some(weights.containment_weight),
@@ -45,7 +45,11 @@ impl WeightsFile {
         let system = model.plant.nominal().takagi_sugeno();
         let n = system.states();
         check_length("region", self.region.len(), system.region.len())?;
-        let contained = model.file.specs.must_contain.len();
+        // Without them the statement is about every rho.
+        let contained = match self.must_contain.is_empty() && self.containment_weight.is_none() {
+            true => 0,
+            false => model.file.specs.must_contain.len(),
+        };
         check_length("must_contain", self.must_contain.len(), contained)?;
         let bounds = self.region.iter().zip(&system.region).enumerate();
         let region = bounds.map(|(index, (weight, bound))| {

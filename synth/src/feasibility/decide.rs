@@ -3,7 +3,7 @@
 use super::candidate::Source;
 use super::centre::centred;
 use super::file::{InfeasibilityFile, WeightsFile};
-use crate::certify::infeasible::{refute, Refutation, Weights};
+use crate::certify::infeasible::{refute, Limit, Refutation, Weights};
 use crate::certify::Verdict;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
@@ -16,7 +16,7 @@ use crate::synthesis::{
     SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 
-/// A proved no.
+/// Proved weights, and what they leave open.
 #[derive(Debug, Clone)]
 pub struct Infeasible {
     /// The file that proves it.
@@ -24,6 +24,8 @@ pub struct Infeasible {
     /// No design exists whose multiplier Qh has all entries (SI units) within this bound; the largest
     /// double when none is needed.
     pub bound: f64,
+    /// The designs that are not covered; none in a proof that no design exists.
+    pub limits: Vec<Limit>,
 }
 
 /// The answer.
@@ -33,8 +35,8 @@ pub enum Answer {
     Feasible(Box<Synthesized>),
     /// No design exists: proved.
     Infeasible(Box<Infeasible>),
-    /// Neither is proved.
-    Unknown,
+    /// Neither is proved; with what was proved about a part of the designs.
+    Undecided(Option<Box<Infeasible>>),
 }
 
 /// The answer and what is known beside it.
@@ -72,7 +74,7 @@ pub fn decide(
     )
 }
 
-/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Unknown`]. The other
+/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The other
 /// solver is asked where the structured one, which is faster here, does not know.
 pub(super) fn look_for_a_design(
     model: &Model,
@@ -99,11 +101,18 @@ pub(crate) fn decide_after(
     search: &mut Search,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
+    let other = search.alternative();
     // The full form's dual solution has not the blocks of a proof.
-    let mut searches = [
+    let mut searches = vec![
         search.fresh(Form::Reduced),
         search.with_backend(Form::Slack, &structured),
     ];
+    if let Some(other) = other
+        .as_deref()
+        .filter(|other| other.solver() != structured.solver())
+    {
+        searches.push(search.with_backend(Form::Reduced, other));
+    }
     let subject = Subject {
         form: Form::Reduced,
         ..subject
@@ -179,26 +188,36 @@ fn settle(
     let mut design = None;
     let mut open = false;
     let mut units = FIRST_UNITS;
+    let mut ask = Asking {
+        searches,
+        sought,
+        most_units,
+        out: &mut out,
+    };
     for &containment_weight in containment_weights(subject.model) {
         units.containment_weight = containment_weight;
-        let mut end = End::Open;
-        let solvers = searches.len();
-        let fractions = STATE_UNITS.iter().take(most_units);
-        let tries = fractions.flat_map(|&fraction| (0..solvers).map(move |k| (fraction, k)));
-        for (state_fraction, solver) in tries {
-            units.state_fraction = state_fraction;
-            end = attempt(subject, &mut searches[solver], units, sought, &mut out)?;
-            if !matches!(end, End::Open) {
-                break;
-            }
-        }
-        match end {
+        match ask.in_all_units(subject, &mut units)? {
             End::Point(found) => {
                 design = Some(found);
                 break;
             }
             End::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
             End::Denied | End::Open => open = true,
+        }
+    }
+    let contains = !subject.task.specification.must_contain.is_empty();
+    if design.is_none() && contains && sought != Sought::Design {
+        // What cannot hold without containment cannot hold for any rho.
+        let mut task = subject.task.clone();
+        task.specification.must_contain.clear();
+        let free = Subject {
+            task: &task,
+            ..subject
+        };
+        ask.sought = Sought::Refutation;
+        if let End::Refuted(weights, refutation) = ask.in_all_units(free, &mut units)? {
+            refuted = vec![(*weights, refutation)];
+            open = false;
         }
     }
     let runs: Vec<SolverRun> = searches.iter().flat_map(|s| s.runs.clone()).collect();
@@ -209,7 +228,7 @@ fn settle(
             design.file.provenance.solver_runs = runs.clone();
             Answer::Feasible(design)
         }
-        None if open => Answer::Unknown,
+        None if refuted.is_empty() => Answer::Undecided(None),
         None => {
             let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
             let bound = bounds.fold(f64::MAX, f64::min);
@@ -217,7 +236,17 @@ fn settle(
             let mut provenance = subject.provenance(units);
             provenance.solver_runs = runs.clone();
             let file = InfeasibilityFile::new(subject.model, subject.given, weights, provenance);
-            Answer::Infeasible(Box::new(Infeasible { file, bound }))
+            let limits = file.limits(subject.model)?;
+            let all = !open && limits.is_empty();
+            let proof = Box::new(Infeasible {
+                file,
+                bound,
+                limits,
+            });
+            match all {
+                true => Answer::Infeasible(proof),
+                false => Answer::Undecided(Some(proof)),
+            }
         }
     };
     Ok(Decision {
@@ -228,6 +257,34 @@ fn settle(
         solve_seconds,
         runs,
     })
+}
+
+/// Which solvers are asked for what.
+struct Asking<'a, 'b> {
+    searches: &'a mut [Search<'b>],
+    sought: Sought,
+    most_units: usize,
+    out: &'a mut Found,
+}
+
+impl Asking<'_, '_> {
+    /// Asks one solver after the other, in one state unit after the other, until there is an answer.
+    fn in_all_units(
+        &mut self,
+        subject: Subject,
+        units: &mut ProblemUnits,
+    ) -> Result<End, SynthesisError> {
+        for &state_fraction in STATE_UNITS.iter().take(self.most_units) {
+            units.state_fraction = state_fraction;
+            for search in self.searches.iter_mut() {
+                let end = attempt(subject, search, *units, self.sought, self.out)?;
+                if !matches!(end, End::Open) {
+                    return Ok(end);
+                }
+            }
+        }
+        Ok(End::Open)
+    }
 }
 
 fn attempt(
@@ -345,7 +402,7 @@ fn refutable(task: &Task) -> bool {
 
 /// The weights as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
-    let file = WeightsFile::new(&source.weights()?, source.model)?;
+    let file = WeightsFile::new(&source.weights()?)?;
     let weights = file.weights(source.model, source.given).ok()?;
     Some((file, weights))
 }

@@ -12,6 +12,7 @@ mod decide;
 mod file;
 mod given;
 mod relax;
+mod size;
 
 pub use decide::{decide, Answer, Decision, Infeasible};
 pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};

@@ -42,6 +42,18 @@ pub enum SdpaError {
         /// Largest value allowed.
         most: usize,
     },
+    /// A list of the header has fewer or more numbers than it should.
+    #[error("line {line}: {what} must be {expected} numbers, and {found} stand up to the end of this line")]
+    WrongCount {
+        /// Last line of the list, from 1.
+        line: usize,
+        /// Which list.
+        what: &'static str,
+        /// Numbers there should be.
+        expected: usize,
+        /// Numbers found.
+        found: usize,
+    },
     /// An entry has the wrong number of words.
     #[error("line {line}: an entry has five numbers (matrix, block, row, column, value), this line has {found}")]
     NotAnEntry {
@@ -236,7 +248,8 @@ impl<'a> Reader<'a> {
         )
     }
 
-    /// So many words, on one line or more. The rest of the last line is left out: it may be a remark.
+    /// So many numbers, on one line or more. What follows the last one on its line may be a remark, but no
+    /// number: then one is missing before, or there is one too many.
     fn words(
         &mut self,
         count: usize,
@@ -246,17 +259,45 @@ impl<'a> Reader<'a> {
         let mut out = Vec::new();
         while out.len() < count {
             let (line, text) = self.line().ok_or(SdpaError::Ends { what })?;
+            let wrong = |found: usize| SdpaError::WrongCount {
+                line,
+                what,
+                expected: count,
+                found,
+            };
+            if !out.is_empty() && looks_like_entry(text) {
+                return Err(wrong(out.len()));
+            }
             let missing = count - out.len();
             let words = split(text).map(|word| (line, word));
-            let usable = words.map(|(line, word)| match whole {
+            let mut usable = words.map(|(line, word)| match whole {
                 // Some writers put a plus sign before sizes.
                 true => (line, word.trim_start_matches('+')),
                 false => (line, word),
             });
-            out.extend(usable.take(missing));
+            out.extend(usable.by_ref().take(missing));
+            let more = usable.take_while(|(_, word)| word.parse::<f64>().is_ok());
+            match more.count() {
+                0 => {}
+                more => return Err(wrong(count + more)),
+            }
         }
         Ok(out)
     }
+}
+
+/// True for a line that can be an entry: four whole numbers, of which the last three are at least 1, and a number.
+fn looks_like_entry(text: &str) -> bool {
+    let words: Vec<&str> = split(text).collect();
+    let [matrix, indices @ .., value] = words.as_slice() else {
+        return false;
+    };
+    indices.len() == 3
+        && matrix.parse::<usize>().is_ok()
+        && indices
+            .iter()
+            .all(|word| word.parse::<usize>().is_ok_and(|index| index > 0))
+        && value.parse::<f64>().is_ok()
 }
 
 /// Words between blanks, commas, parentheses and braces.

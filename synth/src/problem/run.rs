@@ -14,7 +14,8 @@ use crate::conditions::xu2020::Strictness;
 use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
 use crate::feasibility::centred;
 use crate::lmi::{self, svec_index, Affine, Cone, Semidefinite, Unknowns};
-use crate::solve::{Accuracy, Backend, Observer, Solution, Status};
+use crate::optimality::Optimality;
+use crate::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
 use crate::synthesis::{blocking, generator, now, run_solver, sha256_of, Sought, SynthesisError};
 
 /// Margin of every strict inequality in the first solve, in scaled units.
@@ -48,6 +49,8 @@ pub struct ProblemSynthesized {
     pub report: Report,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
+    /// The guarantee beside the best one that a solver reported.
+    pub optimality: Option<Optimality>,
 }
 
 /// Why there is no feedback.
@@ -55,7 +58,7 @@ pub struct ProblemSynthesized {
 pub struct ProblemFailure {
     /// The smallest slack with which all conditions hold, in scaled units, where the solver found it.
     pub slack: Option<f64>,
-    /// Where it is proved that there is no solution.
+    /// What is proved about solutions that there are not; [`Excluded::conclusive`] says whether that is all of them.
     pub excluded: Option<Excluded>,
     /// The conditions with the largest share of the dual solution: those that block.
     pub blocking: Vec<(String, f64)>,
@@ -70,9 +73,11 @@ pub struct ProblemFailure {
 pub enum ProblemOutcome {
     /// A feedback; its report says whether it is proved.
     Solved(Box<ProblemSynthesized>),
-    /// The solver says that there is none.
+    /// There is none: proved.
     Infeasible(ProblemFailure),
-    /// The solver gave up.
+    /// Neither a feedback nor its impossibility is proved.
+    Undecided(ProblemFailure),
+    /// The solvers gave up.
     SolverFailed(ProblemFailure),
 }
 
@@ -202,6 +207,19 @@ pub struct Excluded {
     /// What every condition exceeds in such a solution; 0 excludes solutions that are not strict too. Conditions
     /// without a constant part hold at zero, and only a margin excludes anything.
     pub margin: f64,
+    /// The largest scalar unknown that any solver returned for the problem or its relaxation, at least 1.
+    pub largest_returned: f64,
+}
+
+/// A radius must exceed what solvers returned by this factor before it counts as no bound at all.
+const RADIUS_FACTOR: f64 = 1e6;
+
+impl Excluded {
+    /// True when the statement needs no bound on the unknowns, or one so far beyond every point that a solver
+    /// returned that it does not matter.
+    pub fn conclusive(&self) -> bool {
+        self.radius == f64::INFINITY || self.radius >= RADIUS_FACTOR * self.largest_returned
+    }
 }
 
 /// Dual weights of the smallest slack as a proof that there is no solution.
@@ -210,6 +228,7 @@ fn excluded<P: DesignProblem>(
     plant: &VertexPlant,
     smallest_slack: &Program,
     solution: &Solution,
+    largest_returned: f64,
 ) -> Option<Excluded> {
     let problem = smallest_slack.problem.lower();
     let excess = solution.objective - SLACK_MARGIN;
@@ -217,15 +236,47 @@ fn excluded<P: DesignProblem>(
     let centres = targets.map(|target| centred(&problem, &solution.duals, -target));
     let pushes = PUSHES.iter();
     let pushed = pushes.map(|&push| pushed(&problem, &solution.duals, push));
-    let candidates: Vec<_> = centres.into_iter().flatten().chain(pushed).collect();
+    let carried = targets.map(|target| carried_only(&problem, &solution.duals, -target));
+    let centres = centres.into_iter().chain(carried).flatten();
+    let candidates: Vec<_> = centres.chain(pushed).collect();
     [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
         let bare = program(asked, plant, Goal::Margin(margin)).problem.lower();
         let radii = candidates
             .iter()
             .map(|weights| exclude(&bare, weights).radius);
         let radius = radii.fold(0.0, f64::max);
-        (radius > 0.0).then_some(Excluded { radius, margin })
+        (radius > 0.0).then_some(Excluded {
+            radius,
+            margin,
+            largest_returned,
+        })
     })
+}
+
+/// The centred weights of the cones that carry the dual solution, zero for all others. A weight that must vanish,
+/// such as that of a bound on the objective, has no middle and would spoil the others'.
+fn carried_only(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Option<Vec<Vec<f64>>> {
+    let trace = |(cone, dual): (&Cone, &Vec<f64>)| -> f64 {
+        (0..cone.side).map(|k| dual[svec_index(k, k)]).sum()
+    };
+    let traces: Vec<f64> = problem.cones.iter().zip(duals).map(trace).collect();
+    let least = NEGLIGIBLE * traces.iter().sum::<f64>();
+    let carries = |index: &usize| traces[*index] > least;
+    let kept: Vec<usize> = (0..traces.len()).filter(carries).collect();
+    let part = Semidefinite {
+        cones: kept
+            .iter()
+            .map(|&index| problem.cones[index].clone())
+            .collect(),
+        ..problem.clone()
+    };
+    let own: Vec<Vec<f64>> = kept.iter().map(|&index| duals[index].clone()).collect();
+    let centred = centred(&part, &own, target)?;
+    let mut out: Vec<Vec<f64>> = duals.iter().map(|dual| vec![0.0; dual.len()]).collect();
+    for (index, weight) in kept.into_iter().zip(centred) {
+        out[index] = weight;
+    }
+    Some(out)
 }
 
 /// The dual matrices with a share of the mean of their eigenvalues added to each.
@@ -243,16 +294,23 @@ fn pushed(problem: &Semidefinite, duals: &[Vec<f64>], share: f64) -> Vec<Vec<f64
     cones().map(one).collect()
 }
 
+/// Cones whose dual matrix has less than this part of all traces carry nothing.
+const NEGLIGIBLE: f64 = 1e-5;
+
 struct Run<'a> {
     problem: &'a Problem,
     text: &'a str,
-    backend: &'a dyn Backend,
     observer: Option<Observer>,
     runs: Vec<SolverRun>,
+    /// The largest scalar unknown that a solver returned, at least 1.
+    largest_returned: f64,
+    /// The best guarantee that a solver reported.
+    best_seen: Option<f64>,
 }
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
-/// provenance). Only the check decides whether the feedback is proved.
+/// provenance). Where the given solver finds no feedback that is proved, the other one is asked. Only the check
+/// decides whether the feedback is proved.
 pub fn synthesize(
     problem: &Problem,
     text: &str,
@@ -262,53 +320,114 @@ pub fn synthesize(
     let mut run = Run {
         problem,
         text,
-        backend,
         observer,
         runs: Vec::new(),
+        largest_returned: 1.0,
+        best_seen: None,
     };
-    with_problem!(&problem.task, asked => run.solve(asked))
+    let other = alternative(backend);
+    let solvers: Vec<&dyn Backend> = [backend].into_iter().chain(other.as_deref()).collect();
+    with_problem!(&problem.task, asked => run.solve(asked, &solvers))
 }
 
 fn usable(solution: &Solution) -> bool {
     matches!(solution.status, Status::Solved | Status::Inaccurate)
 }
 
+/// What a solver came to without a proved feedback.
+struct Attempt {
+    unproved: Option<Box<ProblemSynthesized>>,
+    refused: bool,
+}
+
 impl Run<'_> {
-    fn solve<P: DesignProblem>(&mut self, asked: &P) -> Result<ProblemOutcome, SynthesisError> {
+    fn solve<P: DesignProblem>(
+        &mut self,
+        asked: &P,
+        solvers: &[&dyn Backend],
+    ) -> Result<ProblemOutcome, SynthesisError> {
         let units = asked.units(&self.problem.plant);
-        let scaled = asked.in_units(&units);
-        let plant = self.problem.plant.in_units(&units);
-        let (_, smallest) = self.run(&scaled, &plant, Goal::SmallestObjective)?;
         let mut unproved = None;
-        if usable(&smallest) && smallest.objective > 0.0 {
-            for room in ROOMS {
-                let objective = smallest.objective * (1.0 + room);
-                let goal = Goal::LargestMargin { objective };
-                let (inside, solution) = self.run(&scaled, &plant, goal)?;
-                let given = &self.problem.plant;
-                let found = recover(asked, given, &units, &inside.hatted, &solution, objective);
-                let Some(found) = found else { continue };
-                let design = self.finish(&found)?;
-                if design.report.verdict == Verdict::Proved {
-                    return Ok(ProblemOutcome::Solved(design));
+        let mut refused = false;
+        for &backend in solvers {
+            match self.attempt(asked, &units, backend)? {
+                Ok(design) => return Ok(ProblemOutcome::Solved(design)),
+                Err(attempt) => {
+                    unproved = unproved.or(attempt.unproved);
+                    refused |= attempt.refused;
                 }
-                unproved = Some(design);
             }
         }
         if let Some(design) = unproved {
             return Ok(ProblemOutcome::Solved(design));
         }
-        let failure = self.explain(&scaled, &plant)?;
-        let refused = smallest.status == Status::Infeasible;
-        Ok(match failure.slack {
-            Some(slack) if slack > SLACK_SHARE * SLACK_MARGIN => {
-                ProblemOutcome::Infeasible(failure)
-            }
-            None if refused => ProblemOutcome::Infeasible(failure),
-            _ if failure.excluded.is_some() => ProblemOutcome::Infeasible(failure),
-            // The solver contradicts itself, or never got anywhere.
-            _ => ProblemOutcome::SolverFailed(failure),
+        let failure = self.explain(asked, &units, solvers)?;
+        let blocked = match failure.slack {
+            Some(slack) => slack > SLACK_SHARE * SLACK_MARGIN,
+            None => refused,
+        };
+        Ok(match failure.excluded {
+            Some(excluded) if excluded.conclusive() => ProblemOutcome::Infeasible(failure),
+            Some(_) => ProblemOutcome::Undecided(failure),
+            None if blocked => ProblemOutcome::Undecided(failure),
+            // The solvers contradict themselves, or never got anywhere.
+            None => ProblemOutcome::SolverFailed(failure),
         })
+    }
+
+    /// A proved feedback by one solver, or what it came to.
+    fn attempt<P: DesignProblem>(
+        &mut self,
+        asked: &P,
+        units: &Units,
+        backend: &dyn Backend,
+    ) -> Result<Result<Box<ProblemSynthesized>, Attempt>, SynthesisError> {
+        let scaled = asked.in_units(units);
+        let given = &self.problem.plant;
+        let plant = given.in_units(units);
+        let (program, smallest) = self.run(&scaled, &plant, Goal::SmallestObjective, backend)?;
+        let mut unproved = None;
+        if usable(&smallest) && smallest.objective > 0.0 {
+            let objective = smallest.objective;
+            let best = recover(asked, given, units, &program.hatted, &smallest, objective);
+            self.note::<P>(best.map(|best| best.guarantee));
+            for room in ROOMS {
+                let objective = smallest.objective * (1.0 + room);
+                let goal = Goal::LargestMargin { objective };
+                let (inside, solution) = self.run(&scaled, &plant, goal, backend)?;
+                let found = recover(asked, given, units, &inside.hatted, &solution, objective);
+                let Some(found) = found else { continue };
+                let design = self.finish::<P>(&found)?;
+                if design.report.verdict == Verdict::Proved {
+                    return Ok(Ok(design));
+                }
+                unproved = Some(design);
+            }
+        }
+        Ok(Err(Attempt {
+            unproved,
+            refused: smallest.status == Status::Infeasible,
+        }))
+    }
+
+    /// Keeps the best guarantee seen.
+    fn note<P: DesignProblem>(&mut self, guarantee: Option<f64>) {
+        let better: fn(f64, f64) -> f64 = match P::LARGER_IS_BETTER {
+            true => f64::max,
+            false => f64::min,
+        };
+        self.best_seen = match (self.best_seen, guarantee) {
+            (Some(best), Some(guarantee)) => Some(better(best, guarantee)),
+            (best, guarantee) => best.or(guarantee),
+        };
+    }
+
+    fn optimality<P: DesignProblem>(&self, found: &StateFeedback) -> Option<Optimality> {
+        let best = self.best_seen?;
+        match P::LARGER_IS_BETTER {
+            true => Optimality::of_largest(found.guarantee, best),
+            false => Optimality::of_smallest(found.guarantee, best),
+        }
     }
 
     fn run<P: DesignProblem>(
@@ -316,6 +435,7 @@ impl Run<'_> {
         asked: &P,
         plant: &VertexPlant,
         goal: Goal,
+        backend: &dyn Backend,
     ) -> Result<(Program, Solution), SynthesisError> {
         let program = program(asked, plant, goal);
         let sought = Sought {
@@ -324,13 +444,21 @@ impl Run<'_> {
             accuracy: goal.accuracy(),
         };
         let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(self.backend, &program.problem, &sought, observer)?;
+        let (solution, run) = run_solver(backend, &program.problem, &sought, observer)?;
         self.runs.push(run);
+        let sizes = solution.values.iter().map(|value| match value.is_nan() {
+            true => f64::INFINITY,
+            false => value.abs(),
+        });
+        self.largest_returned = sizes.fold(self.largest_returned, f64::max);
         Ok((program, solution))
     }
 
     /// Puts the file together and checks what a reader of its text would get.
-    fn finish(&self, found: &StateFeedback) -> Result<Box<ProblemSynthesized>, SynthesisError> {
+    fn finish<P: DesignProblem>(
+        &self,
+        found: &StateFeedback,
+    ) -> Result<Box<ProblemSynthesized>, SynthesisError> {
         let report = verify(self.problem, found);
         let (controller, certificate) = ProofFile::split(found);
         let file = ProblemDesignFile {
@@ -353,20 +481,37 @@ impl Run<'_> {
             file,
             report,
             solve_seconds: self.seconds(),
+            optimality: self.optimality::<P>(found),
         }))
     }
 
-    /// The smallest slack and the conditions that hold it up.
+    /// The smallest slack, the conditions that hold it up, and what the solvers' dual weights exclude.
     fn explain<P: DesignProblem>(
         &mut self,
         asked: &P,
-        plant: &VertexPlant,
+        units: &Units,
+        solvers: &[&dyn Backend],
     ) -> Result<ProblemFailure, SynthesisError> {
-        let (program, solution) = self.run(asked, plant, Goal::SmallestSlack)?;
+        let scaled = asked.in_units(units);
+        let plant = self.problem.plant.in_units(units);
+        let mut found = Vec::new();
+        for &backend in solvers {
+            found.push(self.run(&scaled, &plant, Goal::SmallestSlack, backend)?);
+        }
+        let largest = self.largest_returned;
+        let excluded = found
+            .iter()
+            .filter_map(|(program, solution)| excluded(&scaled, &plant, program, solution, largest))
+            .max_by(|a, b| a.radius.total_cmp(&b.radius));
+        let solved = found.iter().filter(|(_, solution)| usable(solution));
+        let smallest = solved.min_by(|a, b| a.1.objective.total_cmp(&b.1.objective));
+        let carrier = smallest.or(found.first());
         Ok(ProblemFailure {
-            excluded: excluded(asked, plant, &program, &solution),
-            slack: usable(&solution).then_some(solution.objective),
-            blocking: blocking(&program.problem.conditions, &solution),
+            excluded,
+            slack: smallest.map(|(_, solution)| solution.objective),
+            blocking: carrier.map_or(Vec::new(), |(program, solution)| {
+                blocking(&program.problem.conditions, solution)
+            }),
             solve_seconds: self.seconds(),
             runs: self.runs.clone(),
         })

@@ -6,7 +6,7 @@ use clarabel::solver::{
     SupportedConeT,
 };
 
-use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
+use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status};
 use crate::lmi::{svec_index, Cone, Semidefinite};
 
 /// In which cones explicit zeros are stored, so that every column that touches such a cone touches
@@ -53,6 +53,10 @@ const VERSION: &str = "0.11.1";
 impl Backend for Clarabel {
     fn name(&self) -> String {
         format!("{NAME} {VERSION}")
+    }
+
+    fn solver(&self) -> Option<Solver> {
+        Some(Solver::Clarabel)
     }
 
     fn solve(

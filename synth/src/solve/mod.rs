@@ -3,11 +3,13 @@
 //! What a solver returns is a candidate. Its status is reported to the user and trusted nowhere:
 //! whether a design is proved is decided by [`certify`](crate::certify) from the exported numbers.
 
+mod alternative;
 mod clarabel;
 pub mod lapack;
 mod residuals;
 mod structured;
 
+pub use alternative::alternative;
 pub use clarabel::{Clarabel, Padding};
 pub use residuals::{residuals, Residuals};
 pub use structured::{Structured, Timings};
@@ -97,6 +99,15 @@ pub struct Accuracy {
     pub objective_unit: f64,
 }
 
+/// The two solvers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solver {
+    /// The `clarabel` crate.
+    Clarabel,
+    /// The solver for few unknowns and many small cones.
+    Structured,
+}
+
 /// A semidefinite programming solver.
 pub trait Backend {
     /// Name and version, for the provenance of a design.
@@ -105,6 +116,11 @@ pub trait Backend {
     /// Vertices of a model that are put to this solver at once; of more, only those that matter.
     fn vertices_at_once(&self) -> usize {
         24
+    }
+
+    /// Which of the two solvers this is; `None` for any other.
+    fn solver(&self) -> Option<Solver> {
+        None
     }
 
     /// Minimises the objective of `problem` to the accuracy asked for; the observer is called between

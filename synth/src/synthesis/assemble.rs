@@ -4,7 +4,7 @@ use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictne
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, Problem, Unknowns};
 use crate::reduce::{self, Cliques};
-use crate::solve::Accuracy;
+use crate::solve::{Accuracy, Solver};
 
 /// How the decrease condition (18) is put to the solver; all have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +24,14 @@ impl Form {
             Form::Reduced => "reduced",
             Form::Slack => "slack",
             Form::Full => "full",
+        }
+    }
+
+    /// The form that a solver is fastest with.
+    pub fn suited_to(solver: Solver) -> Self {
+        match solver {
+            Solver::Clarabel => Form::Reduced,
+            Solver::Structured => Form::Slack,
         }
     }
 

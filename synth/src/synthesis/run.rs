@@ -9,11 +9,12 @@ use super::subject::{Part, Subject};
 use super::{Form, Goal};
 use crate::certify::{Report, Verdict};
 use crate::conditions::{GainPlan, Task};
-use crate::design::{recover, DesignFile, ProblemUnits, RecoverError};
+use crate::design::{recover, DesignFile, ProblemUnits, RecoverError, SolverRun};
 use crate::feasibility::{self, Answer, Decision};
 use crate::model::{Mismatch, Model, ModelError, Objective};
+use crate::optimality::Optimality;
 use crate::scaling::Scaling;
-use crate::solve::{Backend, Observer, SolveError, Status};
+use crate::solve::{alternative, Backend, Observer, SolveError, Status};
 
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;
@@ -64,6 +65,8 @@ pub struct Synthesized {
     pub report: Report,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
+    /// The objective beside the best one that a solver reported.
+    pub optimality: Option<Optimality>,
 }
 
 /// What synthesis found.
@@ -71,9 +74,11 @@ pub struct Synthesized {
 pub enum Outcome {
     /// A design; its report says whether it is proved.
     Solved(Box<Synthesized>),
-    /// No design exists: proved where the decision says so, the solver's opinion otherwise.
+    /// No design exists: proved.
     Infeasible(Decision),
-    /// The solver gave up on every attempt.
+    /// Neither a design nor its impossibility is proved.
+    Undecided(Decision),
+    /// The solvers gave up on every attempt.
     SolverFailed(Decision),
 }
 
@@ -133,10 +138,13 @@ pub fn synthesize(
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     if model.file.specs.objective == Objective::Both {
-        return Ok(synthesize_both(model, model_text, form, backend, observer)?.into());
+        let found = synthesize_both(model, model_text, form, backend, observer)?;
+        return Ok(found.into());
     }
     if outer::wanted(model) {
-        return outer::search(model, model_text, form, backend, observer);
+        return with_alternative(form, backend, |form, backend| {
+            outer::search(model, model_text, form, backend, observer.clone())
+        });
     }
     let task = model.task();
     let subject = Subject::of_model(model, model_text, &task, form);
@@ -189,6 +197,79 @@ pub fn analyse(
     Run { subject, search }.search()
 }
 
+/// Runs with a solver, and with the other one where it proves nothing. The better of the two outcomes is
+/// returned, with the runs of both.
+fn with_alternative(
+    form: Form,
+    backend: &dyn Backend,
+    run: impl Fn(Form, &dyn Backend) -> Result<Outcome, SynthesisError>,
+) -> Result<Outcome, SynthesisError> {
+    let first = run(form, backend)?;
+    let other = alternative(backend);
+    let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
+        return Ok(first);
+    };
+    let second = run(form_of(other, form), other)?;
+    Ok(match second.rank() > first.rank() {
+        true => second.after(&first),
+        false => first.after(&second),
+    })
+}
+
+/// The form for another solver: the one it is fastest with, unless the published one was asked for.
+pub(super) fn form_of(backend: &dyn Backend, asked: Form) -> Form {
+    match (asked, backend.solver()) {
+        (Form::Full, _) | (_, None) => asked,
+        (_, Some(solver)) => Form::suited_to(solver),
+    }
+}
+
+impl Outcome {
+    /// True for a proved design and for a proof that there is none.
+    pub fn is_proved(&self) -> bool {
+        self.rank() >= 3
+    }
+
+    /// The more is proved, the higher.
+    fn rank(&self) -> u8 {
+        match self {
+            Outcome::Solved(design) if design.report.verdict == Verdict::Proved => 4,
+            Outcome::Infeasible(_) => 3,
+            Outcome::Undecided(_) => 2,
+            Outcome::Solved(_) => 1,
+            Outcome::SolverFailed(_) => 0,
+        }
+    }
+
+    fn runs(&self) -> &[SolverRun] {
+        match self {
+            Outcome::Solved(design) => &design.file.provenance.solver_runs,
+            Outcome::Infeasible(decision)
+            | Outcome::Undecided(decision)
+            | Outcome::SolverFailed(decision) => &decision.runs,
+        }
+    }
+
+    /// The outcome with the runs of another one before its own.
+    fn after(mut self, other: &Outcome) -> Self {
+        let all: Vec<SolverRun> = other.runs().iter().chain(self.runs()).cloned().collect();
+        let seconds = all.iter().map(|run| run.seconds).sum();
+        match &mut self {
+            Outcome::Solved(design) => {
+                design.solve_seconds = seconds;
+                design.file.provenance.solver_runs = all;
+            }
+            Outcome::Infeasible(decision)
+            | Outcome::Undecided(decision)
+            | Outcome::SolverFailed(decision) => {
+                decision.solve_seconds = seconds;
+                decision.runs = all;
+            }
+        }
+        self
+    }
+}
+
 /// What the attempts in all units came to.
 #[derive(Default)]
 struct Found {
@@ -196,14 +277,65 @@ struct Found {
     best: Option<Box<Synthesized>>,
     /// A design that is not proved.
     unproved: Option<Box<Synthesized>>,
-    /// The units that gave no proved design, with the solver's smallest gain bound in each.
+    /// The units that gave a gain bound, with the solver's smallest in each.
     bounds: Vec<(ProblemUnits, f64)>,
     /// How often the solver called the problem infeasible.
     infeasible: u32,
 }
 
+impl Found {
+    /// Adds what another solver came to.
+    fn extend(&mut self, other: Found) {
+        self.best = self.best.take().or(other.best);
+        self.unproved = self.unproved.take().or(other.unproved);
+        self.bounds.extend(other.bounds);
+        self.infeasible += other.infeasible;
+    }
+
+    /// The smallest gain bound that a solver reported.
+    fn best_seen(&self) -> f64 {
+        let bounds = self.bounds.iter().map(|(_, bound)| *bound);
+        bounds.fold(f64::INFINITY, f64::min)
+    }
+}
+
 impl Run<'_> {
     fn search(mut self) -> Result<Outcome, SynthesisError> {
+        let mut found = self.look()?;
+        let other = self.search.alternative();
+        if let Some(other) = other.as_deref().filter(|_| found.best.is_none()) {
+            let form = form_of(other, self.subject.form);
+            let mut second = Run {
+                subject: Subject {
+                    form,
+                    ..self.subject
+                },
+                search: self.search.with_backend(form, other),
+            };
+            let looked = second.look();
+            self.search.runs.append(&mut second.search.runs);
+            found.extend(looked?);
+        }
+        if let Some(design) = found.best.take() {
+            return Ok(Outcome::Solved(self.closed(design, &found)));
+        }
+        let decision = feasibility::decide_after(self.subject, &mut self.search)?;
+        let slack = decision.slack;
+        let blocked = slack.map_or(found.infeasible > 0, |slack| slack > 0.0);
+        Ok(match (&decision.answer, found.unproved.take()) {
+            (Answer::Infeasible(_), _) => Outcome::Infeasible(decision),
+            // The point is a design too, if not one with a small gain.
+            (Answer::Feasible(design), _) => Outcome::Solved(self.closed(design.clone(), &found)),
+            (Answer::Undecided(Some(_)), _) => Outcome::Undecided(decision),
+            (Answer::Undecided(None), Some(design)) => Outcome::Solved(self.closed(design, &found)),
+            (Answer::Undecided(None), None) if blocked => Outcome::Undecided(decision),
+            // The solvers contradict themselves, or never got anywhere.
+            (Answer::Undecided(None), None) => Outcome::SolverFailed(decision),
+        })
+    }
+
+    /// Looks for a proved design with one solver.
+    fn look(&mut self) -> Result<Found, SynthesisError> {
         let mut found = Found::default();
         for &containment_weight in containment_weights(self.subject.model) {
             let first = self.unit_of_constant_gain(containment_weight)?;
@@ -212,21 +344,7 @@ impl Run<'_> {
         if found.best.is_none() {
             self.try_wider_rooms(&mut found)?;
         }
-        if let Some(design) = found.best {
-            return Ok(Outcome::Solved(self.closed(design)));
-        }
-        let decision = feasibility::decide_after(self.subject, &mut self.search)?;
-        let slack = decision.slack;
-        let opinion = slack.map_or(found.infeasible > 0, |slack| slack > 0.0);
-        Ok(match (&decision.answer, found.unproved) {
-            (Answer::Infeasible(_), _) => Outcome::Infeasible(decision),
-            // The point is a design too, if not one with a small gain.
-            (Answer::Feasible(design), _) => Outcome::Solved(self.closed(design.clone())),
-            (Answer::Unknown, Some(design)) => Outcome::Solved(self.closed(design)),
-            (Answer::Unknown, None) if opinion => Outcome::Infeasible(decision),
-            // The solver contradicts itself, or never got anywhere.
-            (Answer::Unknown, None) => Outcome::SolverFailed(decision),
-        })
+        Ok(found)
     }
 
     /// Tries larger gain bounds where none was proved with the usual room.
@@ -340,7 +458,9 @@ fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthe
 
 impl Run<'_> {
     /// A design with the record of all runs so far.
-    fn closed(&self, mut design: Box<Synthesized>) -> Box<Synthesized> {
+    fn closed(&self, mut design: Box<Synthesized>, found: &Found) -> Box<Synthesized> {
+        let gamma = design.file.certificate.gamma;
+        design.optimality = Optimality::of_smallest(gamma, found.best_seen());
         design.solve_seconds = self.search.seconds();
         design.file.provenance.solver_runs = self.search.runs.clone();
         design
@@ -379,7 +499,12 @@ impl Run<'_> {
         match recover(model, &assembled.design, &inside.values, &scaling) {
             Ok(certificate) => {
                 let radius = certified_radius(&certificate.lyapunov);
-                let design = self.subject.design(&certificate, units)?;
+                let design = match self.subject.design(&certificate, units) {
+                    Ok(design) => design,
+                    // Numbers that no design file may hold: a failed attempt.
+                    Err(SynthesisError::Invalid(_)) => return Ok(Attempt::Stuck),
+                    Err(other) => return Err(other),
+                };
                 Ok(match design.report.verdict {
                     Verdict::Proved => Attempt::Designed(design),
                     Verdict::NotProved => {

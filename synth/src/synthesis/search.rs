@@ -6,7 +6,7 @@ use super::solver::{run_solver, Sought};
 use super::{assemble_at, Assembled, Form, Goal};
 use crate::conditions::Task;
 use crate::design::SolverRun;
-use crate::solve::{Accuracy, Backend, Observer, Solution, Status};
+use crate::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
 
 /// A solver, what it is asked, and what it has done so far.
 pub(crate) struct Search<'a> {
@@ -38,6 +38,11 @@ impl<'a> Search<'a> {
     /// The same with another solver.
     pub fn with_backend<'b>(&self, form: Form, backend: &'b dyn Backend) -> Search<'b> {
         Search::new(form, backend, self.observer.clone())
+    }
+
+    /// The other solver.
+    pub fn alternative(&self) -> Option<Box<dyn Backend>> {
+        alternative(self.backend)
     }
 
     /// Time spent in solvers (s).

@@ -115,6 +115,7 @@ impl Subject<'_> {
             file,
             report,
             solve_seconds: 0.0,
+            optimality: None,
         }))
     }
 

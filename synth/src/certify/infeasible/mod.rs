@@ -24,6 +24,9 @@
 
 pub mod balance;
 mod end;
+mod scope;
+
+pub use scope::{limits, Limit};
 
 use nalgebra::DMatrix;
 
@@ -147,7 +150,8 @@ pub struct Weights {
     pub gains: Vec<GainWeights>,
     /// Weights of the region's conditions, in their order.
     pub region: Vec<RegionWeight>,
-    /// Weights of the containment conditions, n x n, symmetric, one for each state.
+    /// Weights of the containment conditions, n x n, symmetric, one for each state; empty where the rest is
+    /// refuted already, which covers every rho.
     pub must_contain: Vec<DMatrix<f64>>,
 }
 

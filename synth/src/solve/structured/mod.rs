@@ -20,7 +20,7 @@ mod warm;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Status};
+use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status};
 use crate::lmi::{svec_index, Semidefinite};
 use interior_point::{End, Measures, Outcome, Task, ITERATIONS};
 use layout::{zero_duals, Layout};
@@ -249,6 +249,10 @@ fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
 impl Backend for Structured {
     fn name(&self) -> String {
         format!("{NAME} {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn solver(&self) -> Option<Solver> {
+        Some(Solver::Structured)
     }
 
     fn solve(

@@ -8,9 +8,10 @@ use crate::design::{recover, CertificateFile, Coupling, OuterFile, ProblemUnits,
 use crate::feasibility::{Answer, Decision};
 use crate::lmi::Problem;
 use crate::model::{Model, ModelError, OuterSpecs};
+use crate::optimality::Optimality;
 use crate::scaling::Scaling;
-use crate::solve::{Backend, Observer, Solution, Status};
-use crate::synthesis::run::CONTAINMENT_WEIGHTS;
+use crate::solve::{alternative, Backend, Observer, Solution, Status};
+use crate::synthesis::run::{form_of, CONTAINMENT_WEIGHTS};
 use crate::synthesis::solver::{blocking, run_solver, Sought};
 use crate::synthesis::subject::Subject;
 use crate::synthesis::{Form, Goal, Outcome, SynthesisError, Synthesized};
@@ -93,6 +94,52 @@ pub enum BothOutcome {
     },
 }
 
+impl BothOutcome {
+    /// True for a design whose two certificates are proved.
+    fn is_proved(&self) -> bool {
+        matches!(self, BothOutcome::Solved(design, _) if design.report.verdict == Verdict::Proved)
+    }
+
+    /// What two solvers came to, in this order: the proved design, or the first design that is not, with the
+    /// runs of both.
+    fn or(self, other: Self) -> Self {
+        let swap = other.is_proved() || !matches!(self, BothOutcome::Solved(..));
+        let mut all = self.runs().to_vec();
+        all.extend_from_slice(other.runs());
+        let refused = |one: &Self| {
+            matches!(
+                one,
+                BothOutcome::None {
+                    infeasible: true,
+                    ..
+                }
+            )
+        };
+        let any_refused = refused(&self) || refused(&other);
+        let mut out = if swap { other } else { self };
+        match &mut out {
+            BothOutcome::Solved(design, _) => {
+                design.solve_seconds = all.iter().map(|run| run.seconds).sum();
+                design.file.provenance.solver_runs = all;
+            }
+            BothOutcome::None {
+                infeasible, runs, ..
+            } => {
+                *infeasible = any_refused;
+                *runs = all;
+            }
+        }
+        out
+    }
+
+    fn runs(&self) -> &[SolverRun] {
+        match self {
+            BothOutcome::Solved(design, _) => &design.file.provenance.solver_runs,
+            BothOutcome::None { runs, .. } => runs,
+        }
+    }
+}
+
 impl From<BothOutcome> for Outcome {
     /// Without a design nothing is proved.
     fn from(found: BothOutcome) -> Self {
@@ -105,7 +152,7 @@ impl From<BothOutcome> for Outcome {
                 ..
             } => {
                 let decision = Decision {
-                    answer: Answer::Unknown,
+                    answer: Answer::Undecided(None),
                     slack: None,
                     blocking,
                     shortfall: None,
@@ -113,7 +160,7 @@ impl From<BothOutcome> for Outcome {
                     runs,
                 };
                 match infeasible {
-                    true => Outcome::Infeasible(decision),
+                    true => Outcome::Undecided(decision),
                     false => Outcome::SolverFailed(decision),
                 }
             }
@@ -160,11 +207,30 @@ pub fn coupled_problem(
     Ok(assemble(&inner, &outer, choice.coupling, form, Goal::SmallestGain).problem)
 }
 
-/// Synthesizes one controller with two certificates and checks both.
+/// Synthesizes one controller with two certificates and checks both. Where the given solver finds none that is
+/// proved, the other one is asked.
 ///
 /// # Errors
 /// As for a design with one; a model without `specs.outer`.
 pub fn synthesize_both(
+    model: &Model,
+    model_text: &str,
+    form: Form,
+    backend: &dyn Backend,
+    observer: Option<Observer>,
+) -> Result<BothOutcome, SynthesisError> {
+    let first = synthesize_with(model, model_text, form, backend, observer.clone())?;
+    let other = alternative(backend);
+    let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
+        return Ok(first);
+    };
+    let form = form_of(other, form);
+    let second = synthesize_with(model, model_text, form, other, observer)?;
+    Ok(first.or(second))
+}
+
+/// With one solver.
+fn synthesize_with(
     model: &Model,
     model_text: &str,
     form: Form,
@@ -372,11 +438,20 @@ impl Run<'_> {
             containment_weight: choice.containment_weight,
         };
         let second = (outer, choice.coupling);
-        self.subject.design_of_two(&first, second, units).map(Some)
+        match self.subject.design_of_two(&first, second, units) {
+            Ok(design) => Ok(Some(design)),
+            // Numbers that no design file may hold: a failed attempt.
+            Err(SynthesisError::Invalid(_)) => Ok(None),
+            Err(other) => Err(other),
+        }
     }
 
     /// A design with the record of all runs.
     fn closed(self, mut design: Box<Synthesized>) -> BothOutcome {
+        let gains = self.points.iter().map(|point| point.gain);
+        let best = gains.fold(f64::INFINITY, f64::min);
+        let gain = design.file.certificate.guaranteed_gain;
+        design.optimality = Optimality::of_smallest(gain, best);
         design.solve_seconds = self.runs.iter().map(|run| run.seconds).sum();
         design.file.provenance.solver_runs = self.runs;
         BothOutcome::Solved(design, self.tried)

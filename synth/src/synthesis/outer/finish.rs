@@ -13,6 +13,7 @@ use crate::conditions::xu2020::Coverage;
 use crate::conditions::Task;
 use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
+use crate::optimality::Optimality;
 use crate::scaling::Scaling;
 use crate::solve::Status;
 use crate::synthesis::{
@@ -100,7 +101,7 @@ impl Finish<'_> {
             tried = index;
             let point = self.rounded(trail.get(index).unwrap_or(summit))?;
             if let Some(outcome) = self.at(&point, ways, runs, &mut unproved)? {
-                return Ok(outcome);
+                return Ok(self.compared(outcome, summit));
             }
         }
         Ok(match unproved {
@@ -116,6 +117,24 @@ impl Finish<'_> {
                 Outcome::SolverFailed(decision(shortfall, summit.value.blocking.clone(), runs))
             }
         })
+    }
+
+    /// The outcome with its objective beside the best one that the search saw.
+    fn compared(&self, mut outcome: Outcome, summit: &Point) -> Outcome {
+        if let Outcome::Solved(design) = &mut outcome {
+            let height = summit.value.height;
+            design.optimality = match self.inner.aim {
+                Aim::Reach { .. } => {
+                    let scale = self.extent(design).0;
+                    scale.and_then(|scale| Optimality::of_largest(scale, height.exp()))
+                }
+                Aim::Gain => {
+                    let gain = design.file.certificate.guaranteed_gain;
+                    Optimality::of_smallest(gain, (-height).exp())
+                }
+            };
+        }
+        outcome
     }
 
     /// A proved design at a point, if one of the ways leads to it.
@@ -273,7 +292,12 @@ impl Finish<'_> {
             return Ok(None);
         }
         let subject = Subject::of_model(model, self.model_text, making.task, self.form);
-        let mut design = subject.design(&certificate, making.units)?;
+        let mut design = match subject.design(&certificate, making.units) {
+            Ok(design) => design,
+            // Numbers that no design file may hold: a failed attempt.
+            Err(SynthesisError::Invalid(_)) => return Ok(None),
+            Err(other) => return Err(other),
+        };
         design.file.provenance.search = Some(self.record(making.point, &model.file));
         Ok(Some(design))
     }
@@ -350,7 +374,7 @@ impl Finish<'_> {
             limits: sensitivities(self.inner, point)?,
         };
         let blocking = point.value.blocking.clone();
-        Ok(Outcome::Infeasible(decision(shortfall, blocking, runs)))
+        Ok(Outcome::Undecided(decision(shortfall, blocking, runs)))
     }
 }
 

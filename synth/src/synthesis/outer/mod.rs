@@ -90,13 +90,13 @@ fn denied(reason: String, runs: &Search) -> Outcome {
         angle_deg: None,
         limits: Vec::new(),
     };
-    Outcome::Infeasible(decision(shortfall, Vec::new(), runs))
+    Outcome::Undecided(decision(shortfall, Vec::new(), runs))
 }
 
 /// The record of a search that did not reach what was asked for.
 fn decision(shortfall: Shortfall, blocking: Vec<(String, f64)>, runs: &Search) -> Decision {
     Decision {
-        answer: Answer::Unknown,
+        answer: Answer::Undecided(None),
         slack: None,
         blocking,
         shortfall: Some(Box::new(shortfall)),
