@@ -95,21 +95,22 @@ fn what_is_refuted_without_containment_is_infeasible_for_every_rho() {
 }
 
 #[test]
-fn a_level_above_one_at_xi_max_leaves_smaller_weights_undecided() {
+fn a_refutation_covers_every_xi_however_large_xi_max_is() {
     let folder = folder();
     let changes = [
         ("/specs/xi_max", json!(1e6)),
         ("/plant/vertices/input_limit", json!([0.01])),
     ];
     let model = cart(folder.path(), &changes);
-    let more = ["--json", "--no-relaxations"];
+    let path = folder.path().join("certificate.json");
+    let more = ["--json", "--no-relaxations", "-o", path.to_str().unwrap()];
     let report = run("feasibility", &model, &more).ends_with(2).json();
-    assert_eq!(report["verdict"], "undecided");
-    let shown = report["shown"].as_str().expect("what was shown");
-    assert!(shown.contains("xi_max = 1000000"), "{shown}");
-    let report = run("synthesize", &model, &["--json"]).ends_with(2).json();
-    assert_eq!(report["status"], "undecided");
-    assert_eq!(report["feasibility"], "undecided");
+    assert_eq!(report["verdict"], "infeasible");
+    let again = run("verify", &path, &["--json"]).ends_with(0).json();
+    assert_eq!(again["limits"], json!([]));
+    // With force enough there is a design, for any xi_max.
+    let model = cart(folder.path(), &[("/specs/xi_max", json!(1e6))]);
+    run("feasibility", &model, &["--no-relaxations"]).ends_with(0);
 }
 
 #[test]
@@ -343,5 +344,25 @@ fn stabilisable_plants_of_compleib_are_never_called_infeasible() {
                 path.display()
             );
         }
+    }
+}
+
+#[test]
+fn certificates_beside_a_proved_design_are_undecided() {
+    for path in outside_files("STEADFAST_FAULTS") {
+        let name = path
+            .file_name()
+            .expect("a name")
+            .to_string_lossy()
+            .to_string();
+        if json(&path).get("infeasibility").is_none() {
+            continue;
+        }
+        let report = run("verify", &path, &["--json"]).ends_with(2).json();
+        let expected = match name.starts_with("panic") {
+            true => "not_proved",
+            false => "undecided",
+        };
+        assert_eq!(report["verdict"], expected, "{name}");
     }
 }

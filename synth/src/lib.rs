@@ -1,10 +1,62 @@
 //! Synthesis of event-triggered attitude controllers, with proofs.
 //!
-//! Data goes one way: a [`model`] becomes the matrix inequalities of [`conditions`] (made smaller by
-//! [`reduce`], put into convenient units by [`scaling`], lowered by [`lmi`]), [`solve`] returns a
-//! candidate, [`design`] turns it into a file, and [`certify`] proves the file. [`synthesis`] runs
-//! these steps. [`feasibility`] says, with a proof, whether there is any design. [`problem`] takes other
-//! design problems the same way.
+//! From a model file (a rigid spacecraft, or any plant given by vertices or local rules) this crate makes
+//! a design file: a gain, an event-trigger weight, and a certificate that is proved in interval
+//! arithmetic from the file's own numbers. It knows nothing of simulation or of the command line. The
+//! book in `docs/` has the mathematics; its page on notation maps symbols to names.
+//!
+//! # Modules, in the order in which data passes through them
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`model`] | reads and checks model files, and reads and writes files safely |
+//! | [`fuzzy`] | the plant as a Takagi-Sugeno model: vertices, box, memberships |
+//! | [`scaling`] | changes units by powers of two, and back, exactly |
+//! | [`conditions`] | the published conditions, one file each, as named matrix inequalities |
+//! | [`lmi`] | unknowns and affine matrix expressions, lowered to a semidefinite program; SDPA text |
+//! | [`reduce`] | makes the decrease condition smaller without losing anything |
+//! | [`solve`] | solvers behind one trait; what they return is a candidate |
+//! | [`design`] | recovers the numbers of a design and reads and writes its file |
+//! | [`certify`] | proves a file, apart from everything above that made it |
+//! | [`synthesis`] | runs these steps, from a model to a proved design |
+//! | [`feasibility`] | says, with a proof, whether there is any design |
+//! | [`problem`] | takes other design problems the same way |
+//!
+//! # Example
+//!
+//! A model is checked as it is read, and an error names the field, the value and what is allowed:
+//!
+//! ```
+//! use synth::model::Model;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let text = r#"{
+//!   "schema_version": 1,
+//!   "name": "cart",
+//!   "plant": {
+//!     "vertices": {
+//!       "state_matrices": [[[0, 1], [0, 0]], [[0, 1], [0, -0.1]]],
+//!       "input_matrix": [[0], [1]],
+//!       "input_limit": [1],
+//!       "disturbance_bound": 0.02,
+//!       "box": [{ "row": [1, 0], "bound": 1 }, { "row": [0, 1], "bound": 1 }]
+//!     }
+//!   },
+//!   "specs": { "phi_per_s": 0.1, "hbar_s": 0.05, "nu": 0.05, "xi_max": 100 }
+//! }"#;
+//! let plant = Model::from_json(text)?.plant.takagi_sugeno();
+//! assert_eq!(plant.vertices.len(), 2);
+//! assert_eq!((plant.states(), plant.inputs()), (2, 1));
+//!
+//! let wrong = text.replace(r#""nu": 0.05"#, r#""nu": 1.2"#);
+//! let error = Model::from_json(&wrong).unwrap_err().to_string();
+//! assert!(error.contains("specs.nu") && error.contains("1.2"), "{error}");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`synthesis::synthesize`] makes a design of such a model with one of the solvers of [`solve`], and
+//! [`certify::check`] proves it.
 
 pub mod certify;
 pub mod conditions;

@@ -17,7 +17,7 @@ use random::{Point, Sizes};
 use serde_json::Value;
 use synth::certify::infeasible::balance::{for_each_statement, Balance};
 use synth::certify::infeasible::{
-    refute, DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments,
+    refute, DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Level, Moments,
     RegionWeight, VertexWeight, Weights,
 };
 use synth::certify::interval::Interval;
@@ -113,10 +113,11 @@ fn collected(
     weights: &Weights,
 ) -> (HashMap<String, DMatrix<f64>>, Balance<Interval>) {
     let mut out = HashMap::new();
-    let balance = for_each_statement::<Interval>(model, weights, |statement| {
-        let old = out.insert(statement.name, midpoints(&statement.matrix));
-        assert!(old.is_none(), "a name stands for two matrices");
-    });
+    let balance =
+        for_each_statement::<Interval>(model, weights, Level::AtLargestWeight, |statement| {
+            let old = out.insert(statement.name, midpoints(&statement.matrix));
+            assert!(old.is_none(), "a name stands for two matrices");
+        });
     (out, balance)
 }
 
@@ -335,8 +336,9 @@ fn weak_cart() -> InfeasibilityFile {
 
 /// Whether the weights prove infeasibility, in exact arithmetic.
 fn exactly_true(model: &Model, weights: &Weights) -> bool {
+    let level = refute(model, weights).level;
     let mut definite = true;
-    let balance = for_each_statement::<Exact>(model, weights, |statement| {
+    let balance = for_each_statement::<Exact>(model, weights, level, |statement| {
         let matrix = &statement.matrix;
         let row = |r: usize| -> Vec<Exact> {
             (0..matrix.ncols())

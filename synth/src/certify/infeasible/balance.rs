@@ -31,6 +31,30 @@ impl Matrix<Interval> {
     }
 }
 
+/// Which level k2 a statement is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// k2 = 1 and xi up to the smaller of xi_max and phi / taubar^2. This covers every design: one with
+    /// xi taubar^2 > phi, so k2 > 1, is another with k2 = 1 after the division of U, Y, W, Q, L, M and xi by its
+    /// k2, because (18) is homogeneous in them and (19), the region and x0'Ux0 <= 1 hold for U / k2.
+    One,
+    /// k2 = max(1, xi_max taubar^2 / phi), which belongs to xi_max alone.
+    AtLargestWeight,
+}
+
+impl Level {
+    /// k2 and the largest xi.
+    fn with<S: Scalar>(self, phi: &S, bound_squared: &S, xi_max: S) -> (S, S) {
+        let reached = xi_max.clone() * bound_squared.clone() / phi.clone();
+        let level = reached.max(S::one());
+        match self {
+            // xi_max / k2 is the smaller of xi_max and phi / taubar^2.
+            Level::One => (S::one(), xi_max / level),
+            Level::AtLargestWeight => (level, xi_max),
+        }
+    }
+}
+
 /// The requirements as numbers.
 struct Numbers<S> {
     plant: DescriptorPlant<S>,
@@ -40,28 +64,28 @@ struct Numbers<S> {
     eps: [S; 3],
     /// Not above hbar e^(phi hbar): (18) with the true factor implies (18) with a smaller one.
     factor: S,
-    /// max(1, xi_max taubar^2 / phi).
+    /// k2.
     level: S,
     xi_max: S,
     rho: S,
 }
 
 impl<S: Scalar> Numbers<S> {
-    fn new(model: &Model, weights: &Weights) -> Self {
+    fn new(model: &Model, weights: &Weights, level: Level) -> Self {
         let specs = &model.file.specs;
         let plant = DescriptorPlant::<S>::explicit(&model.plant);
         let phi = S::from_f64(specs.phi_per_s);
         let hbar = S::from_f64(specs.hbar_s);
-        let xi_max = S::from_f64(specs.xi_max);
         let bound = plant.disturbance_bound.clone();
-        let reached = xi_max.clone() * bound.clone() * bound / phi.clone();
+        let square = bound.clone() * bound;
+        let (level, xi_max) = level.with(&phi, &square, S::from_f64(specs.xi_max));
         // 1 / e^(-a) with the divisor rounded up.
         let growth = S::one() / (-(phi.clone() * hbar.clone())).exp_upper();
         Numbers {
             factor: hbar.clone() * growth,
             nu: S::from_f64(specs.nu),
             eps: specs.eps.map(S::from_f64),
-            level: reached.max(S::one()),
+            level,
             rho: S::from_f64(weights.containment_weight),
             plant,
             phi,
@@ -91,10 +115,11 @@ struct Part<'a, S> {
 pub fn for_each_statement<S: Scalar>(
     model: &Model,
     weights: &Weights,
+    level: Level,
     mut check: impl FnMut(Statement<S>),
 ) -> Balance<S> {
     let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
-    let numbers = Numbers::<S>::new(model, weights);
+    let numbers = Numbers::<S>::new(model, weights, level);
     let mut parts = parts(&numbers, weights);
     let determined = first_end(weights).is_some_and(|end| end.multiplied_sample.is_none());
     let residual = multiplier_share(&numbers, weights, &parts);

@@ -26,6 +26,7 @@ pub mod balance;
 mod end;
 mod scope;
 
+pub use balance::Level;
 pub use scope::{limits, Limit};
 
 use nalgebra::DMatrix;
@@ -209,6 +210,8 @@ pub struct Refutation {
     pub conditions: Vec<ConditionMargin>,
     /// Upper bound of `sum_k <F0_k, Z_k>`; it must be negative.
     pub constant: f64,
+    /// Which level k2 the statement is about.
+    pub level: Level,
     /// No design exists whose multiplier Qh (SI units) has all entries within this bound: the
     /// largest double when no bound is needed, 0 when nothing is proved.
     pub bound: f64,
@@ -221,19 +224,33 @@ impl Refutation {
     }
 }
 
-/// Checks that the weights show that no design exists for the model.
+/// Checks that the weights show that no design exists for the model, with k2 = 1, which covers every xi, or else
+/// with the k2 of xi_max.
 pub fn refute(model: &Model, weights: &Weights) -> Refutation {
+    let first = refute_at(model, weights, Level::One);
+    if first.proved {
+        return first;
+    }
+    let second = refute_at(model, weights, Level::AtLargestWeight);
+    match second.proved {
+        true => second,
+        false => first,
+    }
+}
+
+fn refute_at(model: &Model, weights: &Weights, level: Level) -> Refutation {
     let mut conditions = Vec::new();
     if !weights.fits(model) {
         return Refutation {
             proved: false,
             conditions,
             constant: f64::INFINITY,
+            level,
             bound: 0.0,
         };
     }
     let mut definite = true;
-    let balance = for_each_statement::<Interval>(model, weights, |statement| {
+    let balance = for_each_statement::<Interval>(model, weights, level, |statement| {
         let (proved, margin) = judge(&statement);
         definite &= proved;
         conditions.push(ConditionMargin {
@@ -249,6 +266,7 @@ pub fn refute(model: &Model, weights: &Weights) -> Refutation {
         proved: bound > 0.0,
         conditions,
         constant: balance.constant.hi(),
+        level,
         bound,
     }
 }

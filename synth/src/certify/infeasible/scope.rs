@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use super::{Refutation, Weights};
+use super::{Level, Refutation, Weights};
 use crate::certify::interval::Interval;
 use crate::certify::plant::DescriptorPlant;
 use crate::model::Model;
@@ -76,8 +76,11 @@ pub fn limits<E>(
         out.push(Limit::ContainmentWeights(weights.collect()));
     }
     let level = level_at_largest_weight(model);
+    let own = refutations
+        .iter()
+        .all(|refutation| refutation.level == Level::One);
     // Not a number is no level of 1.
-    if level.is_nan() || level > 1.0 {
+    if !own && (level.is_nan() || level > 1.0) {
         out.push(Limit::LevelAtLargestWeight {
             xi_max: model.file.specs.xi_max,
             level,
