@@ -15,6 +15,7 @@ mod compare;
 mod export;
 mod exports;
 mod feasibility;
+mod fixtures;
 mod inertia;
 mod lei2022;
 mod lei_conditions;

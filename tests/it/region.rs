@@ -304,7 +304,7 @@ fn a_search_keeps_within_its_bounds_on_the_gain() {
 
 /// Takes about a minute of two processors.
 #[test]
-#[ignore]
+#[ignore = "a search over wide regions: minutes"]
 fn the_start_of_xu2020_is_proved_without_a_weight_chosen_by_hand() {
     let folder = folder();
     let design = folder.path().join("design.json");
@@ -335,7 +335,7 @@ fn the_start_of_xu2020_is_proved_without_a_weight_chosen_by_hand() {
 }
 
 #[test]
-#[ignore]
+#[ignore = "a search over wide regions: minutes"]
 fn every_attitude_up_to_sixty_degrees_is_covered() {
     let report = synthesize(&shipped("xu2020-attitudes.json"), &["--json"])
         .ends_with(0)
@@ -344,7 +344,7 @@ fn every_attitude_up_to_sixty_degrees_is_covered() {
 }
 
 #[test]
-#[ignore]
+#[ignore = "a search over wide regions: minutes"]
 fn the_guaranteed_gain_of_xu2020_falls_below_0_135_with_the_decay_rate_free() {
     let report = synthesize(&shipped("xu2020-gain.json"), &["--json"])
         .ends_with(0)

@@ -43,43 +43,50 @@ fn finished(folder: &Path, vary: &str) -> (PathBuf, PathBuf) {
     (file, output)
 }
 
-#[cfg(unix)]
+/// A sweep that the kernel kills (SIGXFSZ) in the middle of the write that takes the journal past so many blocks of
+/// 512 bytes.
+#[cfg(target_os = "linux")]
+fn killed_at(file: &Path, vary: &str, output: &Path, blocks: u64) {
+    use std::os::unix::process::ExitStatusExt;
+    let limited = format!("ulimit -f {blocks}; exec \"$0\" \"$@\"");
+    let mut shell = std::process::Command::new("sh");
+    let shell = shell.args(["-c", &limited, env!("CARGO_BIN_EXE_steadfast"), "sweep"]);
+    let shell = shell.arg(file).args(["--vary", vary, "--jobs", "2", "-o"]);
+    let run = shell.arg(output).output().expect("a shell");
+    assert!(run.status.signal().is_some(), "{run:?}");
+    let journal = fs::metadata(output.join(JOURNAL)).expect("a journal");
+    assert!(journal.len() <= blocks * 512, "{journal:?}");
+}
+
+#[cfg(target_os = "linux")]
 #[test]
 fn a_sweep_killed_again_and_again_ends_with_the_same_bytes() {
     let folder = folder();
     let vary = "relative=0.3:0.7:40";
     let (file, whole) = finished(folder.path(), vary);
     let output = folder.path().join("killed");
-    let mut killed = 0;
-    for count in [3, 11, 12, 25, 33] {
-        let mut child = start(&file, vary, &output);
-        wait_for(&mut child, &output, count);
-        if child.try_wait().expect("a process").is_none() {
-            child.kill().expect("a signal");
-            killed += 1;
-        }
-        child.wait().expect("an end");
+    let blocks = fs::metadata(whole.join(JOURNAL)).expect("a journal").len() / 512;
+    for part in [0.1, 0.3, 0.32, 0.6, 0.9] {
+        killed_at(&file, vary, &output, (blocks as f64 * part) as u64);
+        assert!(!output.join("sweep.csv").exists());
     }
-    assert!(killed >= 3, "killed {killed} times");
     let run = sweep(&file, &[vary], &output, &["--json"]).ends_with(0);
     assert!(run.json()["resumed"].as_u64() >= Some(24), "{run:?}");
     assert_eq!(everything_in(&output), everything_in(&whole));
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn a_killed_sweep_of_a_model_ends_with_the_same_bytes() {
     let folder = folder();
     let (vary, file) = ("phi=0.1:0.3:9", shipped("double-integrator.json"));
-    let output = folder.path().join("killed");
-    let mut child = start(&file, vary, &output);
-    wait_for(&mut child, &output, 4);
-    child.kill().expect("a signal");
-    child.wait().expect("an end");
-    assert!(!output.join("sweep.csv").exists());
-    sweep(&file, &[vary], &output, &[]).ends_with(0);
     let whole = folder.path().join("whole");
     sweep(&file, &[vary], &whole, &["--jobs", "1"]).ends_with(0);
+    let blocks = fs::metadata(whole.join(JOURNAL)).expect("a journal").len() / 512;
+    let output = folder.path().join("killed");
+    killed_at(&file, vary, &output, blocks / 2);
+    assert!(!output.join("sweep.csv").exists());
+    sweep(&file, &[vary], &output, &[]).ends_with(0);
     assert_eq!(everything_in(&output), everything_in(&whole));
 }
 

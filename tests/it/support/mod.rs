@@ -192,39 +192,19 @@ pub fn assert_relative(found: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// A design made once for all tests of a file: (its folder, its path).
-pub struct SharedDesign {
-    _folder: TempDir,
-    pub path: PathBuf,
-}
-
-fn synthesized(model: &str) -> SharedDesign {
-    let folder = folder();
-    let path = folder.path().join("design.json");
-    let model = shipped(model);
-    let run = steadfast([
-        OsStr::new("synthesize"),
-        model.as_ref(),
-        "-o".as_ref(),
-        path.as_ref(),
-    ]);
-    run.ends_with(0);
-    SharedDesign {
-        _folder: folder,
-        path,
-    }
+/// A design that is checked in; `fixtures.rs` proves it again and makes it anew.
+pub fn fixture(name: &str) -> PathBuf {
+    repository().join("tests/data").join(name)
 }
 
 /// The design of `models/xu2020.json`.
 pub fn xu2020_design() -> &'static Path {
-    static DESIGN: OnceLock<SharedDesign> = OnceLock::new();
-    &DESIGN.get_or_init(|| synthesized("xu2020.json")).path
+    static DESIGN: OnceLock<PathBuf> = OnceLock::new();
+    DESIGN.get_or_init(|| fixture("xu2020-design.json"))
 }
 
 /// The design of `models/double-integrator.json`.
 pub fn double_integrator_design() -> &'static Path {
-    static DESIGN: OnceLock<SharedDesign> = OnceLock::new();
-    &DESIGN
-        .get_or_init(|| synthesized("double-integrator.json"))
-        .path
+    static DESIGN: OnceLock<PathBuf> = OnceLock::new();
+    DESIGN.get_or_init(|| fixture("double-integrator-design.json"))
 }
