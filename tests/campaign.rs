@@ -9,9 +9,9 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use serde_json::{json, Value};
-use steadfast::harness::campaign::record::CampaignFile;
-use steadfast::harness::campaign::statistics::quantiles;
-use steadfast::harness::campaign::table::{column_f64, column_names, column_text};
+use steadfast::batch::campaign::record::CampaignFile;
+use steadfast::batch::campaign::statistics::quantiles;
+use steadfast::batch::campaign::table::{column_f64, column_names, column_text};
 use support::*;
 
 /// Wu's campaign, shorter, with a requirement that some runs miss.

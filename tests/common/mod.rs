@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use steadfast::harness::design::Design;
+use steadfast::run::design::Design;
 use synth::model::Model;
 use synth::solve::Clarabel;
 use synth::synthesis::{synthesize, Form, Outcome};
