@@ -8,9 +8,9 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use steadfast::harness::design::Design;
-use steadfast::harness::scenario::Scenario;
-use steadfast::harness::simulation::simulate;
+use steadfast::run::design::Design;
+use steadfast::run::simulate;
+use steadfast::scenario::Scenario;
 use synth::model::Model;
 use synth::solve::Clarabel;
 use synth::synthesis::{synthesize, Form, Outcome};

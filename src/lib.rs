@@ -4,14 +4,19 @@
 //! on a simulated spacecraft. The synthesis and the proof are in the crate [`synth`], the controllers that
 //! fly in the crate [`runtime`]; this one ties them together.
 //!
+//! Every module uses only modules below it in this table.
+//!
 //! | module | what it holds |
 //! |---|---|
 //! | [`cli`] | the verbs of the program, one file each, and how results and errors are printed |
-//! | [`harness::scenario`], [`harness::simulation`] | a scenario file, and its run from the plant to the verdict |
-//! | [`harness::closed_loop`], [`harness::plant`], [`harness::sensor`], [`harness::actuator`], [`harness::link`] | the loop and its parts |
-//! | [`harness::design`], [`harness::lyapunov`] | a design on a scenario: whether its proof covers the run, and its bounds along it |
-//! | [`harness::campaign`], [`harness::sweep`], [`harness::comparison`], [`harness::tune`] | many runs: random, on a grid, side by side, searched |
-//! | [`harness::report`], [`harness::export`] | pages, and files for other programs |
+//! | [`report`], [`export`] | pages, and files for other programs |
+//! | [`batch`] | many runs: random, on a grid, side by side, searched |
+//! | [`run`] | one scenario flown: built, run in the closed loop, judged; whether a design's proof covers the run |
+//! | [`scenario`] | the scenario file |
+//! | [`controllers`] | the controllers, one paper each |
+//! | [`plants`] | the plants |
+//! | [`sim`] | the closed loop and its parts, and what measures it |
+//! | [`base`] | checks of a file's numbers, tables, digests, numbers as text |
 //!
 //! # Example
 //!
@@ -32,5 +37,13 @@
 //! steadfast simulate models/xu2020-closed-loop.json --design design.json -o run
 //! ```
 
+pub mod base;
+pub mod batch;
 pub mod cli;
-pub mod harness;
+pub mod controllers;
+pub mod export;
+pub mod plants;
+pub mod report;
+pub mod run;
+pub mod scenario;
+pub mod sim;

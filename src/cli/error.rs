@@ -3,6 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use synth::model::{FileError, ModelError};
+use synth::solve::SolveError;
+use synth::synthesis::SynthesisError;
+
+use crate::batch::campaign::plan::PlanError;
+use crate::batch::campaign::CampaignError;
 
 /// One clear sentence; the exit status is 1.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +36,10 @@ pub enum CliError {
     Campaign(String),
     /// A result cannot be written.
     #[error(transparent)]
-    Output(#[from] crate::harness::output::OutputError),
+    Output(#[from] crate::base::files::OutputError),
+    /// A result with a page cannot be written.
+    #[error(transparent)]
+    Report(#[from] crate::report::files::ReportError),
     /// An argument that is not what it should be.
     #[error("argument {argument}: {reason}")]
     Argument {
@@ -61,14 +69,16 @@ pub enum CliError {
     },
     /// The points of a sweep cannot be kept or read.
     #[error(transparent)]
-    Journal(#[from] crate::harness::sweep::journal::JournalError),
+    Journal(#[from] crate::batch::sweep::journal::JournalError),
 }
 
 impl CliError {
     /// Exit status: 3 when the solver's point cannot be used, 1 otherwise.
     pub fn exit_status(&self) -> u8 {
         match self {
-            CliError::Synthesis(synth::synthesis::SynthesisError::Invalid(_)) => super::EXIT_SOLVER,
+            CliError::Synthesis(synth::synthesis::SynthesisError::Invalid(_)) => {
+                super::answer::EXIT_SOLVER
+            }
             _ => 1,
         }
     }
@@ -92,5 +102,39 @@ impl CliError {
             path: path.to_path_buf(),
             reason: reason.to_string(),
         }
+    }
+}
+
+/// A file that has no plan.
+pub(crate) fn unplanned(scenario: &Path, error: PlanError) -> CliError {
+    match error {
+        PlanError::File(problem) => CliError::file(scenario, problem),
+        PlanError::Campaign(error) => told(scenario, error),
+    }
+}
+
+/// What is wrong, with the file that it is about.
+pub(crate) fn told(scenario: &Path, error: CampaignError) -> CliError {
+    let argument = |argument, reason: String| CliError::Argument { argument, reason };
+    match error {
+        CampaignError::Shards(reason) => argument("--shard", reason),
+        CampaignError::Threads(error) => argument("--jobs", error.to_string()),
+        CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
+            CliError::Campaign(error.to_string())
+        }
+        error => CliError::unsuitable(scenario, error),
+    }
+}
+
+/// What a search that could not run means to the user.
+pub fn solver_problem(model: &Path, error: SynthesisError) -> CliError {
+    match error {
+        SynthesisError::Cancelled(_) => CliError::Interrupted,
+        // The numbers overflow on the way from the model to the solver.
+        SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
+            let reason = format!("{problem}; the model's numbers are too far apart");
+            CliError::unsuitable(model, reason)
+        }
+        other => other.into(),
     }
 }

@@ -7,7 +7,7 @@ use synth::feasibility::InfeasibilityFile;
 use synth::model::{read_text, Gains, Model};
 use synth::problem::{Problem, ProblemDesignFile};
 
-use super::CliError;
+use super::error::CliError;
 
 /// A file's text.
 pub fn text(path: &Path) -> Result<String, CliError> {

@@ -1,43 +1,23 @@
 //! The command line: one file for each verb.
 
-mod analyse;
-mod both;
-mod campaign;
-mod check;
-mod claims;
-mod compare;
-mod cross_check;
+mod answer;
+mod design;
 mod error;
-mod export;
-mod feasibility;
 mod files;
-mod merge;
-mod problem;
 mod progress;
-mod reach;
-mod report;
-mod schema;
-mod simulate;
-mod solve;
+mod show;
 mod solver;
-mod sweep;
-mod synthesize;
-mod tune;
-mod verify;
-
-pub use error::CliError;
+mod verbs;
 
 use std::ffi::OsString;
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-/// Exit status: the answer is no (infeasible, not proved, requirement missed).
-pub const EXIT_NO: u8 = 2;
-/// Exit status: the solver failed numerically.
-pub const EXIT_SOLVER: u8 = 3;
+use answer::complain;
+
+pub use error::CliError;
 
 #[derive(Parser)]
 #[command(
@@ -53,35 +33,35 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     /// Design a controller for a model file and prove it
-    Synthesize(synthesize::SynthesizeArgs),
+    Synthesize(verbs::synthesize::args::SynthesizeArgs),
     /// Say whether any design exists for a model file, with a proof
-    Feasibility(feasibility::FeasibilityArgs),
+    Feasibility(verbs::feasibility::FeasibilityArgs),
     /// Find the smallest gain bound that can be proved for given gains
-    Analyse(analyse::AnalyseArgs),
+    Analyse(verbs::analyse::AnalyseArgs),
     /// Prove a design file or an infeasibility certificate from its numbers alone
-    Verify(verify::VerifyArgs),
+    Verify(verbs::verify::VerifyArgs),
     /// Run a scenario: a controller on the real plant
-    Simulate(simulate::SimulateArgs),
+    Simulate(verbs::simulate::SimulateArgs),
     /// Run several controllers on the same task and put them side by side
-    Compare(compare::CompareArgs),
+    Compare(verbs::compare::CompareArgs),
     /// Run variants of a scenario, or synthesize variants of a model, over a grid
-    Sweep(sweep::SweepArgs),
+    Sweep(verbs::sweep::SweepArgs),
     /// Make many runs of a scenario with numbers drawn anew for each
-    Campaign(campaign::CampaignArgs),
+    Campaign(verbs::campaign::CampaignArgs),
     /// Make one campaign of its shards
-    Merge(merge::MergeArgs),
+    Merge(verbs::merge::MergeArgs),
     /// Search controller parameters for a spacecraft and write a scenario with them
-    Tune(tune::TuneArgs),
+    Tune(verbs::tune::TuneArgs),
     /// Build the report page of a run again from its files
-    Report(report::ReportArgs),
+    Report(verbs::report::ReportArgs),
     /// Read a file of any kind and say whether it is valid
-    Check(check::CheckArgs),
+    Check(verbs::check::CheckArgs),
     /// Print the JSON Schema of a kind of file
-    Schema(schema::SchemaArgs),
+    Schema(verbs::schema::SchemaArgs),
     /// Write a design, a trajectory or a semidefinite program for other programs
-    Export(export::ExportArgs),
+    Export(verbs::export::args::ExportArgs),
     /// Solve a semidefinite program given as SDPA sparse text
-    Solve(solve::SolveArgs),
+    Solve(verbs::solve::SolveArgs),
 }
 
 /// Runs the command line and returns its exit status: 0 done; 1 bad usage or input; 2 the answer is
@@ -92,21 +72,21 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => return usage(&error),
     };
     let outcome = match &cli.verb {
-        Verb::Synthesize(args) => synthesize::run(args),
-        Verb::Feasibility(args) => feasibility::run(args),
-        Verb::Analyse(args) => analyse::run(args),
-        Verb::Verify(args) => verify::run(args),
-        Verb::Simulate(args) => simulate::run(args),
-        Verb::Compare(args) => compare::run(args),
-        Verb::Sweep(args) => sweep::run(args),
-        Verb::Campaign(args) => campaign::run(args),
-        Verb::Merge(args) => merge::run(args),
-        Verb::Tune(args) => tune::run(args),
-        Verb::Report(args) => report::run(args),
-        Verb::Check(args) => check::run(args),
-        Verb::Schema(args) => schema::run(args),
-        Verb::Export(args) => export::run(args),
-        Verb::Solve(args) => solve::run(args),
+        Verb::Synthesize(args) => verbs::synthesize::run(args),
+        Verb::Feasibility(args) => verbs::feasibility::run(args),
+        Verb::Analyse(args) => verbs::analyse::run(args),
+        Verb::Verify(args) => verbs::verify::run(args),
+        Verb::Simulate(args) => verbs::simulate::run(args),
+        Verb::Compare(args) => verbs::compare::run(args),
+        Verb::Sweep(args) => verbs::sweep::run(args),
+        Verb::Campaign(args) => verbs::campaign::run(args),
+        Verb::Merge(args) => verbs::merge::run(args),
+        Verb::Tune(args) => verbs::tune::run(args),
+        Verb::Report(args) => verbs::report::run(args),
+        Verb::Check(args) => verbs::check::run(args),
+        Verb::Schema(args) => verbs::schema::run(args),
+        Verb::Export(args) => verbs::export::run(args),
+        Verb::Solve(args) => verbs::solve::run(args),
     };
     outcome.unwrap_or_else(|error| {
         complain(&error.to_string());
@@ -141,34 +121,4 @@ fn one_line(text: &str) -> String {
         sentence
     });
     joined.trim_start_matches("error: ").to_string()
-}
-
-/// Threads for `--jobs`; 0, one for each processor, when left out.
-fn threads(jobs: Option<u16>) -> usize {
-    jobs.map_or(0, usize::from)
-}
-
-/// Prints to standard output. A reader that closed its end has seen enough; any other failure, such as
-/// a full disk, ends the program, because what it was asked for is not there.
-fn print(text: &str) {
-    let mut out = std::io::stdout().lock();
-    let printed = writeln!(out, "{text}").and_then(|()| out.flush());
-    if let Err(error) = printed {
-        if error.kind() != std::io::ErrorKind::BrokenPipe {
-            complain(&format!("standard output cannot be written: {error}"));
-            std::process::exit(1);
-        }
-    }
-}
-
-/// Prints one error line; names from files and paths cannot break it.
-fn complain(text: &str) {
-    let shown = |c: char| -> String {
-        match c.is_control() {
-            true => c.escape_default().collect(),
-            false => c.to_string(),
-        }
-    };
-    let line: String = text.chars().map(shown).collect();
-    let _ = writeln!(std::io::stderr(), "error: {line}");
 }

@@ -7,6 +7,11 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use synth::solve::{Observer, Progress};
 
+/// Threads for `--jobs`; 0, one for each processor, when left out.
+pub(crate) fn threads(jobs: Option<u16>) -> usize {
+    jobs.map_or(0, usize::from)
+}
+
 /// A spinner on standard error when that is a terminal, nothing otherwise.
 pub struct SolverProgress {
     bar: ProgressBar,

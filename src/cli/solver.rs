@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use synth::solve::{Backend, Clarabel, Padding, Structured};
 use synth::synthesis::Form;
 
-use crate::harness::sweep::subject::SolverChoice;
+use crate::batch::sweep::subject::SolverChoice;
 
 /// A semidefinite programming solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -50,6 +50,27 @@ impl SolverArg {
         match self {
             SolverArg::Clarabel => SolverArg::Structured,
             SolverArg::Structured => SolverArg::Clarabel,
+        }
+    }
+}
+
+/// Form of the decrease condition.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormArg {
+    /// Small cones, exactly equivalent
+    Reduced,
+    /// Few unknowns, exactly equivalent
+    Slack,
+    /// Large cones, as published
+    Full,
+}
+
+impl From<FormArg> for Form {
+    fn from(form: FormArg) -> Self {
+        match form {
+            FormArg::Reduced => Form::Reduced,
+            FormArg::Slack => Form::Slack,
+            FormArg::Full => Form::Full,
         }
     }
 }

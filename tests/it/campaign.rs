@@ -8,9 +8,9 @@ use std::time::Duration;
 
 use crate::support::*;
 use serde_json::{json, Value};
-use steadfast::harness::campaign::record::CampaignFile;
-use steadfast::harness::campaign::statistics::quantiles;
-use steadfast::harness::campaign::table::{column_f64, column_names, column_text};
+use steadfast::batch::campaign::record::CampaignFile;
+use steadfast::batch::campaign::statistics::quantiles;
+use steadfast::batch::campaign::table::{column_f64, column_names, column_text};
 
 /// Wu's campaign, shorter, with a requirement that some runs miss.
 fn short(folder: &Path, sampling: &str) -> PathBuf {

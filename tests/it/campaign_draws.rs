@@ -2,10 +2,11 @@
 
 use crate::support::*;
 use serde_json::{json, Value};
-use steadfast::harness::campaign::plan::{Plan, Resolved};
-use steadfast::harness::scenario::{
-    AttitudeFile, ControllerChoice, RigidBodyFile, ScenarioFile, SystemFile,
-};
+use steadfast::batch::campaign::plan::{Plan, Resolved};
+use steadfast::controllers::ControllerChoice;
+use steadfast::plants::rigid_body::{AttitudeFile, RigidBodyFile};
+use steadfast::plants::SystemFile;
+use steadfast::scenario::ScenarioFile;
 
 const RUNS: u64 = 2000;
 

@@ -8,12 +8,12 @@ use nalgebra::{DVector, Matrix3};
 use runtime::attitude::Quaternion;
 use runtime::nalgebra::Vector3;
 use serde_json::{json, Value};
-use steadfast::harness::design::Design;
-use steadfast::harness::plant::RigidBody;
-use steadfast::harness::random::{Purpose, Random};
-use steadfast::harness::scenario::{RigidBodySystem, Scenario, System};
-use steadfast::harness::simulation::simulate;
-use steadfast::harness::summary::{CertificateOutcome, RunVerdict, Summary};
+use steadfast::plants::{RigidBody, RigidBodySystem, System};
+use steadfast::run::design::Design;
+use steadfast::run::simulate;
+use steadfast::run::summary::{CertificateOutcome, RunVerdict, Summary};
+use steadfast::scenario::Scenario;
+use steadfast::sim::random::{Purpose, Random};
 use synth::fuzzy::ExactSpacecraft;
 use synth::model::Plant;
 
@@ -269,7 +269,7 @@ fn the_minimum_inter_event_time_is_reported_and_kept() {
 #[test]
 fn samples_closer_than_the_models_shortest_interval_are_said() {
     let mut fast = scenario(1);
-    fast.instants = steadfast::harness::sampling::Instants::Aperiodic {
+    fast.instants = steadfast::sim::sampling::Instants::Aperiodic {
         shortest_s: 0.0004,
         longest_s: 0.1,
     };

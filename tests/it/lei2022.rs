@@ -8,14 +8,17 @@ use runtime::attitude::Quaternion;
 use runtime::lei2022::{CompositeTrigger, Parameters, TriggerRule};
 use runtime::nalgebra::Vector3;
 use serde_json::{json, Value};
-use steadfast::harness::disturbance::Disturbance;
-use steadfast::harness::integrator::Method;
-use steadfast::harness::recorder::Table;
-use steadfast::harness::reference::Reference;
-use steadfast::harness::sampling::Instants;
-use steadfast::harness::scenario::{ControllerChoice, Metric, RigidBodySystem, Scenario, System};
-use steadfast::harness::simulation::simulate;
-use steadfast::harness::summary::{RunVerdict, Summary};
+use steadfast::base::table::Table;
+use steadfast::controllers::ControllerChoice;
+use steadfast::plants::{RigidBodySystem, System};
+use steadfast::run::simulate;
+use steadfast::run::summary::{RunVerdict, Summary};
+use steadfast::scenario::Scenario;
+use steadfast::sim::disturbance::Disturbance;
+use steadfast::sim::integrator::Method;
+use steadfast::sim::metrics::Metric;
+use steadfast::sim::reference::Reference;
+use steadfast::sim::sampling::Instants;
 
 fn fast() -> Scenario {
     Scenario::from_json(include_str!("../../models/lei2022.json")).unwrap()
@@ -201,8 +204,8 @@ fn from_scalar_part(q0: f64) -> Scenario {
     scenario
 }
 
-fn at_rest(attitude: &Quaternion) -> steadfast::harness::plant::RigidBodyState {
-    steadfast::harness::plant::rigid_body_state(attitude, &Vector3::zeros())
+fn at_rest(attitude: &Quaternion) -> steadfast::sim::rigid_body_state::RigidBodyState {
+    steadfast::sim::rigid_body_state::rigid_body_state(attitude, &Vector3::zeros())
 }
 
 /// Such a start is beyond the paper's requirements on rate and funnel, but it must come home.

@@ -6,8 +6,8 @@ use runtime::attitude::Quaternion;
 use runtime::lei2022::{
     Barrier, CompositeTrigger, ControlLaw, DisturbanceCompensation, PerformanceFunction, VirtualLaw,
 };
-use steadfast::harness::design_check::lei2022::{conditions, Bounds, Case};
-use steadfast::harness::design_check::Condition;
+use steadfast::controllers::condition::Condition;
+use steadfast::controllers::lei2022::{conditions, Bounds, Case};
 
 /// A unit sphere with round numbers. The funnel does not narrow measurably and nothing disturbs.
 fn gentle() -> Case {

@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::support::*;
 use nalgebra::Vector3;
 use serde_json::{json, Value};
-use steadfast::harness::link::{Link, MAX_LEVELS};
-use steadfast::harness::scenario::Scenario;
+use steadfast::scenario::Scenario;
+use steadfast::sim::link::{Link, MAX_LEVELS};
 
 const LIMIT: [f64; 3] = [0.2; 3];
 

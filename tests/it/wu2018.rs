@@ -3,12 +3,14 @@
 use runtime::attitude::Quaternion;
 use runtime::nalgebra::Vector3;
 use runtime::wu2018::TriggerRule;
-use steadfast::harness::integrator::Method;
-use steadfast::harness::random::{Purpose, Random};
-use steadfast::harness::sampling::Instants;
-use steadfast::harness::scenario::{ControllerChoice, RigidBodySystem, Scenario, System};
-use steadfast::harness::simulation::simulate;
-use steadfast::harness::summary::Summary;
+use steadfast::controllers::ControllerChoice;
+use steadfast::plants::{RigidBodySystem, System};
+use steadfast::run::simulate;
+use steadfast::run::summary::Summary;
+use steadfast::scenario::Scenario;
+use steadfast::sim::integrator::Method;
+use steadfast::sim::random::{Purpose, Random};
+use steadfast::sim::sampling::Instants;
 
 fn scenario(text: &str) -> Scenario {
     Scenario::from_json(text).unwrap()
@@ -212,7 +214,7 @@ fn largest_attitude_difference_rad(a: &Scenario, b: &Scenario) -> f64 {
     };
     let (a, b) = (path(a), path(b));
     assert_eq!(a.rows(), b.rows());
-    let quaternion = |table: &steadfast::harness::recorder::Table, row: usize| {
+    let quaternion = |table: &steadfast::base::table::Table, row: usize| {
         let width = table.columns.len();
         let values = &table.values[row * width..];
         Quaternion::from_scalar_first([values[1], values[2], values[3], values[4]])

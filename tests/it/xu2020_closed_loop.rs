@@ -4,13 +4,14 @@ use crate::common;
 use nalgebra::DVector;
 use runtime::attitude::Quaternion;
 use runtime::nalgebra::Vector3;
-use steadfast::harness::design::{Design, FitError};
-use steadfast::harness::integrator::Method;
-use steadfast::harness::plant::RigidBody;
-use steadfast::harness::random::{Purpose, Random};
-use steadfast::harness::scenario::{RigidBodySystem, Scenario, System};
-use steadfast::harness::simulation::{simulate, SimulateError};
-use steadfast::harness::summary::{CertificateOutcome, RunVerdict, Summary};
+use steadfast::plants::{RigidBody, RigidBodySystem, System};
+use steadfast::run::design::{Design, FitError};
+use steadfast::run::outcome::SimulateError;
+use steadfast::run::simulate;
+use steadfast::run::summary::{CertificateOutcome, RunVerdict, Summary};
+use steadfast::scenario::Scenario;
+use steadfast::sim::integrator::Method;
+use steadfast::sim::random::{Purpose, Random};
 
 fn spacecraft() -> Scenario {
     Scenario::from_json(include_str!("../../models/xu2020-closed-loop.json")).unwrap()
@@ -168,7 +169,7 @@ fn what_the_proof_does_not_cover_is_said_with_numbers() {
         certificate(&summary).not_covered.join("; ")
     };
     let late = reasons(|scenario| {
-        scenario.instants = steadfast::harness::sampling::Instants::Periodic {
+        scenario.instants = steadfast::sim::sampling::Instants::Periodic {
             interval_s: 0.25,
             jitter_s: 0.0,
         };

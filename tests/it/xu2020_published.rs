@@ -1,8 +1,10 @@
 //! Xu and Huang 2020 as published: the gains of Appendix A from the paper's start.
 
-use steadfast::harness::report;
-use steadfast::harness::scenario::{ControllerChoice, Scenario};
-use steadfast::harness::simulation::{simulate, Outcome};
+use steadfast::controllers::ControllerChoice;
+use steadfast::report;
+use steadfast::run::outcome::Outcome;
+use steadfast::run::simulate;
+use steadfast::scenario::Scenario;
 
 fn clamped() -> Scenario {
     Scenario::from_json(include_str!("../../models/xu2020-published.json")).unwrap()

@@ -4,13 +4,14 @@ use runtime::attitude::Quaternion;
 use runtime::compression::{Alphabet, Levels, Scheme};
 use runtime::nalgebra::Vector3;
 use runtime::yang2025::fault::FaultEstimation;
-use steadfast::harness::random::{Purpose, Random};
-use steadfast::harness::recorder::Table;
-use steadfast::harness::scenario::{
-    ControllerChoice, RigidBodySystem, Scenario, System, YangChoice,
-};
-use steadfast::harness::simulation::simulate;
-use steadfast::harness::summary::{RunVerdict, Summary};
+use steadfast::base::table::Table;
+use steadfast::controllers::yang2025::YangChoice;
+use steadfast::controllers::ControllerChoice;
+use steadfast::plants::{RigidBodySystem, System};
+use steadfast::run::simulate;
+use steadfast::run::summary::{RunVerdict, Summary};
+use steadfast::scenario::Scenario;
+use steadfast::sim::random::{Purpose, Random};
 
 const APPOINTED_S: [f64; 3] = [40.0, 30.0, 60.0];
 
@@ -306,7 +307,7 @@ fn one_word_in_a_hundred_may_be_lost_when_the_link_is_resynchronised_every_secon
 #[test]
 fn the_report_shows_envelopes_faults_and_steps() {
     let outcome = simulate(&whole(), None, true).unwrap();
-    let page = steadfast::harness::report::page(&outcome.summary, &outcome.trajectory.unwrap());
+    let page = steadfast::report::page(&outcome.summary, &outcome.trajectory.unwrap());
     let page = page.unwrap();
     for title in [
         "Error q1 in its envelope",

@@ -1,7 +1,7 @@
 //! Checked-in designs for the tests of the library.
 #![allow(dead_code)]
 
-use steadfast::harness::design::Design;
+use steadfast::run::design::Design;
 
 pub const SPACECRAFT_MODEL: &str = include_str!("../../../models/xu2020.json");
 pub const CART_MODEL: &str = include_str!("../../../models/double-integrator.json");

@@ -1,0 +1,72 @@
+//! Folders and files of results.
+
+use std::path::{Path, PathBuf};
+
+use synth::model::{read_text, write_atomically, FileError};
+
+use super::table::TableError;
+
+/// Why a run's files cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// A file cannot be read or written.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: FileError,
+    },
+    /// A trajectory is no table.
+    #[error("{}: {problem}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: TableError,
+    },
+    /// A summary is not one.
+    #[error("{}: not a summary: {reason}", path.display())]
+    Summary {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// Creates a folder with those above it.
+///
+/// # Errors
+/// A folder that cannot be created.
+pub fn create_folder(folder: &Path) -> Result<(), OutputError> {
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
+        path: folder.to_path_buf(),
+        problem: FileError::Io {
+            action: "cannot be created",
+            source,
+        },
+    })
+}
+
+/// A file's text.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read(path: &Path) -> Result<String, OutputError> {
+    read_text(path).map_err(|problem| OutputError::File {
+        path: path.to_path_buf(),
+        problem,
+    })
+}
+
+/// Writes a file whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(path: &Path, text: &str) -> Result<(), OutputError> {
+    write_atomically(path, text.as_bytes()).map_err(|problem| OutputError::File {
+        path: path.to_path_buf(),
+        problem,
+    })
+}

@@ -1,0 +1,10 @@
+//! What every layer above uses: checks of a file's numbers, digests, tables and their files, numbers as
+//! text.
+
+pub mod digest;
+pub mod empty_file;
+pub mod files;
+pub mod number;
+pub mod parquet;
+pub mod ranges;
+pub mod table;

@@ -1,0 +1,94 @@
+//! A table of numbers with named columns.
+
+/// A table of numbers with named columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// Names of the columns, with units.
+    pub columns: Vec<String>,
+    /// Rows one after the other.
+    pub values: Vec<f64>,
+}
+
+/// Why a text is not a table.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// There is no header.
+    #[error("the file is empty")]
+    Empty,
+    /// A row has the wrong length.
+    #[error("line {line}: {found} values; the header has {expected}")]
+    Length {
+        /// Line, from 1.
+        line: usize,
+        /// Values in it.
+        found: usize,
+        /// Values needed.
+        expected: usize,
+    },
+    /// A value is not a number.
+    #[error("line {line}: '{text}' is not a number")]
+    NotANumber {
+        /// Line, from 1.
+        line: usize,
+        /// What stands there.
+        text: String,
+    },
+}
+
+impl Table {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.values.len() / self.columns.len().max(1)
+    }
+
+    /// A column's values; `None` when there is no such column.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let index = self.columns.iter().position(|column| column == name)?;
+        let rows = self.values.chunks_exact(self.columns.len());
+        Some(rows.map(|row| row[index]).collect())
+    }
+
+    /// Comma-separated values with a header. Numbers read back exactly.
+    pub fn to_csv(&self) -> String {
+        use std::fmt::Write;
+        let mut text = self.columns.join(",") + "\n";
+        for row in self.values.chunks_exact(self.columns.len().max(1)) {
+            for (index, value) in row.iter().enumerate() {
+                let separator = if index == 0 { "" } else { "," };
+                // Writing to a string cannot fail.
+                let _ = write!(text, "{separator}{value}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Reads what [`Table::to_csv`] writes.
+    ///
+    /// # Errors
+    /// A line that is no row of numbers.
+    pub fn from_csv(text: &str) -> Result<Self, TableError> {
+        let mut lines = text.lines().enumerate();
+        let (_, header) = lines.next().ok_or(TableError::Empty)?;
+        let columns: Vec<String> = header.split(',').map(str::to_string).collect();
+        let mut values = Vec::new();
+        for (index, line) in lines {
+            let before = values.len();
+            for text in line.split(',') {
+                let value = text.parse().map_err(|_| TableError::NotANumber {
+                    line: index + 1,
+                    text: text.chars().take(40).collect(),
+                })?;
+                values.push(value);
+            }
+            if values.len() - before != columns.len() {
+                return Err(TableError::Length {
+                    line: index + 1,
+                    found: values.len() - before,
+                    expected: columns.len(),
+                });
+            }
+        }
+        Ok(Self { columns, values })
+    }
+}

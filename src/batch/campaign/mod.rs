@@ -1,0 +1,100 @@
+//! Campaigns: many runs of one scenario with numbers drawn anew for each, streamed to tables.
+//!
+//! The runs of a [`plan`] are numbered. What a run draws depends on the campaign's seed and the run's
+//! number only, so any run can be made alone, and neither the number of threads nor interruptions nor
+//! the division into shards changes the result.
+
+mod draw;
+pub mod finish;
+pub mod folder;
+pub mod merge;
+pub mod parts;
+pub mod plan;
+mod points;
+pub mod record;
+pub mod row;
+pub mod statistics;
+pub mod table;
+
+use std::path::{Path, PathBuf};
+
+use synth::model::FileError;
+
+use crate::base::files::OutputError;
+use crate::run::outcome::SimulateError;
+
+/// Why a campaign cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A file is not what it should be.
+    #[error("{}: {reason}", path.display())]
+    Unsuitable {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A run cannot be made.
+    #[error("run {run}: {reason}")]
+    Run {
+        /// Its index.
+        run: u64,
+        /// Why.
+        reason: String,
+    },
+    /// The design does not fit.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The table's library refuses something.
+    #[error("the table of the runs: {0}")]
+    Table(String),
+    /// More numbers are drawn than there are directions for.
+    #[error(
+        "field 'dispersions.sampling': a Sobol sequence has at most {most} numbers; {numbers} are drawn"
+    )]
+    TooManyNumbers {
+        /// Numbers that are drawn.
+        numbers: usize,
+        /// Most.
+        most: usize,
+    },
+    /// Shards that do not make a campaign.
+    #[error("{0}")]
+    Shards(String),
+    /// The threads could not be started.
+    #[error("the threads cannot be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// It was stopped.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl CampaignError {
+    /// A file that cannot be used.
+    pub(super) fn file(path: &Path, problem: FileError) -> Self {
+        let path = path.to_path_buf();
+        CampaignError::Output(OutputError::File { path, problem })
+    }
+
+    fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        Self::file(path, FileError::Io { action, source })
+    }
+
+    fn read(path: &Path, source: std::io::Error) -> Self {
+        Self::io(path, "cannot be read", source)
+    }
+
+    fn written(path: &Path, source: std::io::Error) -> Self {
+        Self::io(path, "cannot be written", source)
+    }
+
+    fn broken(path: &Path, error: impl std::fmt::Display) -> Self {
+        CampaignError::Unsuitable {
+            path: path.to_path_buf(),
+            reason: format!("is not a table that can be read: {error}"),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! One run as a row of the tables.
+
+use crate::run::summary::{RunVerdict, Summary};
+use crate::sim::metrics::{metric_name, Metric};
+
+/// Every metric, in the order of the columns.
+pub const METRICS: [Metric; 26] = [
+    Metric::Triggers,
+    Metric::Updates,
+    Metric::Bits,
+    Metric::Bytes,
+    Metric::SettleSeconds,
+    Metric::FinalErrorDeg,
+    Metric::RmsErrorDeg,
+    Metric::TailErrorDeg,
+    Metric::FinalStateNorm,
+    Metric::RmsStateNorm,
+    Metric::MaxRate,
+    Metric::MaxTorque,
+    Metric::Impulse,
+    Metric::Violations,
+    Metric::ShortestIntervalS,
+    Metric::MeanIntervalS,
+    Metric::LyapunovRatio,
+    Metric::FunnelRatio,
+    Metric::ThresholdRatio,
+    Metric::LinkMessages,
+    Metric::LinkWords,
+    Metric::LinkBits,
+    Metric::LinkLongestDisagreementS,
+    Metric::TurnOns,
+    Metric::TurnOffs,
+    Metric::OnTimeShare,
+];
+
+/// What is known of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Its index.
+    pub run: u64,
+    /// Seed of its noise, jitter and losses.
+    pub seed: u64,
+    /// The answer.
+    pub verdict: RunVerdict,
+    /// Whether the design's proof covers it.
+    pub proof_covers: Option<bool>,
+    /// x'Ux at the start.
+    pub start_level: Option<f64>,
+    /// The requirement with the smallest margin, and its margin.
+    pub worst: Option<(String, f64)>,
+    /// One value for each of [`METRICS`].
+    pub metrics: Vec<Option<f64>>,
+    /// The drawn numbers, in the order of the campaign's columns.
+    pub drawn: Vec<Option<f64>>,
+    /// The profile, one quantity after the other; not a number where the run had ended.
+    pub profile: Vec<f32>,
+}
+
+impl Row {
+    /// The row of a run.
+    pub fn new(
+        run: u64,
+        seed: u64,
+        summary: &Summary,
+        drawn: Vec<Option<f64>>,
+        profile: Vec<f32>,
+    ) -> Self {
+        let certificate = summary.certificate.as_ref();
+        Row {
+            run,
+            seed,
+            verdict: summary.verdict,
+            proof_covers: certificate.map(|outcome| outcome.covers_run),
+            start_level: certificate.map(|outcome| outcome.start_level),
+            worst: worst(summary),
+            metrics: METRICS.map(|metric| finite(summary.metric(metric))).into(),
+            drawn,
+            profile,
+        }
+    }
+
+    /// Whether every requirement is met.
+    pub fn passed(&self) -> bool {
+        self.verdict == RunVerdict::RequirementsMet
+    }
+
+    /// Runs sorted by this begin with the worst.
+    pub fn rank(&self) -> Rank {
+        Rank {
+            severity: VERDICTS
+                .iter()
+                .position(|known| *known == self.verdict)
+                .unwrap_or(0),
+            margin: self.worst.as_ref().map_or(0.0, |(_, margin)| *margin),
+            run: self.run,
+        }
+    }
+}
+
+/// Verdicts, the worst first.
+pub(crate) const VERDICTS: [RunVerdict; 4] = [
+    RunVerdict::ProofBroken,
+    RunVerdict::Diverged,
+    RunVerdict::RequirementsMissed,
+    RunVerdict::RequirementsMet,
+];
+
+/// How bad a run is; the smallest is the worst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rank {
+    severity: usize,
+    margin: f64,
+    /// The run.
+    pub run: u64,
+}
+
+impl Eq for Rank {}
+
+impl PartialOrd for Rank {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Rank {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let severity = self.severity.cmp(&other.severity);
+        let margin = self.margin.total_cmp(&other.margin);
+        severity.then(margin).then(self.run.cmp(&other.run))
+    }
+}
+
+/// The name of a verdict as files have it.
+pub(crate) fn verdict_name(verdict: RunVerdict) -> &'static str {
+    match verdict {
+        RunVerdict::RequirementsMet => "requirements_met",
+        RunVerdict::RequirementsMissed => "requirements_missed",
+        RunVerdict::Diverged => "diverged",
+        RunVerdict::ProofBroken => "proof_broken",
+    }
+}
+
+/// The verdict of that name.
+pub(crate) fn verdict_of(name: &str) -> Option<RunVerdict> {
+    let found = VERDICTS.iter().find(|known| verdict_name(**known) == name);
+    found.copied()
+}
+
+/// Names of the metrics' columns.
+pub fn metric_columns() -> Vec<String> {
+    METRICS.map(metric_name).into()
+}
+
+fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| value.is_finite())
+}
+
+/// The requirement with the smallest margin relative to its limit.
+fn worst(summary: &Summary) -> Option<(String, f64)> {
+    let margins = summary.requirements.iter().map(|outcome| {
+        let scale = if outcome.limit == 0.0 {
+            1.0
+        } else {
+            outcome.limit.abs()
+        };
+        let margin = match (outcome.value, outcome.name.ends_with("at least")) {
+            (None, _) => f64::NEG_INFINITY,
+            (Some(value), true) => (value - outcome.limit) / scale,
+            (Some(value), false) => (outcome.limit - value) / scale,
+        };
+        let margin = if margin.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            margin
+        };
+        (outcome.name.clone(), margin)
+    });
+    margins.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_metric_has_a_column() {
+        let schema = schemars::schema_for!(Metric).to_value();
+        let all = schema["oneOf"].as_array().expect("the metrics");
+        let names = all.iter().filter_map(|one| one["const"].as_str());
+        let names: BTreeSet<String> = names.map(str::to_string).collect();
+        assert_eq!(names.len(), METRICS.len());
+        assert_eq!(names, metric_columns().into_iter().collect());
+    }
+
+    #[test]
+    fn the_worst_run_is_first() {
+        let rank = |severity, margin, run| Rank {
+            severity,
+            margin,
+            run,
+        };
+        let mut ranks = [
+            rank(3, 0.1, 1),
+            rank(2, -0.1, 9),
+            rank(2, -0.1, 2),
+            rank(2, f64::NEG_INFINITY, 7),
+            rank(0, 1.0, 8),
+        ];
+        ranks.sort();
+        assert_eq!(ranks.map(|rank| rank.run), [8, 7, 2, 9, 1]);
+    }
+}

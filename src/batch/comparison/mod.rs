@@ -1,0 +1,11 @@
+//! Several controllers on one task, side by side.
+
+mod faults;
+mod run;
+pub mod table;
+mod task;
+
+pub use faults::{standard_faults, StandardFault};
+pub use run::{compare, Curves};
+pub use table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
+pub use task::{ComparisonError, Contestant, Difference, Task};

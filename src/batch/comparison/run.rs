@@ -1,0 +1,281 @@
+//! The runs of a comparison.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Mutex;
+
+use nalgebra::Vector3;
+use synth::model::ModelError;
+
+use super::faults::{standard_faults, StandardFault};
+use super::table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
+use super::task::{limit_difference, ComparisonError, Contestant};
+use crate::base::table::Table;
+use crate::plants::SystemFile;
+use crate::run::outcome::{Outcome, SimulateError};
+use crate::run::simulate;
+use crate::run::summary::{CertificateOutcome, Summary};
+use crate::scenario::Scenario;
+use crate::sim::sampling::Instants;
+
+/// The trajectory of a controller without a standard fault.
+#[derive(Debug, Clone)]
+pub struct Curves {
+    /// The controller's label.
+    pub label: String,
+    /// Its trajectory.
+    pub trajectory: Table,
+}
+
+/// A run that could not be made.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum RunError {
+    /// The scenarios cannot be compared.
+    #[error(transparent)]
+    Comparison(#[from] ComparisonError),
+    /// A scenario does not allow a standard fault.
+    #[error("{label}: {problem}")]
+    Fault {
+        /// The controller.
+        label: String,
+        /// What is wrong.
+        problem: ModelError,
+    },
+    /// A scenario cannot be run.
+    #[error("{label}: {problem}")]
+    Simulate {
+        /// The controller.
+        label: String,
+        /// What is wrong.
+        problem: SimulateError,
+    },
+}
+
+/// Runs every contestant without and with each standard fault. All must have the same task but for
+/// `taken_from`, the scenario whose task was imposed on them. `done` is told after each run how many
+/// of how many are done.
+///
+/// # Errors
+/// Torque limits that differ; a scenario that cannot be run.
+pub fn compare(
+    contestants: &[Contestant],
+    taken_from: Option<String>,
+    with_faults: bool,
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<(Comparison, Vec<Curves>), RunError> {
+    let limit = common_limit(contestants, taken_from.is_some())?;
+    let Some(first) = contestants.first().map(|first| &first.scenario) else {
+        return Ok((empty(), Vec::new()));
+    };
+    let faults = if with_faults && limit.iter().all(|value| value.is_finite()) {
+        standard_faults(first.duration_s, &limit)
+    } else {
+        Vec::new()
+    };
+    let outcomes = run_all(contestants, &faults, done)?;
+    let per_contestant = faults.len() + 1;
+    let mut runs = Vec::new();
+    let mut curves = Vec::new();
+    for (contestant, outcomes) in contestants.iter().zip(outcomes.chunks(per_contestant)) {
+        let Some((healthy, faulty)) = outcomes.split_first() else {
+            continue;
+        };
+        runs.push(row(contestant, &healthy.summary, faulty, &faults, &limit));
+        curves.push(Curves {
+            label: contestant.label.clone(),
+            trajectory: healthy.trajectory.clone().unwrap_or_default(),
+        });
+    }
+    let comparison = Comparison {
+        task: TaskSummary {
+            taken_from,
+            duration_s: first.duration_s,
+            torque_limit_nm: limit.into(),
+            settle_tolerance_deg: first.settle_tolerance_rad.to_degrees(),
+            tail_s: first.tail_s,
+            requirements: first.requirements.clone(),
+        },
+        faults: faults
+            .into_iter()
+            .map(|fault| (fault.name.to_string(), fault.description))
+            .collect(),
+        runs,
+        ..empty()
+    };
+    Ok((comparison, curves))
+}
+
+fn empty() -> Comparison {
+    Comparison {
+        schema_version: COMPARISON_SCHEMA_VERSION,
+        generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+        task: TaskSummary {
+            taken_from: None,
+            duration_s: 0.0,
+            torque_limit_nm: [0.0; 3],
+            settle_tolerance_deg: 0.0,
+            tail_s: 0.0,
+            requirements: Vec::new(),
+        },
+        faults: Vec::new(),
+        runs: Vec::new(),
+    }
+}
+
+/// The torque that can act in every run, N m. When a task was imposed, a controller's own limit may be
+/// smaller; then it is the largest of all.
+fn common_limit(
+    contestants: &[Contestant],
+    imposed: bool,
+) -> Result<Vector3<f64>, ComparisonError> {
+    let mut limits = contestants
+        .iter()
+        .map(|contestant| (contestant, contestant.torque_limit()));
+    let Some((first, mut limit)) = limits.next() else {
+        return Ok(Vector3::zeros());
+    };
+    for (contestant, other) in limits {
+        if imposed {
+            limit = limit.zip_map(&other, f64::max);
+        } else if let Some(difference) = limit_difference(&other, &limit) {
+            return Err(ComparisonError::Differs {
+                file: contestant.label.clone(),
+                other_file: first.label.clone(),
+                difference,
+            });
+        }
+    }
+    Ok(limit)
+}
+
+/// Every contestant without a fault, then with each; the contestants one after the other.
+fn run_all(
+    contestants: &[Contestant],
+    faults: &[StandardFault],
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Vec<Outcome>, RunError> {
+    let per_contestant = faults.len() + 1;
+    let total = contestants.len() * per_contestant;
+    let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let results = Mutex::new(vec![None; total]);
+    let work = || loop {
+        let index = next.fetch_add(1, Ordering::Relaxed);
+        let Some(contestant) = contestants.get(index / per_contestant) else {
+            return;
+        };
+        let fault = (index % per_contestant).checked_sub(1);
+        let outcome = run(contestant, fault.and_then(|fault| faults.get(fault)));
+        // A thread that panicked ends the program anyway.
+        let mut results = results.lock().unwrap_or_else(|broken| broken.into_inner());
+        results[index] = Some(outcome);
+        done(finished.fetch_add(1, Ordering::Relaxed) + 1, total);
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads.min(total) {
+            scope.spawn(work);
+        }
+    });
+    let results = results
+        .into_inner()
+        .unwrap_or_else(|broken| broken.into_inner());
+    results.into_iter().flatten().collect()
+}
+
+fn run(contestant: &Contestant, fault: Option<&StandardFault>) -> Result<Outcome, RunError> {
+    let label = || contestant.label.clone();
+    let scenario = match fault {
+        None => contestant.scenario.clone(),
+        Some(fault) => with_fault(contestant, fault).map_err(|problem| RunError::Fault {
+            label: label(),
+            problem,
+        })?,
+    };
+    simulate(&scenario, contestant.design.as_ref(), fault.is_none()).map_err(|problem| {
+        RunError::Simulate {
+            label: label(),
+            problem,
+        }
+    })
+}
+
+fn with_fault(contestant: &Contestant, fault: &StandardFault) -> Result<Scenario, ModelError> {
+    let mut file = contestant.file.clone();
+    if let SystemFile::RigidBody(body) = &mut file.system {
+        body.faults.extend(fault.faults.iter().cloned());
+    }
+    Scenario::from_file(&file, contestant.scenario.sha256.clone())
+}
+
+fn row(
+    contestant: &Contestant,
+    summary: &Summary,
+    faulty: &[Outcome],
+    faults: &[StandardFault],
+    limit: &Vector3<f64>,
+) -> Row {
+    let pairs = faults.iter().zip(faulty);
+    let faults: Vec<FaultOutcome> = pairs
+        .map(|(fault, outcome)| FaultOutcome::new(fault.name, &outcome.summary))
+        .collect();
+    let own = contestant.torque_limit();
+    let mut notes = summary.notes.clone();
+    if own != *limit {
+        let [a, b, c]: [f64; 3] = own.into();
+        notes.push(format!(
+            "The controller itself commands at most {a}, {b} and {c} N m, less than can act."
+        ));
+    }
+    Row {
+        label: contestant.label.clone(),
+        controller: summary.controller.clone(),
+        sampling: sampling(&contestant.scenario.instants),
+        verdict: summary.verdict,
+        proof: summary.certificate.as_ref().map(proof),
+        settle_seconds: summary.settle_seconds,
+        final_error_deg: summary.final_error_deg,
+        rms_error_deg: summary.rms_error_deg,
+        max_rate: summary.max_rate,
+        max_torque: summary.max_torque,
+        impulse: summary.impulse,
+        updates: summary.updates,
+        triggers: summary.triggers,
+        bits: summary.bits,
+        bytes: summary.bytes,
+        shortest_interval_s: summary.shortest_interval_s,
+        mean_interval_s: summary.mean_interval_s,
+        funnel_ratio: summary.funnel.as_ref().map(|usage| usage.largest_ratio),
+        violations: summary.violations,
+        link: summary.link.clone(),
+        faults_survived: faults.iter().filter(|outcome| outcome.survived).count(),
+        faults,
+        notes,
+        scenario_sha256: summary.provenance.scenario_sha256.clone(),
+        design_sha256: summary.provenance.design_sha256.clone(),
+    }
+}
+
+fn proof(outcome: &CertificateOutcome) -> String {
+    match (outcome.proved, outcome.covers_run) {
+        (true, true) => "proved; the proof covers this run".to_string(),
+        (true, false) => format!(
+            "proved; the proof does not cover this run: {}",
+            outcome.not_covered.join("; ")
+        ),
+        (false, _) => "not proved".to_string(),
+    }
+}
+
+fn sampling(instants: &Instants) -> String {
+    match *instants {
+        Instants::Periodic {
+            interval_s,
+            jitter_s,
+        } if jitter_s > 0.0 => format!("every {interval_s} s, jitter {jitter_s} s"),
+        Instants::Periodic { interval_s, .. } => format!("every {interval_s} s"),
+        Instants::Aperiodic {
+            shortest_s,
+            longest_s,
+        } => format!("every {shortest_s} to {longest_s} s"),
+        Instants::Continuous { .. } => "trigger watched continuously".to_string(),
+    }
+}

@@ -1,0 +1,82 @@
+//! A finished sweep.
+
+use std::collections::BTreeMap;
+
+use serde_json::json;
+
+use super::grid::Grid;
+use super::journal::Identity;
+use super::outcome::PointOutcome;
+use super::subject::Subject;
+
+/// Name of the table as comma-separated values.
+pub const CSV_FILE: &str = "sweep.csv";
+/// Name of the table as Parquet.
+pub const PARQUET_FILE: &str = "sweep.parquet";
+/// Name of the page.
+pub const PAGE_FILE: &str = "sweep.html";
+/// Name of the file that says how the table came about.
+pub const PROVENANCE_FILE: &str = "sweep.json";
+
+/// A finished sweep.
+pub struct Finished<'a> {
+    /// What was swept.
+    pub subject: &'a Subject,
+    /// The grid.
+    pub grid: &'a Grid,
+    /// The outcomes in its order.
+    pub outcomes: &'a [PointOutcome],
+    /// What makes it this sweep.
+    pub identity: &'a Identity,
+    /// Name of the file that was swept, without its folder.
+    pub file: &'a str,
+}
+
+impl Finished<'_> {
+    /// How many points have each verdict.
+    pub fn verdicts(&self) -> BTreeMap<&str, usize> {
+        let mut verdicts = BTreeMap::new();
+        for outcome in self.outcomes {
+            *verdicts.entry(outcome.verdict.as_str()).or_default() += 1;
+        }
+        verdicts
+    }
+
+    /// What the table says of itself.
+    pub fn about(&self) -> Vec<(&'static str, String)> {
+        let identity = self.identity;
+        let axes = serde_json::to_string(&identity.axes).unwrap_or_default();
+        let mut about = vec![
+            ("generator", identity.generator.clone()),
+            ("kind", identity.kind.clone()),
+            ("file", self.file.to_string()),
+            ("file_sha256", identity.file_sha256.clone()),
+            ("axes", axes),
+        ];
+        let further = [
+            ("design_sha256", &identity.design_sha256),
+            ("solver", &identity.solver),
+        ];
+        for (key, text) in further {
+            about.extend(text.clone().map(|text| (key, text)));
+        }
+        about
+    }
+
+    /// How the table came about, as JSON.
+    pub fn provenance(&self) -> String {
+        let identity = self.identity;
+        let value = json!({
+            "generator": identity.generator,
+            "file": self.file,
+            "file_sha256": identity.file_sha256,
+            "kind": identity.kind,
+            "design_sha256": identity.design_sha256,
+            "solver": identity.solver,
+            "axes": identity.axes,
+            "points": self.grid.points(),
+            "verdicts": self.verdicts(),
+        });
+        serde_json::to_string_pretty(&value).unwrap_or_default() + "\n"
+    }
+}

@@ -1,0 +1,352 @@
+//! What is swept: a scenario, which is run at each point, or a model, which is synthesized.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+use serde_json::{Number, Value};
+use synth::certify::{Report, Verdict};
+use synth::feasibility::Decision;
+use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile, Objective};
+use synth::solve::{Backend, Clarabel, Observer, Structured};
+use synth::synthesis::{self, Form, Outcome, Synthesized};
+
+use super::grid::Grid;
+use super::outcome::{numbers_of, PointOutcome};
+use crate::run::design::{certified_angle_deg, Design};
+use crate::run::simulate;
+use crate::run::summary::{RunVerdict, Summary};
+use crate::scenario::{Scenario, ScenarioFile};
+
+/// What is swept. The file holds every default, so that what it leaves out can be varied too.
+pub enum Subject {
+    /// A scenario with its design, if it has one.
+    Scenario {
+        /// The file.
+        file: Value,
+        /// The design of its controller.
+        design: Option<Box<Design>>,
+    },
+    /// A model.
+    Model {
+        /// The file.
+        file: Value,
+        /// The solver.
+        solver: SolverChoice,
+    },
+}
+
+/// A solver, with the form of the problems it is given.
+#[derive(Debug, Clone)]
+pub enum SolverChoice {
+    /// Clarabel.
+    Clarabel,
+    /// The structured solver, which may start from the way to the solution of the file's own model. That is the
+    /// same for every point, so that points do not depend on each other.
+    Structured(Structured),
+}
+
+impl SolverChoice {
+    /// The solver.
+    pub fn backend(&self) -> Box<dyn Backend> {
+        match self {
+            SolverChoice::Clarabel => Box::new(Clarabel::default()),
+            SolverChoice::Structured(solver) => Box::new(solver.clone()),
+        }
+    }
+
+    /// The form of the decrease condition that the solver is fastest with.
+    pub fn form(&self) -> Form {
+        match self {
+            SolverChoice::Clarabel => Form::Reduced,
+            SolverChoice::Structured(_) => Form::Slack,
+        }
+    }
+}
+
+/// Conditions that block a synthesis, as many as a row names.
+const BLOCKING: usize = 3;
+
+impl Subject {
+    /// The scenario of a text, which must be valid.
+    ///
+    /// # Errors
+    /// The first field that is missing, unknown, of the wrong type or out of its range.
+    pub fn scenario(text: &str, design: Option<Box<Design>>) -> Result<Self, FileError> {
+        Scenario::from_json(text)?;
+        let file: ScenarioFile = parse(text, Kind::Scenario)?;
+        Ok(Subject::Scenario {
+            file: value_of(&file),
+            design,
+        })
+    }
+
+    /// The model of a text, which must be valid.
+    ///
+    /// # Errors
+    /// The first field that is missing, unknown, of the wrong type or out of its range.
+    pub fn model(text: &str, solver: SolverChoice) -> Result<Self, FileError> {
+        let file: &ModelFile = &Model::from_json(text)?.file;
+        Ok(Subject::Model {
+            file: value_of(file),
+            solver,
+        })
+    }
+
+    /// Whether a text is a scenario's.
+    pub fn is_scenario(text: &str) -> bool {
+        kind_of(text) == Some(Kind::Scenario)
+    }
+
+    /// The file with its defaults.
+    pub fn file(&self) -> &Value {
+        match self {
+            Subject::Scenario { file, .. } | Subject::Model { file, .. } => file,
+        }
+    }
+
+    /// Kind of the file.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Subject::Scenario { .. } => Kind::Scenario,
+            Subject::Model { .. } => Kind::Model,
+        }
+    }
+
+    /// SHA-256 of the design's file, for a scenario that has one.
+    pub fn design_sha256(&self) -> Option<&str> {
+        match self {
+            Subject::Scenario { design, .. } => {
+                design.as_ref().map(|design| design.sha256.as_str())
+            }
+            Subject::Model { .. } => None,
+        }
+    }
+
+    /// The solver with the form of its problems, for a model.
+    pub fn solver(&self) -> Option<String> {
+        match self {
+            Subject::Scenario { .. } => None,
+            Subject::Model { solver, .. } => {
+                let (backend, form) = (solver.backend(), solver.form());
+                Some(format!("{}, {} form", backend.name(), form.name()))
+            }
+        }
+    }
+
+    /// Unit of a number that is varied or of a metric; empty where it has none.
+    pub fn unit(&self, name: &str) -> &'static str {
+        let body = self.file().pointer("/system/rigid_body").is_some();
+        match name {
+            "max_rate" => "rad/s",
+            "max_torque" if body => "N m",
+            "impulse" if body => "N m s",
+            name => unit_of_key(name),
+        }
+    }
+
+    /// Solves the file's own model once, for the points to start from. A search takes too long for that.
+    pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
+        let Subject::Model { file, solver } = self else {
+            return;
+        };
+        let SolverChoice::Structured(solver) = solver else {
+            return;
+        };
+        let text = file.to_string();
+        let Ok(model) = Model::from_json(&text) else {
+            return;
+        };
+        if model.file.specs.objective == Objective::Gain {
+            let first = Structured::warm();
+            // Whatever comes of it: where nothing is remembered, points start cold.
+            let _ = synthesis::synthesize(&model, &text, Form::Slack, &first, Some(until(stop)));
+            *solver = first.frozen();
+        }
+    }
+
+    /// Runs one point. A synthesis ends early when `stop` is set; its outcome is of no use then.
+    pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
+        let row = values.to_vec();
+        let text = match grid.apply(self.file(), values) {
+            Ok(file) => file.to_string(),
+            Err(error) => return PointOutcome::invalid(row, error),
+        };
+        match self {
+            Subject::Scenario { design, .. } => run_scenario(row, &text, design.as_deref()),
+            Subject::Model { solver, .. } => run_model(row, &text, solver, stop),
+        }
+    }
+}
+
+/// Ends of keys and the units that they name, the longer ones first.
+const UNITS: [(&str, &str); 12] = [
+    ("_kg_m2", "kg m^2"),
+    ("_rad_s2", "rad/s^2"),
+    ("_rad_s", "rad/s"),
+    ("_deg_s", "deg/s"),
+    ("_nm_s", "N m s"),
+    ("_per_s", "1/s"),
+    ("_seconds", "s"),
+    ("_deg", "deg"),
+    ("_rad", "rad"),
+    ("_nm", "N m"),
+    ("_kg", "kg"),
+    ("_s", "s"),
+];
+
+/// The unit that the last key of a name ends with.
+fn unit_of_key(name: &str) -> &'static str {
+    let key = name.rsplit('.').next().unwrap_or(name);
+    let key = key.split('[').next().unwrap_or(key);
+    let found = UNITS.iter().find(|(end, _)| key.ends_with(end));
+    found.map_or("", |(_, unit)| unit)
+}
+
+/// The files' types hold numbers, texts and lists only, so they can always be written.
+fn value_of<T: serde::Serialize>(file: &T) -> Value {
+    serde_json::to_value(file).unwrap_or_default()
+}
+
+fn run_scenario(values: Vec<f64>, text: &str, design: Option<&Design>) -> PointOutcome {
+    let scenario = match Scenario::from_json(text) {
+        Ok(scenario) => scenario,
+        Err(error) => return PointOutcome::invalid(values, error),
+    };
+    match simulate(&scenario, design, false) {
+        Ok(outcome) => {
+            let summary = value_of(&outcome.summary);
+            PointOutcome {
+                values,
+                verdict: word(&summary["verdict"]),
+                reason: why_not(&outcome.summary),
+                metrics: numbers_of(&summary),
+                worst_condition: None,
+            }
+        }
+        Err(error) => PointOutcome::invalid(values, error),
+    }
+}
+
+fn word(verdict: &Value) -> String {
+    verdict.as_str().unwrap_or_default().to_string()
+}
+
+fn why_not(summary: &Summary) -> Option<String> {
+    let missed = summary.requirements.iter().filter(|outcome| !outcome.met);
+    let missed = missed.map(|outcome| {
+        let value = outcome.value.map_or("none".to_string(), |v| v.to_string());
+        format!("{} {}: {value}", outcome.name, outcome.limit)
+    });
+    match summary.verdict {
+        RunVerdict::RequirementsMet => None,
+        RunVerdict::RequirementsMissed => Some(missed.collect::<Vec<_>>().join("; ")),
+        other => Some(other.sentence().to_string()),
+    }
+}
+
+fn until(stop: &Arc<AtomicBool>) -> Observer {
+    let stop = Arc::clone(stop);
+    Arc::new(move |_| !stop.load(Ordering::Relaxed))
+}
+
+fn run_model(
+    values: Vec<f64>,
+    text: &str,
+    solver: &SolverChoice,
+    stop: &Arc<AtomicBool>,
+) -> PointOutcome {
+    let model = match Model::from_json(text) {
+        Ok(model) => model,
+        Err(error) => return PointOutcome::invalid(values, error),
+    };
+    let backend = solver.backend();
+    let observer = Some(until(stop));
+    let outcome = synthesis::synthesize(&model, text, solver.form(), backend.as_ref(), observer);
+    match outcome {
+        Ok(Outcome::Solved(design)) => designed(values, &design),
+        Ok(Outcome::Infeasible(decision)) => failed(values, "infeasible", &decision),
+        Ok(Outcome::Undecided(decision)) => failed(values, "undecided", &decision),
+        Ok(Outcome::SolverFailed(decision)) => failed(values, "solver_failed", &decision),
+        Err(error) => PointOutcome::invalid(values, error),
+    }
+}
+
+/// Metrics of a model, whatever its points come to.
+const MODEL_METRICS: [&str; 7] = [
+    "gamma",
+    "guaranteed_gain",
+    "xi",
+    "certified_angle_deg",
+    "worst_margin",
+    "gain_norm",
+    "slack",
+];
+
+/// The metrics of a model with the values that a point has.
+fn model_metrics(values: &[(&str, Option<f64>)]) -> Vec<(String, Option<Number>)> {
+    let of = |name: &str| {
+        let found = values.iter().find(|(own, _)| *own == name);
+        found.and_then(|(_, value)| value.and_then(Number::from_f64))
+    };
+    MODEL_METRICS
+        .map(|name| (name.to_string(), of(name)))
+        .to_vec()
+}
+
+fn designed(values: Vec<f64>, design: &Synthesized) -> PointOutcome {
+    let (part, report) = (&design.file.certificate, &design.report);
+    let proved = report.verdict == Verdict::Proved;
+    let worst = report.worst();
+    PointOutcome {
+        values,
+        verdict: if proved { "proved" } else { "not_proved" }.to_string(),
+        reason: (!proved).then(|| not_proved(report)),
+        metrics: model_metrics(&[
+            ("gamma", Some(part.gamma)),
+            ("guaranteed_gain", Some(part.guaranteed_gain)),
+            ("xi", Some(part.xi)),
+            (
+                "certified_angle_deg",
+                certified_angle_deg(part.certified_vector_part),
+            ),
+            ("worst_margin", worst.map(|condition| condition.margin)),
+            ("gain_norm", gain_norm(&design.file.controller.gains)),
+        ]),
+        worst_condition: worst.map(|condition| condition.name.clone()),
+    }
+}
+
+/// Largest singular value of any of the gains.
+fn gain_norm(gains: &[Vec<Vec<f64>>]) -> Option<f64> {
+    let norms = gains.iter().map(|rows| {
+        let columns = rows.first().map_or(0, Vec::len);
+        let entries = rows.iter().flatten().copied();
+        let matrix = DMatrix::from_row_iterator(rows.len(), columns, entries);
+        matrix.singular_values().max()
+    });
+    norms.reduce(f64::max)
+}
+
+fn not_proved(report: &Report) -> String {
+    match report.worst() {
+        Some(worst) => format!("not proved: {}, margin {:.3e}", worst.name, worst.margin),
+        None => "not proved".to_string(),
+    }
+}
+
+fn failed(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
+    let blocking = decision.blocking.iter().take(BLOCKING);
+    let names: Vec<&str> = blocking.map(|(name, _)| name.as_str()).collect();
+    let reason = match names.as_slice() {
+        [] => "no condition is known to block".to_string(),
+        names => format!("blocked by {}", names.join(", ")),
+    };
+    PointOutcome {
+        values,
+        verdict: verdict.to_string(),
+        reason: Some(reason),
+        metrics: model_metrics(&[("slack", decision.slack)]),
+        worst_condition: None,
+    }
+}

@@ -1,0 +1,146 @@
+//! What a search found.
+
+use serde::Serialize;
+
+use super::file::Requirements;
+use super::limits::least_time_s;
+use super::search::Search;
+use super::trial::Trial;
+use crate::controllers::lei2022::LeiFile;
+use crate::controllers::ControllerFile;
+use crate::scenario::ScenarioFile;
+
+/// The answer of a search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TuneReport {
+    /// Name of the requirements.
+    pub name: String,
+    /// Program and version.
+    pub generator: String,
+    /// Seed of the axes.
+    pub seed: u64,
+    /// Candidates tried.
+    pub candidates: usize,
+    /// Whether every run of the training set meets the requirements with a margin.
+    pub training_met: bool,
+    /// Axes, unseen by the search, on which the result was tried.
+    pub axes: usize,
+    /// Those on which every requirement is met, with the disturbance and without.
+    pub axes_met: usize,
+    /// Length of every run, s.
+    pub duration_s: f64,
+    /// The shortest time in which any controller could make the turn, s.
+    pub least_time_s: f64,
+    /// The parameters, for the start of the scenario that is written. From another start only rho_0
+    /// and S2(0), and with it beta, differ.
+    pub parameters: Option<LeiFile>,
+    /// The numbers of the shape, by name.
+    pub shape: Vec<ShapeNumber>,
+    /// Every run.
+    pub runs: Vec<RunReport>,
+}
+
+/// A number of the shape.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShapeNumber {
+    /// What it is.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+}
+
+/// One validation run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Axis of the turn.
+    pub axis: [f64; 3],
+    /// Whether the disturbance acts.
+    pub disturbed: bool,
+    /// Whether every requirement is met.
+    pub met: bool,
+    /// The requirements that are missed.
+    pub missed: Vec<Missed>,
+    /// Settling time, s.
+    pub settle_seconds: Option<f64>,
+    /// Largest error from then on that is required, deg.
+    pub tail_error_deg: Option<f64>,
+    /// Largest rate, rad/s.
+    pub max_rate: Option<f64>,
+    /// Times the actuators were turned on.
+    pub turn_ons: Option<u64>,
+    /// Integral of the magnitudes of the torques, N m s.
+    pub impulse: Option<f64>,
+}
+
+/// A requirement that is missed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Missed {
+    /// Its metric and side.
+    pub name: String,
+    /// What the run has; null when it has none.
+    pub value: Option<f64>,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl TuneReport {
+    /// The report of a search whose result was tried on `axes` unseen axes.
+    pub fn new(
+        requirements: &Requirements,
+        search: &Search,
+        scenario: &ScenarioFile,
+        axes: usize,
+        trials: Vec<Trial>,
+    ) -> Self {
+        let per_axis = trials.chunks(trials.len() / axes.max(1));
+        let met = per_axis.filter(|trials| trials.iter().all(Trial::met));
+        let numbers = search.shape().numbers().iter();
+        TuneReport {
+            name: requirements.file.name.clone(),
+            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            seed: requirements.search.seed,
+            candidates: search.candidates(),
+            training_met: search.penalty() == 0.0,
+            axes,
+            axes_met: met.count(),
+            duration_s: requirements.duration_s,
+            least_time_s: least_time_s(requirements),
+            parameters: match &scenario.controller {
+                ControllerFile::Lei2022(file) => Some((**file).clone()),
+                _ => None,
+            },
+            shape: numbers
+                .map(|number| ShapeNumber {
+                    name: number.name,
+                    value: number.value,
+                })
+                .collect(),
+            runs: trials.iter().map(run_report).collect(),
+        }
+    }
+
+    /// Whether every axis met every requirement.
+    pub fn met(&self) -> bool {
+        self.axes_met == self.axes
+    }
+}
+
+fn run_report(trial: &Trial) -> RunReport {
+    let summary = trial.summary.as_ref();
+    let missed = trial.missed().map(|outcome| Missed {
+        name: outcome.name.clone(),
+        value: outcome.value,
+        limit: outcome.limit,
+    });
+    RunReport {
+        axis: trial.start.axis.into(),
+        disturbed: trial.start.disturbed,
+        met: trial.met(),
+        missed: missed.collect(),
+        settle_seconds: summary.and_then(|summary| summary.settle_seconds),
+        tail_error_deg: summary.and_then(|summary| summary.tail_error_deg),
+        max_rate: summary.and_then(|summary| summary.max_rate),
+        turn_ons: summary.and_then(|summary| summary.turn_ons),
+        impulse: summary.map(|summary| summary.impulse),
+    }
+}

@@ -1,0 +1,91 @@
+//! One run of a candidate, and how far it is from the requirements.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::file::{Requirements, Start};
+use super::shape::{scenario, Shape};
+use crate::run::simulate;
+use crate::run::summary::{RequirementOutcome, RunVerdict, Summary};
+use crate::scenario::Scenario;
+
+/// Each axis with the disturbance off and on.
+pub(crate) fn starts(axes: &[Vector3<f64>]) -> Vec<Start> {
+    let both = |axis: &Vector3<f64>| {
+        let axis = *axis;
+        [false, true].map(|disturbed| Start { axis, disturbed })
+    };
+    axes.iter().flat_map(both).collect()
+}
+
+/// One run.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Its start.
+    pub start: Start,
+    /// Its summary; `None` when the parameters are no valid controller.
+    pub summary: Option<Summary>,
+}
+
+/// Share of a limit that the search asks for, where chance decides by how much it is met.
+const AIM: f64 = 0.97;
+/// Penalty of a requirement whose metric the run does not have, and the largest of one that it misses.
+const ABSENT: f64 = 5.0;
+/// Penalty of a run that diverged or could not be made.
+const BROKEN: f64 = 100.0;
+
+/// Metrics that the trigger and the start hold at their limits, whatever the parameters.
+const AT_THE_LIMIT: [&str; 2] = ["funnel_ratio", "threshold_ratio"];
+
+impl Trial {
+    /// Runs a candidate from a start.
+    pub fn new(requirements: &Requirements, shape: &Shape, start: Start) -> Self {
+        let file = scenario(requirements, shape, &start);
+        let text = serde_json::to_string(&file).unwrap_or_default();
+        let run = Scenario::from_json(&text).ok();
+        let outcome = run.and_then(|scenario| simulate(&scenario, None, false).ok());
+        Trial {
+            start,
+            summary: outcome.map(|outcome| outcome.summary),
+        }
+    }
+
+    /// Whether every requirement is met.
+    pub fn met(&self) -> bool {
+        let verdict = self.summary.as_ref().map(|summary| summary.verdict);
+        verdict == Some(RunVerdict::RequirementsMet)
+    }
+
+    /// Requirements that are missed.
+    pub fn missed(&self) -> impl Iterator<Item = &RequirementOutcome> {
+        let all = self
+            .summary
+            .iter()
+            .flat_map(|summary| &summary.requirements);
+        all.filter(|outcome| !outcome.met)
+    }
+
+    /// How far the run is from meeting every requirement with a margin: 0 when it does.
+    pub fn penalty(&self) -> f64 {
+        match &self.summary {
+            None => BROKEN,
+            Some(summary) if summary.verdict == RunVerdict::Diverged => BROKEN,
+            Some(summary) => summary.requirements.iter().map(excess).sum(),
+        }
+    }
+}
+
+fn excess(outcome: &RequirementOutcome) -> f64 {
+    let tight = AT_THE_LIMIT
+        .iter()
+        .any(|name| outcome.name.starts_with(name));
+    let aim = if tight { 1.0 } else { AIM };
+    let ratio = outcome.value.map(|value| value / (aim * outcome.limit));
+    ratio.map_or(ABSENT, |ratio| (ratio - 1.0).clamp(0.0, ABSENT))
+}
+
+/// Runs a candidate from every start, in parallel; the trials are in the order of the starts.
+pub fn every(requirements: &Requirements, shape: &Shape, starts: &[Start]) -> Vec<Trial> {
+    let run = |start: &Start| Trial::new(requirements, shape, *start);
+    starts.par_iter().map(run).collect()
+}

@@ -1,0 +1,142 @@
+//! A run in words.
+
+use crate::run::summary::{CertificateOutcome, Summary};
+use crate::sim::link::LinkOutcome;
+
+pub(crate) fn describe(summary: &Summary) -> String {
+    let mut lines = vec![
+        format!("scenario: {}", summary.scenario),
+        format!("controller: {}", summary.controller),
+        format!("verdict: {}", summary.verdict.sentence()),
+        format!(
+            "messages: {} in {} samples, {} bytes; torque updates: {}",
+            summary.triggers, summary.samples, summary.bytes, summary.updates
+        ),
+    ];
+    let interval = (summary.shortest_interval_s, summary.mean_interval_s);
+    if let (Some(shortest), Some(mean)) = interval {
+        lines.push(format!(
+            "between messages: {shortest:.4} s shortest, {mean:.3} s mean"
+        ));
+    }
+    let bound = summary.max_transmissions_per_s;
+    lines.push(match (summary.min_inter_event_s, bound) {
+        (Some(shortest), Some(most)) => format!(
+            "messages per second: {:.4}; the sampling allows one every {shortest} s, {most:.6} per second",
+            summary.triggers_per_s
+        ),
+        _ => format!("messages per second: {:.4}", summary.triggers_per_s),
+    });
+    lines.push(match summary.settle_seconds {
+        Some(seconds) => format!("settled: from {seconds:.3} s on"),
+        None => "settled: no".to_string(),
+    });
+    let errors = [
+        ("final error", summary.final_error_deg, "deg"),
+        ("rms error over the tail", summary.rms_error_deg, "deg"),
+        ("norm of the final state", summary.final_state_norm, ""),
+        ("rms norm over the tail", summary.rms_state_norm, ""),
+        ("largest rate", summary.max_rate, "rad/s"),
+    ];
+    for (name, value, unit) in errors {
+        if let Some(value) = value {
+            lines.push(format!("{name}: {value:.5} {unit}").trim_end().to_string());
+        }
+    }
+    // The inputs of a plant that is no spacecraft have units of their own.
+    let (input, unit, impulse_unit) = match summary.system == "rigid_body" {
+        true => ("torque", " N m", " N m s"),
+        false => ("input", "", ""),
+    };
+    lines.push(format!(
+        "largest {input}: {:.4}{unit}; impulse: {:.4}{impulse_unit}",
+        summary.max_torque, summary.impulse
+    ));
+    if let Some(link) = &summary.link {
+        describe_link(link, &mut lines);
+    }
+    describe_bounds(summary, &mut lines);
+    if let Some(outcome) = &summary.certificate {
+        describe_certificate(outcome, &mut lines);
+    }
+    for requirement in &summary.requirements {
+        let met = if requirement.met { "met" } else { "MISSED" };
+        let value = requirement
+            .value
+            .map_or("none".to_string(), |value| value.to_string());
+        lines.push(format!(
+            "requirement {} {}: {value}, {met}",
+            requirement.name, requirement.limit
+        ));
+    }
+    lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
+    lines.join("\n")
+}
+
+fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
+    lines.push(format!("link: {}", link.encoding));
+    lines.push(format!(
+        "link messages: {}; words: {}; bits: {}",
+        link.messages, link.words, link.bits
+    ));
+    if link.lost_words + link.corrupted_words > 0 {
+        lines.push(format!(
+            "link words lost: {}; corrupted: {}; refused: {}; longest disagreement: {:.3} s",
+            link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
+        ));
+    }
+}
+
+/// Switching and prescribed bounds, for the controllers that have them.
+fn describe_bounds(summary: &Summary, lines: &mut Vec<String>) {
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        let share = 100.0 * summary.on_time_share;
+        lines.push(format!(
+            "actuators: turned on {on} and off {off} times, {share:.1} % of the time with a torque"
+        ));
+    }
+    let usages = [
+        ("error over its prescribed bound", &summary.funnel),
+        ("trigger over its threshold", &summary.threshold),
+    ];
+    for (name, usage) in usages {
+        if let Some(usage) = usage {
+            lines.push(format!(
+                "largest {name}: {:.6} at {:.3} s",
+                usage.largest_ratio, usage.largest_ratio_at_s
+            ));
+        }
+    }
+}
+
+fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
+    let proved = if outcome.proved {
+        "proved"
+    } else {
+        "NOT proved"
+    };
+    lines.push(format!(
+        "design: {proved}; x'Ux at the start {:.4}",
+        outcome.start_level
+    ));
+    lines.push(format!(
+        "largest x'Ux over its bound: {:.6} at {:.3} s",
+        outcome.largest_lyapunov_ratio, outcome.largest_lyapunov_ratio_at_s
+    ));
+    if let Some(ratio) = outcome.peak_ratio.filter(|_| outcome.from_rest_in_origin) {
+        lines.push(format!(
+            "sup|y| / sup|tau| from rest: {ratio:.5}; guaranteed: {:.5}; gamma: {:.5}",
+            outcome.guaranteed_gain, outcome.gamma
+        ));
+    }
+    if let Some(inner) = &outcome.inner {
+        lines.push(inner.sentence());
+    }
+    if outcome.covers_run {
+        lines.push("the proof covers this run".to_string());
+    } else {
+        lines.push("the proof does not cover this run:".to_string());
+        let reasons = outcome.not_covered.iter();
+        lines.extend(reasons.map(|reason| format!("  - {reason}")));
+    }
+}

@@ -1,0 +1,161 @@
+//! `steadfast campaign SCENARIO.json --runs N -o DIR`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+
+use crate::batch::campaign::finish::{finish, finish_again};
+use crate::batch::campaign::parts::{Job, Watch};
+use crate::batch::campaign::plan::{Plan, MAX_RUNS};
+use crate::batch::campaign::record::{Results, Shard, State};
+use crate::batch::campaign::CampaignError;
+use crate::cli::answer::EXIT_NO;
+use crate::cli::design::{design_of, design_path};
+use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::files;
+use crate::cli::progress::{interrupted, threads, PartsProgress};
+use crate::cli::show::campaign::tell;
+use crate::scenario::Scenario;
+
+/// Most failed runs that are kept when the command line does not say.
+pub(crate) const KEPT: usize = 100;
+
+/// Arguments of `campaign`.
+#[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
+pub struct CampaignArgs {
+    /// Scenario file; its `dispersions` say what is drawn anew for every run
+    scenario: PathBuf,
+    /// Number of runs
+    #[arg(long, value_name = "N")]
+    runs: u64,
+    /// Seed; that of the scenario when left out
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Threads; one for each processor when left out
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Make part i of n only, for `merge`
+    #[arg(long, value_name = "i/n")]
+    shard: Option<String>,
+    /// Most failed runs that are kept with their trajectory
+    #[arg(long, value_name = "K", default_value_t = KEPT)]
+    keep: usize,
+    /// Design file, for scenarios whose controller is a design
+    #[arg(long)]
+    design: Option<PathBuf>,
+    /// Folder for the results; the same command goes on with what is there
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Makes the runs. 0: every run met every requirement; 2: some did not.
+pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
+    check_runs(args.runs)?;
+    files::check_folder(&args.output)?;
+    let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let text = files::text(&args.scenario)?;
+    let scenario =
+        Scenario::from_json(&text).map_err(|error| CliError::file(&args.scenario, error))?;
+    let given = args.design.as_deref();
+    let design = design_of(&scenario, &args.scenario, given)?;
+    let design_text = match design_path(&scenario, &args.scenario, given) {
+        Some(path) => Some(files::text(&path)?),
+        None => None,
+    };
+    let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
+        .map_err(|error| unplanned(&args.scenario, error))?;
+    if plan.columns.drawn.is_empty() {
+        eprintln!("note: the scenario has no dispersions; the runs differ in their noise only");
+    }
+    let told = |error| told(&args.scenario, error);
+    let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
+    let job = Job::new(
+        &plan,
+        design_sha256,
+        shard,
+        threads(args.jobs),
+        &args.output,
+    )
+    .map_err(told)?;
+    let stop = interrupted();
+    let state = job.prepare(&text, design_text.as_deref(), &stop);
+    let results = state.and_then(|state| make(&job, state, args.keep, stop));
+    let results = results.map_err(|error| {
+        let done = job.runs_done().unwrap_or(0);
+        stopped(&args.scenario, &job, done, error)
+    })?;
+    tell(&results, &job.inputs, &args.output, args.json);
+    Ok(match results.failures {
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::from(EXIT_NO),
+    })
+}
+
+fn make(
+    job: &Job,
+    state: State,
+    keep: usize,
+    stop: Arc<AtomicBool>,
+) -> Result<Results, CampaignError> {
+    let all = job.inputs.end_run - job.inputs.first_run;
+    let done = match state {
+        State::Running => job.runs_done()?,
+        State::Complete => all,
+    };
+    let progress = PartsProgress::resume(done as usize, all as usize, "runs");
+    let watch = Watch {
+        done: &|| progress.done(),
+        stop,
+    };
+    if state == State::Complete {
+        return finish_again(job, keep, &watch);
+    }
+    job.run(&watch)?;
+    finish(job, keep, &watch)
+}
+
+/// Refuses numbers of runs that are no campaign.
+pub(crate) fn check_runs(runs: u64) -> Result<(), CliError> {
+    if (1..=MAX_RUNS).contains(&runs) {
+        return Ok(());
+    }
+    Err(CliError::Argument {
+        argument: "--runs",
+        reason: format!("{runs} is not allowed; it must be from 1 to {MAX_RUNS}"),
+    })
+}
+
+fn parse_shard(text: &str) -> Result<Shard, CliError> {
+    let parts = text.split_once('/');
+    let numbers = parts.and_then(|(index, count)| {
+        let (index, count) = (index.trim().parse().ok()?, count.trim().parse().ok()?);
+        Some(Shard { index, count })
+    });
+    let valid = numbers.filter(|shard| (1..=shard.count).contains(&shard.index));
+    valid.ok_or_else(|| CliError::Argument {
+        argument: "--shard",
+        reason: format!("'{text}' is not of the form i/n with i from 1 to n"),
+    })
+}
+
+/// What is wrong, and what is done.
+fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliError {
+    let all = job.inputs.end_run - job.inputs.first_run;
+    let kept = match done {
+        0 => "; nothing is done".to_string(),
+        _ => format!(
+            "; {done} of {all} runs are done and kept in {}; the same command goes on with the rest",
+            job.folder.display()
+        ),
+    };
+    match error {
+        CampaignError::Interrupted => CliError::Campaign(format!("interrupted{kept}")),
+        error if done == 0 => told(scenario, error),
+        error => CliError::Campaign(format!("{}{kept}", told(scenario, error))),
+    }
+}

@@ -1,0 +1,75 @@
+//! `steadfast export FILE --format FORMAT`
+
+pub mod args;
+mod data;
+mod sdpa;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use args::{ExportArgs, Exported, FormatArg};
+
+use crate::cli::answer::print;
+use crate::cli::error::CliError;
+use crate::cli::files;
+use crate::run::files::TRAJECTORY_FILE;
+
+/// Writes a file in the format of another program. 2: a design was written that is not proved.
+pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
+    let source = trajectory_of(&args.file);
+    if let Some(output) = &args.output {
+        files::check_output(output, source.as_deref().unwrap_or(&args.file))?;
+    }
+    if args.form.is_some() && args.format != FormatArg::Sdpa {
+        return Err(CliError::Argument {
+            argument: "--form",
+            reason: format!(
+                "has a meaning for --format sdpa only, not for {}",
+                args.format.name()
+            ),
+        });
+    }
+    if args.output.is_none() && matches!(args.format, FormatArg::Parquet | FormatArg::Mat) {
+        return Err(CliError::Argument {
+            argument: "--output",
+            reason: format!(
+                "is needed with --format {}, which is not text",
+                args.format.name()
+            ),
+        });
+    }
+    let exported = match (&source, args.format) {
+        (Some(_), FormatArg::Sdpa) => {
+            let reason = "this is a trajectory; sdpa is for model, problem and design files";
+            return Err(CliError::unsuitable(&args.file, reason));
+        }
+        (Some(path), format) => data::trajectory(path, format)?,
+        (None, FormatArg::Sdpa) => Exported {
+            bytes: sdpa::export(args)?.into_bytes(),
+            not_proved: None,
+        },
+        (None, format) => data::design(&args.file, format)?,
+    };
+    match &args.output {
+        Some(path) => files::write_bytes(path, &exported.bytes)?,
+        None => print(String::from_utf8_lossy(&exported.bytes).trim_end()),
+    }
+    Ok(match exported.not_proved {
+        None => ExitCode::SUCCESS,
+        Some(reason) => {
+            eprintln!("{}: {reason}", args.file.display());
+            ExitCode::from(crate::cli::answer::EXIT_NO)
+        }
+    })
+}
+
+/// The trajectory that a path stands for: itself, or that of a folder.
+fn trajectory_of(path: &Path) -> Option<PathBuf> {
+    if path.is_dir() {
+        return Some(path.join(TRAJECTORY_FILE));
+    }
+    let ending = path.extension()?;
+    ending
+        .eq_ignore_ascii_case("csv")
+        .then(|| path.to_path_buf())
+}

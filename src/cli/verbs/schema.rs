@@ -1,0 +1,60 @@
+//! `steadfast schema KIND`
+
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use schemars::schema_for;
+use synth::design::DesignFile;
+use synth::feasibility::InfeasibilityFile;
+use synth::model::{GainsFile, ModelFile};
+use synth::problem::{ProblemDesignFile, ProblemFile};
+
+use crate::batch::tune::file::TuneFile;
+use crate::cli::answer::print;
+use crate::cli::error::CliError;
+use crate::scenario::ScenarioFile;
+
+/// Arguments of `schema`.
+#[derive(clap::Args)]
+pub struct SchemaArgs {
+    /// Kind of file
+    kind: KindArg,
+}
+
+/// Kinds of files.
+#[derive(Clone, Copy, ValueEnum)]
+enum KindArg {
+    /// What an engineer writes
+    Model,
+    /// What synthesize writes
+    Design,
+    /// What simulate runs
+    Scenario,
+    /// What feasibility writes when no design exists
+    Infeasibility,
+    /// A design problem for a state feedback
+    Problem,
+    /// What synthesize writes for a problem
+    ProblemDesign,
+    /// What analyse judges
+    Gains,
+    /// What tune searches for
+    Requirements,
+}
+
+/// Prints the JSON Schema (draft 2020-12) of a kind of file.
+pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
+    let schema = match args.kind {
+        KindArg::Model => schema_for!(ModelFile),
+        KindArg::Design => schema_for!(DesignFile),
+        KindArg::Gains => schema_for!(GainsFile),
+        KindArg::Scenario => schema_for!(ScenarioFile),
+        KindArg::Infeasibility => schema_for!(InfeasibilityFile),
+        KindArg::Problem => schema_for!(ProblemFile),
+        KindArg::ProblemDesign => schema_for!(ProblemDesignFile),
+        KindArg::Requirements => schema_for!(TuneFile),
+    };
+    // A schema is a JSON value already.
+    print(&serde_json::to_string_pretty(&schema).unwrap_or_default());
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,108 @@
+//! `steadfast simulate SCENARIO.json`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::campaign::check_runs;
+use crate::batch::campaign::plan::Plan;
+use crate::cli::answer::{print, EXIT_NO};
+use crate::cli::design::design_of;
+use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::files;
+use crate::cli::show::run::describe;
+use crate::report::files::write_run;
+use crate::run::design::Design;
+use crate::run::files::summary_text;
+use crate::run::outcome::Outcome;
+use crate::run::simulate;
+use crate::run::summary::RunVerdict;
+use crate::scenario::{PlanFile, Scenario};
+
+/// Arguments of `simulate`.
+#[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
+pub struct SimulateArgs {
+    /// Scenario file
+    scenario: PathBuf,
+    /// Design file, for scenarios whose controller is a design
+    #[arg(long)]
+    design: Option<PathBuf>,
+    /// Make one run of the scenario's campaign, by its index from 0
+    #[arg(long, value_name = "K")]
+    run_index: Option<u64>,
+    /// Seed of the campaign; that of the scenario when left out
+    #[arg(long, requires = "run_index")]
+    seed: Option<u64>,
+    /// Number of runs of the campaign; needed with a Latin hypercube
+    #[arg(long, value_name = "N", requires = "run_index")]
+    runs: Option<u64>,
+    /// Folder for trajectory.csv, summary.json and report.html
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
+/// was broken.
+pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
+    let text = files::text(&args.scenario)?;
+    let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
+    if let Some(folder) = &args.output {
+        files::check_folder(folder)?;
+    }
+    let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
+    let outcome = match args.run_index {
+        Some(run) => run_of_campaign(args, &text, &scenario, design.as_ref(), run)?,
+        None => simulate(&scenario, design.as_ref(), args.output.is_some())
+            .map_err(|error| CliError::unsuitable(&args.scenario, error))?,
+    };
+    if let Some(folder) = &args.output {
+        write_run(folder, &outcome)?;
+        eprintln!("written: {}", folder.join("report.html").display());
+    }
+    let summary = &outcome.summary;
+    if args.json {
+        print(summary_text(summary).trim_end());
+    } else {
+        print(&describe(summary));
+    }
+    if summary.verdict == RunVerdict::ProofBroken {
+        eprintln!("{}", summary.verdict.sentence());
+    }
+    Ok(match summary.verdict {
+        RunVerdict::RequirementsMet => ExitCode::SUCCESS,
+        _ => ExitCode::from(EXIT_NO),
+    })
+}
+
+/// The very run that a campaign makes.
+fn run_of_campaign(
+    args: &SimulateArgs,
+    text: &str,
+    scenario: &Scenario,
+    design: Option<&Design>,
+    run: u64,
+) -> Result<Outcome, CliError> {
+    let sampling = scenario.dispersions.as_ref().map(|all| all.sampling);
+    let wrong = |argument, reason: String| Err(CliError::Argument { argument, reason });
+    let runs = match args.runs {
+        Some(runs) => runs,
+        None if sampling == Some(PlanFile::LatinHypercube) => {
+            let reason = "is needed, because a Latin hypercube depends on it".to_string();
+            return wrong("--runs", reason);
+        }
+        None => run.saturating_add(1),
+    };
+    check_runs(runs)?;
+    if run >= runs {
+        let reason = format!("{run} is not allowed; it must be from 0 to {}", runs - 1);
+        return wrong("--run-index", reason);
+    }
+    let plan = Plan::new(text, design, args.seed, runs);
+    let plan = plan.map_err(|error| unplanned(&args.scenario, error))?;
+    let outcome = plan.alone(run, args.output.is_some());
+    let (_, outcome) = outcome.map_err(|error| told(&args.scenario, error))?;
+    Ok(outcome)
+}

@@ -1,0 +1,180 @@
+//! `steadfast sweep FILE.json --vary key=lo:hi:n`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::json;
+
+use crate::base::files::create_folder;
+use crate::batch::sweep;
+use crate::batch::sweep::axis::Axis;
+use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
+use crate::batch::sweep::grid::Grid;
+use crate::batch::sweep::journal::{Identity, Journal, Known};
+use crate::batch::sweep::outcome::PointOutcome;
+use crate::batch::sweep::subject::Subject;
+use crate::batch::sweep::{SweepError, Watch};
+use crate::cli::answer::print;
+use crate::cli::design::design_of;
+use crate::cli::error::CliError;
+use crate::cli::files;
+use crate::cli::progress::{threads, PartsProgress};
+use crate::cli::solver::SolverArg;
+use crate::report::files::write_sweep;
+use crate::run::check_design;
+use crate::scenario::Scenario;
+
+/// Arguments of `sweep`.
+#[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
+pub struct SweepArgs {
+    /// Scenario or model file
+    file: PathBuf,
+    /// A number of the file and its values: key=lo:hi:n, key=lo:hi:n:log or key=a,b,c; several make a grid
+    #[arg(
+        long,
+        required = true,
+        value_name = "KEY=VALUES",
+        allow_hyphen_values = true
+    )]
+    vary: Vec<String>,
+    /// Folder for the results; a sweep that was ended goes on where its points are
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Design file, for scenarios whose controller is a design
+    #[arg(long)]
+    design: Option<PathBuf>,
+    /// Solver, for models; clarabel when left out
+    #[arg(long)]
+    solver: Option<SolverArg>,
+    /// Threads; one for each processor when left out
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Throw away the points in the folder and begin again
+    #[arg(long)]
+    restart: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs every point and writes the table. 0: done, whatever the points' verdicts.
+pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
+    let text = files::text(&args.file)?;
+    files::check_folder(&args.output)?;
+    let axes = args.vary.iter().map(|text| Axis::parse(text));
+    let axes = axes.collect::<Result<Vec<_>, _>>();
+    let axes = axes.map_err(|error| CliError::Argument {
+        argument: "--vary",
+        reason: error.to_string(),
+    })?;
+    let mut subject = subject(args, &text)?;
+    let grid = Grid::new(subject.file(), &axes)
+        .map_err(|error| CliError::unsuitable(&args.file, error))?;
+    create_folder(&args.output)?;
+    let identity = Identity::new(&text, &subject, &grid);
+    let (journal, known) = Journal::open(&args.output, &identity, &grid, args.restart)?;
+    let resumed = known.iter().flatten().count();
+    let outcomes = swept(args, &mut subject, &grid, (&journal, known))?;
+    let name = args.file.file_name().map(|name| name.to_string_lossy());
+    let finished = Finished {
+        subject: &subject,
+        grid: &grid,
+        outcomes: &outcomes,
+        identity: &identity,
+        file: &name.unwrap_or_default(),
+    };
+    write_sweep(&args.output, &finished)?;
+    journal.sort(&identity, &outcomes)?;
+    tell(args, &finished, resumed);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
+    let failed = |error| CliError::file(&args.file, error);
+    if Subject::is_scenario(text) {
+        if args.solver.is_some() {
+            return Err(CliError::Argument {
+                argument: "--solver",
+                reason: "a solver goes with a model; this file is a scenario".to_string(),
+            });
+        }
+        let scenario = Scenario::from_json(text).map_err(failed)?;
+        let design = design_of(&scenario, &args.file, args.design.as_deref())?;
+        check_design(&scenario, design.as_ref())
+            .map_err(|error| CliError::unsuitable(&args.file, error))?;
+        return Subject::scenario(text, design.map(Box::new)).map_err(failed);
+    }
+    match &args.design {
+        None => {
+            let solver = args.solver.unwrap_or(SolverArg::Clarabel);
+            Subject::model(text, solver.choice()).map_err(failed)
+        }
+        Some(_) => Err(CliError::Argument {
+            argument: "--design",
+            reason: "a design goes with a scenario; this file is none".to_string(),
+        }),
+    }
+}
+
+fn swept(
+    args: &SweepArgs,
+    subject: &mut Subject,
+    grid: &Grid,
+    (journal, known): (&Journal, Known),
+) -> Result<Vec<PointOutcome>, CliError> {
+    let done = known.iter().flatten().count();
+    let progress = PartsProgress::resume(done, grid.points(), "points");
+    let watch = Watch {
+        done: &|| progress.done(),
+        stop: progress.stop(),
+    };
+    if done < grid.points() {
+        subject.prepare(&watch.stop);
+    }
+    let outcomes = sweep::run(subject, grid, threads(args.jobs), (journal, known), &watch);
+    outcomes.map_err(|error| match error {
+        SweepError::Interrupted { done, points } => CliError::Resumable {
+            done,
+            points,
+            folder: args.output.clone(),
+        },
+        SweepError::Journal(error) => error.into(),
+        SweepError::Threads(error) => CliError::Argument {
+            argument: "--jobs",
+            reason: error.to_string(),
+        },
+    })
+}
+
+fn tell(args: &SweepArgs, finished: &Finished, resumed: usize) {
+    let grid = finished.grid;
+    let path = args.output.join(CSV_FILE);
+    if args.json {
+        let report = json!({
+            "points": grid.points(),
+            "resumed": resumed,
+            "varied": grid.names(),
+            "verdicts": finished.verdicts(),
+            "table": path_text(&path),
+            "parquet": path_text(&args.output.join(PARQUET_FILE)),
+            "page": path_text(&args.output.join(PAGE_FILE)),
+        });
+        print(&report.to_string());
+        return;
+    }
+    let before = match resumed {
+        0 => String::new(),
+        resumed => format!(" ({resumed} were done before)"),
+    };
+    print(&format!("points: {}{before}", grid.points()));
+    for (verdict, count) in finished.verdicts() {
+        print(&format!("  {verdict}: {count}"));
+    }
+    let others = [PARQUET_FILE, PAGE_FILE, PROVENANCE_FILE].join(", ");
+    print(&format!("written: {}, {others}", path.display()));
+}
+
+fn path_text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}

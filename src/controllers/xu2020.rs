@@ -1,0 +1,311 @@
+//! The controller of Xu and Huang 2020, with given gains.
+
+use nalgebra::SVector;
+use nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
+use runtime::attitude::AttitudeMeasurement;
+use runtime::command::Command;
+use runtime::membership::Membership;
+use runtime::trigger::{Adaptation, ThresholdUpdate};
+use runtime::xu2020;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use synth::model::{check_matrix, check_positive, check_positive_definite, finite, ModelError};
+
+use crate::base::ranges::{each, not_negative, require};
+use crate::sim::controller::Controller;
+
+/// Law (12) and trigger (10) of Xu and Huang 2020 with given gains.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct XuFile {
+    /// The fuzzy rules, 1 to 8, with Gaussian memberships about their centres.
+    pub rules: Vec<RuleFile>,
+    /// Standard deviation of the membership functions in each state, above 0 [rad/s, then 1].
+    pub widths: [f64; 6],
+    /// The trigger weight Upsilon, 6 x 6, symmetric positive definite.
+    pub trigger_weight: [[f64; 6]; 6],
+    /// The threshold nu.
+    pub threshold: ThresholdFile,
+    /// Largest torque of each axis, above 0 [N m].
+    pub torque_limit_nm: [f64; 3],
+    /// Longest sampling interval of the design, above 0 (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longest_interval_s: Option<f64>,
+    /// What the paper claims for these gains. It is compared with the run; it is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_claim: Option<ClaimFile>,
+}
+
+/// A fuzzy rule.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RuleFile {
+    /// State [body rate (rad/s), vector part of the error quaternion] that the rule is about.
+    pub centre: [f64; 6],
+    /// Gain F_j, 3 x 6.
+    pub gain: [[f64; 6]; 3],
+}
+
+/// The threshold of the trigger, in [0, 1).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ThresholdFile {
+    /// It never changes.
+    Fixed(FixedThresholdFile),
+    /// The published update between two bounds.
+    Clamped(ClampedThresholdFile),
+    /// The published update, bounded from below only.
+    UnclampedAsPublished(UnclampedThresholdFile),
+}
+
+/// A constant threshold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FixedThresholdFile {
+    /// nu.
+    pub nu: f64,
+}
+
+/// The published update between two bounds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClampedThresholdFile {
+    /// Smallest and first threshold.
+    pub nu_min: f64,
+    /// Largest threshold, not below the smallest.
+    pub nu_max: f64,
+    /// mu_1, mu_2, mu_3, each not negative.
+    pub mu: [f64; 3],
+}
+
+/// The published update, bounded from below only.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UnclampedThresholdFile {
+    /// Smallest and first threshold.
+    pub nu_min: f64,
+    /// mu_1, mu_2, mu_3, each not negative.
+    pub mu: [f64; 3],
+}
+
+/// A claim of a paper.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClaimFile {
+    /// gamma, above 0.
+    pub gain_bound: f64,
+    /// phi, above 0 [1/s].
+    pub decay_rate_per_s: f64,
+    /// kappa: the largest membership mismatch that the conditions assume, above 0.
+    pub membership_mismatch: f64,
+}
+
+/// Most rules of a fuzzy controller.
+pub const MAX_RULES: usize = 8;
+
+/// Xu and Huang's controller with given gains.
+#[derive(Debug, Clone)]
+pub struct XuChoice {
+    /// Centre and gain of each rule.
+    pub rules: Vec<(Vector6<f64>, Matrix3x6<f64>)>,
+    /// Widths of the memberships.
+    pub widths: Vector6<f64>,
+    /// Upsilon.
+    pub trigger_weight: Matrix6<f64>,
+    /// Evolution of the threshold.
+    pub threshold: ThresholdUpdate,
+    /// Torque limit, N m.
+    pub torque_limit: Vector3<f64>,
+    /// Longest sampling interval of the design, s.
+    pub longest_interval_s: Option<f64>,
+    /// What the paper claims.
+    pub claim: Option<ClaimFile>,
+}
+
+pub(super) fn xu2020(file: &XuFile) -> Result<XuChoice, ModelError> {
+    let count = file.rules.len();
+    if !(1..=MAX_RULES).contains(&count) {
+        return Err(ModelError::WrongShape {
+            field: "rules".to_string(),
+            found: format!("{count} rules"),
+            expected: format!("1 to {MAX_RULES} rules"),
+        });
+    }
+    let mut rules = Vec::new();
+    for (index, rule) in file.rules.iter().enumerate() {
+        each(&format!("rules[{index}].centre"), &rule.centre, finite)?;
+        for (row, gains) in rule.gain.iter().enumerate() {
+            each(&format!("rules[{index}].gain[{row}]"), gains, finite)?;
+        }
+        let gain = Matrix3x6::from_fn(|r, c| rule.gain[r][c]);
+        rules.push((Vector6::from(rule.centre), gain));
+    }
+    each("widths", &file.widths, check_positive)?;
+    each("torque_limit_nm", &file.torque_limit_nm, check_positive)?;
+    if let Some(interval) = file.longest_interval_s {
+        check_positive("longest_interval_s", interval)?;
+    }
+    if let Some(claim) = &file.published_claim {
+        check_positive("published_claim.gain_bound", claim.gain_bound)?;
+        check_positive("published_claim.decay_rate_per_s", claim.decay_rate_per_s)?;
+        check_positive(
+            "published_claim.membership_mismatch",
+            claim.membership_mismatch,
+        )?;
+    }
+    Ok(XuChoice {
+        rules,
+        widths: Vector6::from(file.widths),
+        trigger_weight: weight(&file.trigger_weight)?,
+        threshold: threshold(&file.threshold)?,
+        torque_limit: Vector3::from(file.torque_limit_nm),
+        longest_interval_s: file.longest_interval_s,
+        claim: file.published_claim.clone(),
+    })
+}
+
+fn weight(rows: &[[f64; 6]; 6]) -> Result<Matrix6<f64>, ModelError> {
+    let field = "trigger_weight";
+    let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+    let matrix = check_matrix(field, &rows_as_lists, (Some(6), Some(6)))?;
+    check_positive_definite(field, &matrix)?;
+    Ok(Matrix6::from_fn(|r, c| rows[r][c]))
+}
+
+fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
+    let in_range =
+        |field: &str, value: f64| require((0.0..1.0).contains(&value), field, value, "in [0, 1)");
+    match file {
+        ThresholdFile::Fixed(fixed) => {
+            in_range("threshold.fixed.nu", fixed.nu)?;
+            Ok(ThresholdUpdate::Fixed {
+                threshold: fixed.nu,
+            })
+        }
+        ThresholdFile::Clamped(clamped) => {
+            in_range("threshold.clamped.nu_min", clamped.nu_min)?;
+            in_range("threshold.clamped.nu_max", clamped.nu_max)?;
+            let ok = clamped.nu_min <= clamped.nu_max;
+            require(
+                ok,
+                "threshold.clamped.nu_max",
+                clamped.nu_max,
+                "nu_min or above",
+            )?;
+            Ok(ThresholdUpdate::Clamped {
+                adaptation: adaptation("threshold.clamped.mu", &clamped.mu)?,
+                minimum: clamped.nu_min,
+                maximum: clamped.nu_max,
+            })
+        }
+        ThresholdFile::UnclampedAsPublished(printed) => {
+            in_range("threshold.unclamped_as_published.nu_min", printed.nu_min)?;
+            Ok(ThresholdUpdate::UnclampedAsPublished {
+                adaptation: adaptation("threshold.unclamped_as_published.mu", &printed.mu)?,
+                minimum: printed.nu_min,
+            })
+        }
+    }
+}
+
+fn adaptation(field: &str, mu: &[f64; 3]) -> Result<Adaptation, ModelError> {
+    each(field, mu, not_negative)?;
+    let [amplitude, slope, dead_band] = *mu;
+    Ok(Adaptation {
+        amplitude,
+        slope,
+        dead_band,
+    })
+}
+
+/// Xu and Huang's controller on attitude measurements.
+#[derive(Clone, Copy, Debug)]
+pub struct XuAttitude<S, const R: usize> {
+    /// The flight code.
+    pub controller: xu2020::Controller<S, 6, 3, R>,
+    sent_weights: Option<[f64; R]>,
+}
+
+impl<S: Membership<6, R>, const R: usize> XuAttitude<S, R> {
+    /// The controller before its first sample.
+    pub fn new(controller: xu2020::Controller<S, 6, 3, R>) -> Self {
+        Self {
+            controller,
+            sent_weights: None,
+        }
+    }
+}
+
+impl<S: Membership<6, R> + Copy, const R: usize> Controller<AttitudeMeasurement, 3>
+    for XuAttitude<S, R>
+{
+    #[inline]
+    fn step(&mut self, time_s: f64, measurement: &AttitudeMeasurement) -> Command<3> {
+        let state = measurement.rigid_body_state();
+        let command = self.controller.step(time_s, &state);
+        if command.sent && R > 1 {
+            self.sent_weights = Some(self.controller.law().membership().weights(&state));
+        }
+        command
+    }
+
+    fn would_send(&self, time_s: f64, measurement: &AttitudeMeasurement) -> bool {
+        let mut trial = *self;
+        trial.step(time_s, measurement).sent
+    }
+
+    fn membership_mismatch(&self, measurement: &AttitudeMeasurement) -> Option<f64> {
+        let sent = self.sent_weights?;
+        let state = measurement.rigid_body_state();
+        let now = self.controller.law().membership().weights(&state);
+        let differences = now.iter().zip(&sent).map(|(a, b)| (a - b).abs());
+        Some(differences.fold(0.0, f64::max))
+    }
+}
+
+/// Xu and Huang's controller on a padded state of any size.
+#[derive(Clone, Copy, Debug)]
+pub struct XuState<S, const N: usize, const M: usize, const R: usize> {
+    controller: xu2020::Controller<S, N, M, R>,
+    message_bits: usize,
+    sent_weights: Option<[f64; R]>,
+}
+
+impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> XuState<S, N, M, R> {
+    /// The controller for `states` states, padded to `N`.
+    pub fn new(controller: xu2020::Controller<S, N, M, R>, states: usize) -> Self {
+        Self {
+            controller,
+            message_bits: runtime::command::BITS_PER_NUMBER * states,
+            sent_weights: None,
+        }
+    }
+}
+
+impl<S: Membership<N, R> + Copy, const N: usize, const M: usize, const R: usize>
+    Controller<SVector<f64, N>, M> for XuState<S, N, M, R>
+{
+    fn step(&mut self, time_s: f64, measurement: &SVector<f64, N>) -> Command<M> {
+        let mut command = self.controller.step(time_s, measurement);
+        if command.sent {
+            command.bits = self.message_bits;
+            if R > 1 {
+                let membership = self.controller.law().membership();
+                self.sent_weights = Some(membership.weights(measurement));
+            }
+        }
+        command
+    }
+
+    fn would_send(&self, time_s: f64, measurement: &SVector<f64, N>) -> bool {
+        let mut trial = *self;
+        trial.step(time_s, measurement).sent
+    }
+
+    fn membership_mismatch(&self, measurement: &SVector<f64, N>) -> Option<f64> {
+        let sent = self.sent_weights?;
+        let now = self.controller.law().membership().weights(measurement);
+        let differences = now.iter().zip(&sent).map(|(a, b)| (a - b).abs());
+        Some(differences.fold(0.0, f64::max))
+    }
+}

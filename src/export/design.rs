@@ -1,0 +1,404 @@
+//! A design as a list of quantities, with its verdict checked anew.
+
+use runtime::local_rules::FuzzySet;
+use sha2::{Digest, Sha256};
+use synth::certify::{Report, Verdict};
+use synth::design::CertificateFile;
+use synth::fuzzy::{ExactSpacecraft, RuleModel, SPACECRAFT_VERTICES};
+use synth::model::{Model, Plant};
+use synth::problem::{Problem, ProblemDesignFile};
+
+use super::quantity::Quantity;
+use crate::run::design::Design;
+
+const PER_STATE: &str = "input per state";
+const WEIGHT: &str = "1/state^2";
+const MIXED: &str = "mixed";
+
+/// A design and what is to be said of it.
+#[derive(Debug, Clone)]
+pub struct DesignData {
+    /// Its name.
+    pub name: String,
+    /// True when every condition is proved, checked from the numbers of the file.
+    pub proved: bool,
+    /// The control law and what the numbers mean, in sentences.
+    pub law: Vec<String>,
+    /// The conditions that are not proved, by name.
+    pub failed: Vec<String>,
+    /// What the proof assumes.
+    pub assumptions: Vec<String>,
+    /// Keys and texts of the file's provenance, in order.
+    pub provenance: Vec<(&'static str, String)>,
+    /// The numbers.
+    pub quantities: Vec<Quantity>,
+}
+
+impl DesignData {
+    /// A design with the outcome of its check.
+    pub fn of_design(design: &Design) -> Self {
+        let made = &design.file.provenance;
+        let mut data = Self::new(&design.file.name, &design.report, &design.sha256);
+        data.law = law(design);
+        data.provenance.extend([
+            ("generator", made.generator.clone()),
+            ("date", made.date.clone()),
+            ("model_sha256", made.model_sha256.clone()),
+            ("source", design.model.file.source.clone()),
+        ]);
+        if let Some(digest) = &made.gains_sha256 {
+            data.provenance.push(("gains_sha256", digest.clone()));
+        }
+        data.quantities = flown(design);
+        data.quantities.extend(proof(design));
+        data
+    }
+
+    /// The design of a problem with its text and the outcome of its check.
+    pub fn of_problem(
+        file: &ProblemDesignFile,
+        problem: &Problem,
+        report: &Report,
+        text: &str,
+    ) -> Self {
+        let digest = Sha256::digest(text.as_bytes());
+        let digest: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        let mut data = Self::new(&file.name, report, &digest);
+        let meaning = format!("the guaranteed number: {}", problem.task.guarantee());
+        data.law = vec![
+            "u = F x, saturated where the problem says so.".to_string(),
+            format!("Problem: {}; guarantee: {meaning}.", problem.task.name()),
+        ];
+        data.provenance.extend([
+            ("generator", file.provenance.generator.clone()),
+            ("date", file.provenance.date.clone()),
+            ("model_sha256", file.provenance.model_sha256.clone()),
+            ("source", problem.file.source.clone()),
+            ("problem", problem.task.name().to_string()),
+        ]);
+        let proof = &file.certificate;
+        data.quantities = vec![
+            Quantity::matrix("gain", &file.controller.gain, PER_STATE, "the feedback F"),
+            Quantity::matrix("lyapunov", &proof.lyapunov, WEIGHT, "P of x'Px"),
+            Quantity::number("guarantee", proof.guarantee, "1", &meaning),
+        ];
+        for (name, rows) in &proof.auxiliary {
+            let meaning = "a further gain that the proof needs";
+            data.quantities
+                .push(Quantity::matrix(name, rows, PER_STATE, meaning));
+        }
+        data
+    }
+
+    fn new(name: &str, report: &Report, sha256: &str) -> Self {
+        let failed = report.conditions.iter().filter(|one| one.margin < 0.0);
+        let exporter = concat!("steadfast ", env!("CARGO_PKG_VERSION"));
+        let mut provenance = vec![
+            ("exported_by", exporter.to_string()),
+            ("design_sha256", sha256.to_string()),
+        ];
+        if let Some(worst) = report.worst() {
+            provenance.push(("worst_condition", worst.name.clone()));
+            provenance.push(("smallest_margin", worst.margin.to_string()));
+        }
+        Self {
+            name: name.to_string(),
+            proved: report.verdict == Verdict::Proved,
+            law: Vec::new(),
+            failed: failed.map(|one| one.name.clone()).collect(),
+            assumptions: report.not_covered.clone(),
+            provenance,
+            quantities: Vec::new(),
+        }
+    }
+
+    /// The verdict in a word.
+    pub fn verdict(&self) -> &'static str {
+        match self.proved {
+            true => "proved",
+            false => "not_proved",
+        }
+    }
+
+    /// Name, verdict, provenance and assumptions as pairs of key and text.
+    pub fn about(&self) -> Vec<(String, String)> {
+        let mut out = vec![
+            ("name".to_string(), self.name.clone()),
+            ("verdict".to_string(), self.verdict().to_string()),
+        ];
+        let provenance = self.provenance.iter();
+        out.extend(provenance.map(|(key, text)| (key.to_string(), text.clone())));
+        for (index, text) in self.assumptions.iter().enumerate() {
+            out.push((format!("assumption_{}", index + 1), text.clone()));
+        }
+        out
+    }
+}
+
+fn scheduled(design: &Design) -> bool {
+    design.file.controller.gains.len() > 1
+}
+
+fn law(design: &Design) -> Vec<String> {
+    let mut out = vec![
+        "At the times t_k at which the state is sent: u = sat(F x(t_k)), held until the next message. \
+         The state is sent when e' W e >= threshold x(t_k)' W x(t_k), with e = x - x(t_k) and W = \
+         trigger_weight; nu is the largest threshold."
+            .to_string(),
+    ];
+    if design.model.plant.inertia().is_some() {
+        out.push(
+            "State: body rate (rad/s, 3 entries), then the vector part of the error quaternion (3 \
+             entries, scalar part not negative). Input: torque about the body axes (N m)."
+                .to_string(),
+        );
+    }
+    if !scheduled(design) {
+        return out;
+    }
+    out.push(
+        "F is the sum of the gains, each weighted by the membership of its rule at x(t_k)."
+            .to_string(),
+    );
+    out.push(match &design.model.plant {
+        Plant::Spacecraft(_) => {
+            "Membership of rule j: the product over the scheduling variables (the three rates and the \
+             scalar part q0, clamped to their interval) of (z - low) / (high - low) where rule_corners \
+             has the upper end, and of 1 minus that where it has the lower end."
+        }
+        _ => {
+            "Membership of rule j: the product of the grades of its fuzzy_sets over the states (clamped \
+             to +-state_bounds), divided by the sum over all rules. A fuzzy set is its kind and four \
+             numbers: 0 any (1 everywhere), 1 triangular (left, peak, right), 2 trapezoidal (left, \
+             left_top, right_top, right), 3 Gaussian (centre, width), 4 never (0 everywhere)."
+        }
+    }
+    .to_string());
+    out
+}
+
+/// What the flight code needs.
+fn flown(design: &Design) -> Vec<Quantity> {
+    let (controller, specs) = (&design.file.controller, &design.model.file.specs);
+    let spacecraft = design.model.plant.inertia().is_some();
+    let per_state = match spacecraft {
+        true => "N m per rad/s (columns 1 to 3), N m (columns 4 to 6)",
+        false => PER_STATE,
+    };
+    let limit = design.model.plant.takagi_sugeno().input_limit;
+    let (limit_name, limit_unit) = match spacecraft {
+        true => ("torque_limit_nm", "N m"),
+        false => ("input_limit", "input"),
+    };
+    let weight = &controller.trigger_weight;
+    let shortest = design.model.sampling_interval_min();
+    let mut out = vec![
+        Quantity::matrices(
+            "gains",
+            &controller.gains,
+            per_state,
+            "the gains F_j, one for each rule",
+        ),
+        Quantity::matrix(
+            "trigger_weight",
+            weight,
+            WEIGHT,
+            "W of the trigger (Upsilon)",
+        ),
+        Quantity::vector(
+            limit_name,
+            limit.as_slice(),
+            limit_unit,
+            "saturation level of each input",
+        ),
+        Quantity::number("hbar_s", specs.hbar_s, "s", "longest sampling interval"),
+        Quantity::number("hmin_s", shortest, "s", "shortest sampling interval"),
+        Quantity::number("nu", specs.nu, "1", "largest trigger threshold"),
+    ];
+    if let Some(update) = &specs.threshold_update {
+        let least = specs.nu_min.unwrap_or(specs.nu);
+        out.push(Quantity::number(
+            "nu_min",
+            least,
+            "1",
+            "smallest trigger threshold",
+        ));
+        let meaning = "amplitude, slope and dead band of the threshold's update";
+        out.push(Quantity::vector("threshold_mu", &update.mu, "1", meaning));
+    }
+    if scheduled(design) {
+        match &design.model.plant {
+            Plant::Spacecraft(craft) => out.push(corners(craft)),
+            Plant::Rules(rules) => out.extend(fuzzy_sets(rules)),
+            Plant::Vertices(_) => {}
+        }
+    }
+    out
+}
+
+/// The scheduling variables at which each rule of the exact model counts alone.
+fn corners(craft: &ExactSpacecraft) -> Quantity {
+    let corner = |rule: usize| craft.corner(rule).iter().copied().collect();
+    let rows: Vec<Vec<f64>> = (0..SPACECRAFT_VERTICES).map(corner).collect();
+    let meaning = "rates 1 to 3 and scalar part q0 at the corner of each rule";
+    Quantity::matrix(
+        "rule_corners",
+        &rows,
+        "rad/s (columns 1 to 3), 1 (column 4)",
+        meaning,
+    )
+}
+
+/// The fuzzy sets of every rule (row) over every state (column of the matrix of a rule).
+fn fuzzy_sets(rules: &RuleModel) -> [Quantity; 2] {
+    let coded = |set: &FuzzySet| match *set {
+        FuzzySet::Any => vec![0.0; 5],
+        FuzzySet::Triangular { left, peak, right } => vec![1.0, left, peak, right, 0.0],
+        FuzzySet::Trapezoidal {
+            left,
+            left_top,
+            right_top,
+            right,
+        } => vec![2.0, left, left_top, right_top, right],
+        FuzzySet::Gaussian { centre, width } => vec![3.0, centre, width, 0.0, 0.0],
+        FuzzySet::Never => vec![4.0, 0.0, 0.0, 0.0, 0.0],
+    };
+    let sets: Vec<Vec<Vec<f64>>> = rules
+        .sets
+        .iter()
+        .map(|sets| sets.iter().map(coded).collect())
+        .collect();
+    let bounds = rules.system.box_bounds.as_slice();
+    [
+        Quantity::vector(
+            "state_bounds",
+            bounds,
+            "state",
+            "the box in which the rules hold",
+        ),
+        Quantity::matrices(
+            "fuzzy_sets",
+            &sets,
+            "kind, then four numbers in the unit of the state",
+            "fuzzy sets: a matrix for each rule, a row for each state",
+        ),
+    ]
+}
+
+/// What only the proof needs.
+fn proof(design: &Design) -> Vec<Quantity> {
+    let model: &Model = &design.model;
+    let specs = &model.file.specs;
+    let (bound, unit) = match model.plant.inertia().is_some() {
+        true => ("disturbance_bound_nm", "N m"),
+        false => ("disturbance_bound", "disturbance"),
+    };
+    let mut out = certificate(&design.file.certificate);
+    out.extend([
+        Quantity::number("phi_per_s", specs.phi_per_s, "1/s", "decay rate"),
+        Quantity::number(
+            bound,
+            model.plant.takagi_sugeno().disturbance_bound,
+            unit,
+            "bound on the norm of the disturbance",
+        ),
+    ]);
+    if let (Some(outer), Some(specs)) = (&design.file.outer, &specs.outer) {
+        out.push(Quantity::number(
+            "outer_trigger_multiple",
+            outer.trigger_multiple,
+            "1",
+            "the outer functional uses this multiple of trigger_weight",
+        ));
+        let meaning = "decay rate of the outer functional";
+        out.push(Quantity::number(
+            "outer_phi_per_s",
+            specs.phi_per_s,
+            "1/s",
+            meaning,
+        ));
+        let outer = certificate(&outer.certificate).into_iter();
+        out.extend(outer.map(|quantity| Quantity {
+            name: format!("outer_{}", quantity.name),
+            meaning: format!("outer certificate: {}", quantity.meaning),
+            ..quantity
+        }));
+    }
+    out
+}
+
+/// The unknowns of one certificate.
+fn certificate(proof: &CertificateFile) -> Vec<Quantity> {
+    let matrix =
+        |name, rows: &Vec<Vec<f64>>, unit, meaning| Quantity::matrix(name, rows, unit, meaning);
+    let number = Quantity::number;
+    let mut out = vec![
+        matrix(
+            "lyapunov",
+            &proof.lyapunov,
+            WEIGHT,
+            "U: x'Ux <= 1 is the certified set",
+        ),
+        matrix(
+            "integral_weight",
+            &proof.integral_weight,
+            MIXED,
+            "Y of the integral of V2",
+        ),
+        matrix(
+            "multiplier",
+            &proof.multiplier,
+            MIXED,
+            "multiplier of the plant's equation",
+        ),
+        matrix("free_state", &proof.free_state, MIXED, "L1"),
+        matrix("free_sample", &proof.free_sample, MIXED, "L2"),
+        Quantity::matrices(
+            "anti_windup",
+            &proof.anti_windup,
+            PER_STATE,
+            "N_j, one for each rule",
+        ),
+        Quantity::vector(
+            "sector_weight",
+            &proof.sector_weight,
+            MIXED,
+            "the diagonal of M",
+        ),
+        number(
+            "xi",
+            proof.xi,
+            MIXED,
+            "weight of the disturbance: V' <= -phi V + xi |tau|^2",
+        ),
+        number(
+            "gamma",
+            proof.gamma,
+            "output per disturbance",
+            "bound on sup|y| / sup|tau| from rest",
+        ),
+        number(
+            "guaranteed_gain",
+            proof.guaranteed_gain,
+            "output per disturbance",
+            "the sharper bound on sup|y| / sup|tau| from rest",
+        ),
+    ];
+    if let Some(radius) = proof.certified_vector_part {
+        let meaning = "every attitude at rest with |q| up to this is a certified start";
+        out.push(number("certified_vector_part", radius, "1", meaning));
+    }
+    for (index, side) in proof.mismatch.iter().enumerate() {
+        let meaning = "slack of the mismatch of the memberships, one for each rule";
+        let name = format!("mismatch_bounds_{}", index + 1);
+        out.push(Quantity::matrices(&name, &side.bounds, MIXED, meaning));
+        let name = format!("mismatch_common_{}", index + 1);
+        out.push(Quantity::matrix(
+            &name,
+            &side.common,
+            MIXED,
+            "what these slacks have in common",
+        ));
+    }
+    out
+}

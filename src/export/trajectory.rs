@@ -1,0 +1,143 @@
+//! A run's trajectory with its units and provenance.
+
+use super::mat::{to_bytes, MatError, MatValue};
+use crate::base::parquet;
+use crate::base::parquet::{Cells, Column, ParquetError};
+use crate::base::table::Table;
+use crate::run::summary::{RunVerdict, Summary};
+
+/// Endings of columns' names with their units, the longer before the shorter.
+const UNITS: [(&str, &str); 5] = [
+    ("_rad_s", "rad/s"),
+    ("_nm", "N m"),
+    ("_deg", "deg"),
+    ("_j", "J"),
+    ("_s", "s"),
+];
+
+/// A trajectory and what is to be said of it.
+#[derive(Debug, Clone)]
+pub struct TrajectoryData {
+    /// The table.
+    pub table: Table,
+    /// Keys and texts of its provenance, in order.
+    pub about: Vec<(&'static str, String)>,
+}
+
+impl TrajectoryData {
+    /// A trajectory with the summary of its run, where there is one, and the SHA-256 of its file.
+    pub fn new(table: Table, summary: Option<&Summary>, sha256: String) -> Self {
+        let exporter = concat!("steadfast ", env!("CARGO_PKG_VERSION"));
+        let mut about = vec![
+            ("exported_by", exporter.to_string()),
+            ("trajectory_sha256", sha256),
+        ];
+        if let Some(summary) = summary {
+            about.extend(provenance(summary));
+        }
+        Self { table, about }
+    }
+
+    /// The table as Parquet: doubles; units in the columns' metadata, provenance in the file's.
+    ///
+    /// # Errors
+    /// None for a table whose columns have names of their own.
+    pub fn to_parquet(&self) -> Result<Vec<u8>, ParquetError> {
+        let columns = self.columns().map(|(name, values)| Column {
+            name: name.to_string(),
+            unit: unit(name).to_string(),
+            cells: Cells::Real(values.into_iter().map(Some).collect()),
+        });
+        let columns: Vec<Column> = columns.collect();
+        parquet::to_bytes(&columns, &self.about)
+    }
+
+    /// A MAT-file: each column a variable, and the structures `units` and `provenance`.
+    ///
+    /// # Errors
+    /// A column whose name MATLAB does not have; a column beyond 4 GiB.
+    pub fn to_mat(&self) -> Result<Vec<u8>, MatError> {
+        let text = |(key, text): (&str, &str)| (key.to_string(), MatValue::Text(text.to_string()));
+        let units = self
+            .table
+            .columns
+            .iter()
+            .map(|name| (name.as_str(), unit(name)));
+        let about = self.about.iter().map(|(key, text)| (*key, text.as_str()));
+        let mut variables = vec![
+            (
+                "units".to_string(),
+                MatValue::Struct(units.map(text).collect()),
+            ),
+            (
+                "provenance".to_string(),
+                MatValue::Struct(about.map(text).collect()),
+            ),
+        ];
+        for (name, values) in self.columns() {
+            let value = MatValue::Real(vec![values.len(), 1], values);
+            variables.push((name.to_string(), value));
+        }
+        to_bytes(&variables)
+    }
+
+    fn columns(&self) -> impl Iterator<Item = (&str, Vec<f64>)> {
+        let width = self.table.columns.len().max(1);
+        let named = self.table.columns.iter().enumerate();
+        named.map(move |(index, name)| {
+            let values = self.table.values.iter().skip(index).step_by(width);
+            (name.as_str(), values.copied().collect())
+        })
+    }
+}
+
+/// The unit of a column, from the end of its name; 1 for a number without one.
+pub fn unit(column: &str) -> &'static str {
+    let known = UNITS.iter().find(|(ending, _)| column.ends_with(ending));
+    known.map_or("1", |(_, unit)| unit)
+}
+
+fn provenance(summary: &Summary) -> Vec<(&'static str, String)> {
+    let verdict = match summary.verdict {
+        RunVerdict::RequirementsMet => "requirements_met",
+        RunVerdict::RequirementsMissed => "requirements_missed",
+        RunVerdict::Diverged => "diverged",
+        RunVerdict::ProofBroken => "proof_broken",
+    };
+    let made = &summary.provenance;
+    let design = made.design_sha256.clone().unwrap_or("none".to_string());
+    vec![
+        ("scenario", summary.scenario.clone()),
+        ("source", summary.source.clone()),
+        ("system", summary.system.clone()),
+        ("controller", summary.controller.clone()),
+        ("verdict", verdict.to_string()),
+        ("generator", made.generator.clone()),
+        ("integrator", made.integrator.clone()),
+        ("random_generator", made.random_generator.clone()),
+        ("seed", made.seed.to_string()),
+        ("scenario_sha256", made.scenario_sha256.clone()),
+        ("design_sha256", design),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_come_from_the_names() {
+        let units = [
+            ("time_s", "s"),
+            ("rate_1_rad_s", "rad/s"),
+            ("torque_2_nm", "N m"),
+            ("error_deg", "deg"),
+            ("barrier_v1_j", "J"),
+            ("error_q0_scalar", "1"),
+            ("sent", "1"),
+        ];
+        for (name, expected) in units {
+            assert_eq!(unit(name), expected, "{name}");
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! The rigid spacecraft and its surroundings, as written in a scenario file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use synth::model::InertiaUncertaintyFile;
+
+/// A rigid spacecraft: the true one, which may differ from the model of the design.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigidBodyFile {
+    /// Inertia matrix, symmetric positive definite [kg m^2].
+    pub inertia_kg_m2: [[f64; 3]; 3],
+    /// The inertia is drawn from this set about `inertia_kg_m2` with the scenario's seed, every entry
+    /// uniform and independent of the others; it is `inertia_kg_m2` itself when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia_drawn_within: Option<InertiaUncertaintyFile>,
+    /// Attitude at the start.
+    pub initial_attitude: AttitudeFile,
+    /// Body rate at the start [rad/s].
+    #[serde(default)]
+    pub initial_rate_rad_s: [f64; 3],
+    /// What the attitude should be; the zero attitude when left out.
+    #[serde(default)]
+    pub reference: ReferenceFile,
+    /// Disturbance torque; none when left out.
+    #[serde(default)]
+    pub disturbance: TorqueFile,
+    /// Errors of the sensors; none when left out.
+    #[serde(default)]
+    pub sensors: SensorsFile,
+    /// Limits of the actuators; none but the controller's own when left out.
+    #[serde(default)]
+    pub actuators: ActuatorsFile,
+    /// Faults of the actuators.
+    #[serde(default)]
+    pub faults: Vec<FaultFile>,
+}
+
+/// An attitude. A quaternion's norm may differ from 1 by 0.01; it is normalised.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AttitudeFile {
+    /// [q0, q1, q2, q3], q0 the scalar.
+    QuaternionScalarFirst([f64; 4]),
+    /// [q1, q2, q3, q0], q0 the scalar.
+    QuaternionScalarLast([f64; 4]),
+    /// [yaw, pitch, roll]: about axis 3, then 2, then 1 (deg).
+    #[serde(rename = "euler_321_deg")]
+    Euler321Deg([f64; 3]),
+    /// A turn about an axis.
+    AxisAngle(AxisAngleFile),
+}
+
+/// A turn about an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AxisAngleFile {
+    /// The axis, of any length above 0.
+    pub axis: [f64; 3],
+    /// The angle (deg).
+    pub angle_deg: f64,
+}
+
+/// What the attitude should be in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ReferenceFile {
+    /// A constant attitude.
+    Constant(AttitudeFile),
+    /// A turn at a constant rate.
+    Slew(SlewFile),
+    /// An oscillation.
+    Sine(SineFile),
+}
+
+impl Default for ReferenceFile {
+    fn default() -> Self {
+        ReferenceFile::Constant(AttitudeFile::QuaternionScalarFirst([1.0, 0.0, 0.0, 0.0]))
+    }
+}
+
+/// A turn at a constant rate about an axis fixed in the body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SlewFile {
+    /// Attitude before the slew.
+    pub start: AttitudeFile,
+    /// The axis, of any length above 0.
+    pub axis: [f64; 3],
+    /// The rate [rad/s].
+    pub rate_rad_s: f64,
+    /// Start of the slew, not negative (s).
+    pub from_s: f64,
+    /// End of the slew, after its start (s).
+    pub until_s: f64,
+}
+
+/// An oscillation `amplitude sin(frequency t)` about an axis fixed in the body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SineFile {
+    /// Attitude in the middle.
+    pub centre: AttitudeFile,
+    /// The axis, of any length above 0.
+    pub axis: [f64; 3],
+    /// Amplitude (deg).
+    pub amplitude_deg: f64,
+    /// Angular frequency, above 0 [rad/s].
+    pub frequency_rad_s: f64,
+}
+
+/// A disturbance torque: the sum of its parts.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueFile {
+    /// Constant part [N m].
+    #[serde(default)]
+    pub bias_nm: [f64; 3],
+    /// Periodic parts.
+    #[serde(default)]
+    pub sines: Vec<TorqueSineFile>,
+    /// Rows between which the torque changes linearly; constant before the first and after the last.
+    #[serde(default)]
+    pub table: Vec<TorqueRowFile>,
+}
+
+/// `sine_nm sin(frequency t) + cosine_nm cos(frequency t)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueSineFile {
+    /// Angular frequency, above 0 [rad/s].
+    pub frequency_rad_s: f64,
+    /// Amplitude of the sine [N m].
+    #[serde(default)]
+    pub sine_nm: [f64; 3],
+    /// Amplitude of the cosine [N m].
+    #[serde(default)]
+    pub cosine_nm: [f64; 3],
+}
+
+/// One row of a table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueRowFile {
+    /// Time, later than in the row before (s).
+    pub time_s: f64,
+    /// Torque [N m].
+    pub torque_nm: [f64; 3],
+}
+
+/// Errors of the sensors.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensorsFile {
+    /// Standard deviation of the attitude about each axis, not negative (deg).
+    #[serde(default)]
+    pub attitude_noise_deg: f64,
+    /// Standard deviation of each rate, not negative [deg/s].
+    #[serde(default)]
+    pub rate_noise_deg_s: f64,
+    /// Resolution of the attitude, not negative; 0 for none (deg).
+    #[serde(default)]
+    pub attitude_quantum_deg: f64,
+    /// Resolution of each rate, not negative; 0 for none [deg/s].
+    #[serde(default)]
+    pub rate_quantum_deg_s: f64,
+}
+
+/// Limits of the actuators.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorsFile {
+    /// Largest torque of each axis, above 0; no limit but the controller's when left out [N m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_limit_nm: Option<[f64; 3]>,
+    /// Commands below this magnitude give no torque, not negative [N m].
+    #[serde(default)]
+    pub dead_band_nm: [f64; 3],
+    /// Time from command to torque, not negative (s).
+    #[serde(default)]
+    pub delay_s: f64,
+    /// Torque about each body axis (rows) per unit torque of each actuator (columns); the identity
+    /// when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<[[f64; 3]; 3]>,
+}
+
+/// A fault of one axis in a window of time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaultFile {
+    /// Axis: 1, 2 or 3.
+    pub axis: u32,
+    /// Start of the window, not negative (s).
+    pub from_s: f64,
+    /// End of the window, after its start (s).
+    pub until_s: f64,
+    /// Share of the commanded torque that acts, in [0, 1]; 1 when left out.
+    #[serde(default = "one")]
+    pub effectiveness: f64,
+    /// Torque about the axis that acts on top, whatever is commanded [N m].
+    #[serde(default)]
+    pub additive_nm: f64,
+    /// The same, changing in time: added to `additive_nm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub additive_wave: Option<FaultWaveFile>,
+}
+
+/// amplitude sin(frequency t + phase) exp(-decay t), with t the time of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaultWaveFile {
+    /// Amplitude at time zero [N m].
+    pub amplitude_nm: f64,
+    /// Angular frequency, not negative [rad/s].
+    pub frequency_rad_s: f64,
+    /// Phase (deg).
+    #[serde(default)]
+    pub phase_deg: f64,
+    /// Decay, not negative [1/s].
+    #[serde(default)]
+    pub decay_per_s: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}

@@ -1,0 +1,95 @@
+//! Takagi-Sugeno models.
+
+pub mod check;
+pub mod file;
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::sim::plant::Plant;
+
+pub use check::TakagiSugenoSystem;
+pub use file::*;
+
+/// How the vertex systems of a Takagi-Sugeno plant are weighted in time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mixing {
+    /// Constant weights, not negative, with sum 1.
+    Constant(Vec<f64>),
+    /// From each vertex to the next and from the last back to the first, linearly, `dwell_s` seconds
+    /// each.
+    Cycle {
+        /// Time from one vertex to the next, s.
+        dwell_s: f64,
+    },
+    /// By the memberships of the design's model at the plant's state.
+    Model,
+}
+
+/// A Takagi-Sugeno plant x' = sum_i zeta_i(t) A_i x + B u + B_w tau of at most `N` states, `M` inputs
+/// and `N` disturbances. A smaller plant is padded with zeros, which changes none of its numbers.
+#[derive(Clone, Debug)]
+pub struct TakagiSugenoPlant<const N: usize, const M: usize> {
+    vertices: Vec<SMatrix<f64, N, N>>,
+    input: SMatrix<f64, N, M>,
+    disturbance: SMatrix<f64, N, N>,
+    mixing: Mixing,
+    rules: Option<synth::fuzzy::RuleModel>,
+}
+
+impl<const N: usize, const M: usize> TakagiSugenoPlant<N, M> {
+    /// The padded plant of a checked vertex system, which must not be larger than `N` and `M`. `rules`:
+    /// the memberships for [`Mixing::Model`], one for each vertex.
+    pub fn new(
+        system: &synth::fuzzy::VertexSystem,
+        mixing: Mixing,
+        rules: Option<synth::fuzzy::RuleModel>,
+    ) -> Self {
+        let vertices = system.state_matrices.iter();
+        Self {
+            vertices: vertices.map(crate::sim::padding::matrix).collect(),
+            input: crate::sim::padding::matrix(&system.input_matrix),
+            disturbance: crate::sim::padding::matrix(&system.disturbance_matrix),
+            mixing,
+            rules,
+        }
+    }
+
+    fn blend(&self, weights: &[f64], state: &SVector<f64, N>) -> SVector<f64, N> {
+        let parts = self.vertices.iter().zip(weights);
+        parts.fold(SVector::zeros(), |sum, (vertex, &weight)| {
+            sum + vertex * state * weight
+        })
+    }
+
+    fn drift(&self, time_s: f64, state: &SVector<f64, N>) -> SVector<f64, N> {
+        match &self.mixing {
+            Mixing::Constant(weights) => self.blend(weights, state),
+            Mixing::Model => match &self.rules {
+                Some(rules) => self.blend(&rules.memberships(state.as_slice()), state),
+                None => SVector::zeros(),
+            },
+            Mixing::Cycle { dwell_s } => {
+                let place = time_s / dwell_s;
+                let fraction = place - place.floor();
+                let count = self.vertices.len();
+                let from = (place.floor() % count as f64) as usize % count;
+                let to = (from + 1) % count;
+                (self.vertices[from] * (1.0 - fraction) + self.vertices[to] * fraction) * state
+            }
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> Plant<N, M, N> for TakagiSugenoPlant<N, M> {
+    fn derivative(
+        &self,
+        time_s: f64,
+        state: &SVector<f64, N>,
+        input: &SVector<f64, M>,
+        disturbance: &SVector<f64, N>,
+    ) -> SVector<f64, N> {
+        self.drift(time_s, state) + self.input * input + self.disturbance * disturbance
+    }
+
+    fn project(&self, _state: &mut SVector<f64, N>) {}
+}

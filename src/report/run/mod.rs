@@ -1,0 +1,295 @@
+//! The page around the figures, verdict first.
+
+pub mod figures;
+pub mod inner;
+pub mod intermittent;
+pub mod prescribed;
+
+use figures::figures;
+
+use super::figure::FigureError;
+use super::html::{document, escape, numbers, put};
+use crate::base::number::short;
+use crate::base::table::Table;
+use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
+use crate::sim::link::LinkOutcome;
+
+/// The page of a run.
+///
+/// # Errors
+/// A figure that cannot be drawn.
+pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError> {
+    let mut body = String::new();
+    header(summary, &mut body);
+    metrics(summary, &mut body);
+    requirements(summary, &mut body);
+    if let Some(outcome) = &summary.link {
+        link(outcome, &mut body);
+    }
+    if let Some(outcome) = &summary.certificate {
+        certificate(outcome, &mut body);
+    }
+    notes(summary, &mut body);
+    for figure in figures(summary, trajectory) {
+        figure.write_section(&mut body)?;
+    }
+    provenance(summary, &mut body);
+    let title = format!("{}: run report", summary.scenario);
+    Ok(document(&title, &body))
+}
+
+fn header(summary: &Summary, body: &mut String) {
+    let class = match summary.verdict {
+        RunVerdict::RequirementsMet => "good",
+        RunVerdict::RequirementsMissed => "bad",
+        RunVerdict::Diverged | RunVerdict::ProofBroken => "alarm",
+    };
+    let proof = match &summary.certificate {
+        Some(outcome) if outcome.broken() => "The proof was broken.",
+        Some(outcome) if outcome.covers_run => {
+            "The design is proved, the proof covers this run, and the run kept its bound."
+        }
+        Some(outcome) if outcome.proved => {
+            "The design is proved; the proof does not cover this run."
+        }
+        Some(_) => "The design is NOT proved.",
+        None => "Nothing is proved for this controller.",
+    };
+    let requirements = match (summary.verdict, summary.requirements.is_empty()) {
+        (RunVerdict::RequirementsMet, true) => "The scenario states no requirement.",
+        (verdict, _) => verdict.sentence(),
+    };
+    put(
+        body,
+        format_args!(
+            "<header>\n<p class=\"verdict {class}\"><strong>{}</strong> {}</p>\n<h1>{}</h1>\n\
+             <p>{}</p>\n<p class=\"source\">{}</p>\n</header>\n",
+            escape(requirements),
+            escape(proof),
+            escape(&summary.scenario),
+            escape(&summary.controller),
+            escape(&summary.source)
+        ),
+    );
+}
+
+fn metrics(summary: &Summary, body: &mut String) {
+    let number = |value: Option<f64>| value.map_or("none".to_string(), short);
+    let mut rows: Vec<(&str, String)> = vec![
+        ("Messages", summary.triggers.to_string()),
+        ("Samples", summary.samples.to_string()),
+        ("Bytes sent", summary.bytes.to_string()),
+        ("Torque updates", summary.updates.to_string()),
+        (
+            "Shortest time between messages (s)",
+            number(summary.shortest_interval_s),
+        ),
+        (
+            "Mean time between messages (s)",
+            number(summary.mean_interval_s),
+        ),
+        ("Settled from (s)", number(summary.settle_seconds)),
+    ];
+    if summary.system == "rigid_body" {
+        rows.push(("Final error (deg)", number(summary.final_error_deg)));
+        rows.push((
+            "Rms error over the tail (deg)",
+            number(summary.rms_error_deg),
+        ));
+        rows.push(("Largest rate (rad/s)", number(summary.max_rate)));
+        rows.push(("Largest torque (N m)", short(summary.max_torque)));
+        rows.push(("Impulse (N m s)", short(summary.impulse)));
+    } else {
+        rows.push(("Norm of the final state", number(summary.final_state_norm)));
+        rows.push(("Rms norm over the tail", number(summary.rms_state_norm)));
+        rows.push(("Largest input", short(summary.max_torque)));
+        rows.push(("Integral of the input's magnitude", short(summary.impulse)));
+    }
+    rows.extend(bound_rows(summary));
+    if summary.held_samples > 0 {
+        let reason = summary.first_hold.as_deref().unwrap_or("unknown");
+        rows.push((
+            "Samples not used",
+            format!("{} ({reason})", summary.held_samples),
+        ));
+    }
+    if let Some(mismatch) = summary.largest_membership_mismatch {
+        rows.push(("Largest membership mismatch", short(mismatch)));
+    }
+    numbers("Numbers", &rows, body);
+    body.push_str("</section>\n");
+}
+
+fn link(outcome: &LinkOutcome, body: &mut String) {
+    let seconds = |value: Option<f64>| value.map_or("none".to_string(), short);
+    let rows = [
+        ("Encoding", outcome.encoding.clone()),
+        ("Messages", outcome.messages.to_string()),
+        ("Words", outcome.words.to_string()),
+        ("Bits sent", outcome.bits.to_string()),
+        ("Bytes sent", outcome.bytes.to_string()),
+        (
+            "Resynchronisation words",
+            outcome.resynchronisation_words.to_string(),
+        ),
+        ("Words lost", outcome.lost_words.to_string()),
+        ("Words corrupted", outcome.corrupted_words.to_string()),
+        ("Words refused", outcome.refused_words.to_string()),
+        (
+            "Shortest time between messages (s)",
+            seconds(outcome.shortest_interval_s),
+        ),
+        (
+            "Longest disagreement of the two ends (s)",
+            short(outcome.longest_disagreement_s),
+        ),
+    ];
+    numbers("Link to the actuators", &rows, body);
+    body.push_str("</section>\n");
+}
+
+/// Switching and prescribed bounds, for the controllers that have them.
+fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        rows.push(("Turned on; off", format!("{on}; {off}")));
+        let share = short(100.0 * summary.on_time_share);
+        rows.push(("Time with a torque (%)", share));
+    }
+    let usages = [
+        ("Largest error over its prescribed bound", &summary.funnel),
+        ("Largest trigger over its threshold", &summary.threshold),
+    ];
+    for (name, usage) in usages {
+        if let Some(usage) = usage {
+            let ratio = format!(
+                "{:.6} at {} s",
+                usage.largest_ratio,
+                short(usage.largest_ratio_at_s)
+            );
+            rows.push((name, ratio));
+        }
+    }
+    rows
+}
+
+fn requirements(summary: &Summary, body: &mut String) {
+    if summary.requirements.is_empty() {
+        return;
+    }
+    body.push_str(
+        "<section><h2>Requirements</h2>\n<table>\n\
+         <tr><th>Requirement</th><th>Limit</th><th>Value</th><th></th></tr>\n",
+    );
+    for requirement in &summary.requirements {
+        let (class, word) = if requirement.met {
+            ("good", "met")
+        } else {
+            ("bad", "missed")
+        };
+        let value = requirement.value.map_or("none".to_string(), short);
+        put(
+            body,
+            format_args!(
+                "<tr><td>{}</td><td>{}</td><td>{value}</td><td class=\"{class}\">{word}</td></tr>\n",
+                escape(&requirement.name),
+                short(requirement.limit)
+            ),
+        );
+    }
+    body.push_str("</table></section>\n");
+}
+
+fn certificate(outcome: &CertificateOutcome, body: &mut String) {
+    let yes = |value: bool| if value { "yes" } else { "NO" }.to_string();
+    let never =
+        |time: Option<f64>| time.map_or("never".to_string(), |t| format!("at {} s", short(t)));
+    let mut rows: Vec<(&str, String)> = vec![
+        ("Design proved from its numbers", yes(outcome.proved)),
+        ("Proof covers this run", yes(outcome.covers_run)),
+        (
+            "x'Ux at the start (certified set: at most 1)",
+            short(outcome.start_level),
+        ),
+        (
+            "Largest x'Ux over its bound",
+            format!(
+                "{:.6} at {} s",
+                outcome.largest_lyapunov_ratio,
+                short(outcome.largest_lyapunov_ratio_at_s)
+            ),
+        ),
+        (
+            "Steps above the bound",
+            outcome.bound_broken_steps.to_string(),
+        ),
+        (
+            "Left the invariant set",
+            never(outcome.left_invariant_set_s),
+        ),
+        ("Left the box of the model", never(outcome.left_box_s)),
+        ("Largest output", short(outcome.peak_output)),
+        ("Largest disturbance", short(outcome.peak_disturbance)),
+        (
+            "Guaranteed gain; gamma",
+            format!(
+                "{}; {}",
+                short(outcome.guaranteed_gain),
+                short(outcome.gamma)
+            ),
+        ),
+    ];
+    if let (Some(margin), Some(name)) = (outcome.worst_margin, &outcome.worst_condition) {
+        rows.push(("Smallest margin", format!("{margin:.3e} ({name})")));
+    }
+    if let Some(ratio) = outcome.peak_ratio {
+        let from = if outcome.from_rest_in_origin {
+            short(ratio)
+        } else {
+            format!(
+                "{} (no test of the gain: the run does not start in the origin)",
+                short(ratio)
+            )
+        };
+        rows.push(("Largest output over largest disturbance", from));
+    }
+    rows.extend(inner::rows(outcome));
+    numbers("Certificate", &rows, body);
+    if !outcome.not_covered.is_empty() {
+        body.push_str("<p>The proof does not cover this run because of:</p>\n<ul>\n");
+        for reason in &outcome.not_covered {
+            put(body, format_args!("<li>{}</li>\n", escape(reason)));
+        }
+        body.push_str("</ul>\n");
+    }
+    body.push_str("</section>\n");
+}
+
+fn notes(summary: &Summary, body: &mut String) {
+    if summary.notes.is_empty() {
+        return;
+    }
+    body.push_str("<section><h2>Notes</h2>\n<ul>\n");
+    for note in &summary.notes {
+        put(body, format_args!("<li>{}</li>\n", escape(note)));
+    }
+    body.push_str("</ul></section>\n");
+}
+
+fn provenance(summary: &Summary, body: &mut String) {
+    let made = &summary.provenance;
+    let design = made.design_sha256.as_deref().unwrap_or("none");
+    put(
+        body,
+        format_args!(
+            "<footer>\n<p>{}; {}; random numbers: {} with seed {}</p>\n\
+             <p>scenario SHA-256 {}<br>design SHA-256 {}</p>\n</footer>\n",
+            escape(&made.generator),
+            escape(&made.integrator),
+            escape(&made.random_generator),
+            made.seed,
+            escape(&made.scenario_sha256),
+            escape(design)
+        ),
+    );
+}

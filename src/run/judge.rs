@@ -1,0 +1,348 @@
+//! From what was watched to the summary and its verdict.
+
+use runtime::attitude::AttitudeMeasurement;
+use runtime::lei2022;
+use synth::model::Mismatch;
+
+use super::design::Design;
+use super::inner::InnerMonitor;
+use super::summary::{
+    CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
+    SUMMARY_SCHEMA_VERSION,
+};
+use crate::controllers::xu2020::XuChoice;
+use crate::plants::System;
+use crate::scenario::Scenario;
+use crate::sim::closed_loop::End;
+use crate::sim::events::EventCount;
+use crate::sim::integrator::Method;
+use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
+use crate::sim::reference::Reference;
+use crate::sim::sampling::Instants;
+use crate::sim::transmissions::TransmissionBound;
+use crate::sim::usage::Usage;
+
+/// What every kind of plant measures.
+pub(crate) struct Parts<'a> {
+    pub system: &'static str,
+    pub controller: String,
+    pub events: &'a EventCount,
+    /// Updates, largest torque (N m), impulse (N m s), time with a torque (s).
+    pub effort: (u64, f64, f64, f64),
+    pub steps: u64,
+    pub settle_seconds: Option<f64>,
+    pub torque_limit: Vec<f64>,
+    pub settle_tolerance: f64,
+    pub notes: Vec<String>,
+    pub funnel: Option<Usage>,
+    pub threshold: Option<Usage>,
+    pub end: End,
+}
+
+/// The summary, not judged yet.
+pub(crate) fn summary(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    parts: Parts,
+    certificate: Option<CertificateOutcome>,
+) -> Summary {
+    let events = parts.events;
+    let (updates, max_torque, impulse, on_s) = parts.effort;
+    let mut notes = parts.notes;
+    if let End::Diverged { time_s } = parts.end {
+        notes.push(format!(
+            "The state was no longer finite at {time_s} s; the run stopped there."
+        ));
+    }
+    let broken = certificate
+        .as_ref()
+        .map_or(0, CertificateOutcome::violations);
+    let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
+    let violations = broken.max(left);
+    let bound = TransmissionBound::of_instants(&scenario.instants);
+    notes.extend(closer_samples(design, bound));
+    Summary {
+        schema_version: SUMMARY_SCHEMA_VERSION,
+        scenario: scenario.name.clone(),
+        source: scenario.source.clone(),
+        system: parts.system.to_string(),
+        controller: parts.controller,
+        verdict: RunVerdict::RequirementsMissed,
+        triggers: events.triggers,
+        updates,
+        bits: events.bits,
+        bytes: events.bytes,
+        settle_seconds: parts.settle_seconds,
+        final_error_deg: None,
+        rms_error_deg: None,
+        tail_error_deg: None,
+        final_state_norm: None,
+        rms_state_norm: None,
+        max_rate: None,
+        max_torque,
+        impulse,
+        on_time_share: on_s / scenario.duration_s,
+        turn_ons: None,
+        turn_offs: None,
+        violations,
+        requirements: Vec::new(),
+        samples: events.samples,
+        steps: parts.steps,
+        shortest_interval_s: events.shortest_interval_s,
+        mean_interval_s: events.mean_interval_s(),
+        triggers_per_s: 0.0,
+        min_inter_event_s: bound.map(|bound| bound.min_inter_event_s),
+        max_transmissions_per_s: bound.map(|bound| bound.max_transmissions_per_s),
+        held_samples: events.held,
+        first_hold: events.first_hold.map(|reason| reason.to_string()),
+        samples_outside_box: events.outside_box,
+        late_samples: events.late,
+        largest_membership_mismatch: events.largest_mismatch,
+        certificate,
+        link: None,
+        funnel: parts.funnel,
+        threshold: parts.threshold,
+        notes,
+        scales: Scales {
+            duration_s: scenario.duration_s,
+            torque_limit: parts.torque_limit,
+            settle_tolerance: parts.settle_tolerance,
+            settle_tolerance_component: scenario.settle_tolerance_component,
+            tail_s: scenario.tail_s,
+        },
+        provenance: RunProvenance {
+            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            scenario_sha256: scenario.sha256.clone(),
+            design_sha256: design.map(|design| design.sha256.clone()),
+            random_generator: "chacha8".to_string(),
+            seed: scenario.seed,
+            integrator: integrator(&scenario.method),
+        },
+    }
+}
+
+/// What is to be said when the scenario samples faster than the design's model allows.
+fn closer_samples(design: Option<&Design>, bound: Option<TransmissionBound>) -> Option<String> {
+    let promised = TransmissionBound::of_model(&design?.model).min_inter_event_s;
+    let shortest = bound?.min_inter_event_s;
+    (shortest < promised * (1.0 - ROUNDING)).then(|| {
+        format!(
+            "Samples may be {shortest} s apart, closer than the model's {promised} s, so its minimum \
+             inter-event time does not hold in this run."
+        )
+    })
+}
+
+fn integrator(method: &Method) -> String {
+    match method {
+        Method::RungeKutta4 { step_s } => format!("Runge-Kutta 4, steps of at most {step_s} s"),
+        Method::DormandPrince853 { tolerance } => {
+            format!("Dormand-Prince 8(5,3), tolerance {tolerance:e}")
+        }
+    }
+}
+
+/// What became of a design's claims.
+pub(crate) fn certificate<const N: usize>(
+    scenario: &Scenario,
+    design: &Design,
+    (monitor, inner): (&LyapunovMonitor<N>, Option<&InnerMonitor<N>>),
+    events: &EventCount,
+    from_rest_in_origin: bool,
+) -> CertificateOutcome {
+    let mut not_covered = design.not_covered(scenario);
+    let start = monitor.start_level;
+    let bound = monitor.claims().disturbance_bound;
+    let peak_disturbance = monitor.disturbance_squared.sqrt();
+    if exceeds(peak_disturbance, bound * (1.0 + ROUNDING)) {
+        not_covered.push(format!(
+            "the disturbance reaches {peak_disturbance:.3e}; the proof is for at most {bound:.3e}"
+        ));
+    }
+    let seen = events.largest_mismatch.unwrap_or(0.0);
+    match design.model.file.mismatch {
+        Mismatch::Kappa(kappa) if design.certificate.is_matched(&design.model) && seen > kappa => {
+            not_covered.push(format!(
+                "a membership differs by {seen:.4} from that at the sample sent last; the proof assumes \
+                 at most kappa = {kappa}"
+            ));
+        }
+        _ => {}
+    }
+    let certificate = &design.certificate;
+    let gains = (certificate.gain_bound, certificate.guaranteed_gain);
+    let inner = inner.map(|inner| inner.outcome(not_covered.is_empty(), gains.0, gains.1));
+    if exceeds(start, 1.0 + ROUNDING) {
+        not_covered.push(format!(
+            "the start is not in the certified set: x'Ux is {start:.4}, the set is x'Ux <= 1"
+        ));
+    }
+    let worst = design.report.worst();
+    let peak_output = monitor.output_squared.sqrt();
+    let ratio = peak_output / peak_disturbance;
+    CertificateOutcome {
+        proved: design.proved(),
+        worst_condition: worst.map(|condition| condition.name.clone()),
+        worst_margin: worst.map(|condition| condition.margin),
+        covers_run: not_covered.is_empty(),
+        not_covered,
+        start_level: start,
+        largest_lyapunov_ratio: monitor.largest_ratio,
+        largest_lyapunov_ratio_at_s: monitor.largest_ratio_s,
+        bound_broken_steps: monitor.bound_broken,
+        outside_steps: monitor.outside,
+        left_invariant_set_s: monitor.left_set_s,
+        left_box_s: monitor.left_region_s,
+        peak_output,
+        peak_disturbance,
+        peak_ratio: Some(ratio).filter(|ratio| ratio.is_finite()),
+        from_rest_in_origin,
+        gamma: gains.0,
+        guaranteed_gain: gains.1,
+        ultimate_level: monitor.claims().ultimate_level(),
+        inner,
+    }
+}
+
+impl CertificateOutcome {
+    /// True when the proof covers the run and the run broke it.
+    pub fn broken(&self) -> bool {
+        let gain = self.from_rest_in_origin
+            && self
+                .peak_ratio
+                .is_some_and(|ratio| ratio > self.guaranteed_gain * (1.0 + ROUNDING));
+        let inner = self.inner.as_ref().is_some_and(InnerOutcome::broken);
+        inner || self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
+    }
+
+    /// Steps at which a claim of either certificate was broken.
+    fn violations(&self) -> u64 {
+        let inner = self.inner.as_ref().map_or(0, InnerOutcome::violations);
+        self.outside_steps.max(self.bound_broken_steps).max(inner)
+    }
+}
+
+/// The inertia that was drawn, in words.
+fn drawn_inertia(scenario: &Scenario) -> Option<String> {
+    let System::RigidBody(system) = &scenario.system else {
+        return None;
+    };
+    let inertia = system.body.inertia();
+    system.inertia_is_drawn.then(|| {
+        format!(
+            "The inertia was drawn: {} {} {} / {} {} / {} kg m^2 (upper triangle, row by row).",
+            inertia[(0, 0)],
+            inertia[(0, 1)],
+            inertia[(0, 2)],
+            inertia[(1, 1)],
+            inertia[(1, 2)],
+            inertia[(2, 2)]
+        )
+    })
+}
+
+/// Judges the requirements and the proof.
+pub(crate) fn conclude(scenario: &Scenario, summary: &mut Summary, end: End) {
+    let diverged = matches!(end, End::Diverged { .. });
+    let length_s = match end {
+        End::Diverged { time_s } => time_s,
+        _ => scenario.duration_s,
+    };
+    summary.triggers_per_s = summary.triggers as f64 / length_s.max(f64::MIN_POSITIVE);
+    summary.notes.extend(drawn_inertia(scenario));
+    let broken = summary
+        .certificate
+        .as_ref()
+        .is_some_and(CertificateOutcome::broken);
+    summary.judge(&scenario.requirements, diverged, broken);
+}
+
+/// What is to be said of gains that come from a paper.
+pub(crate) fn published_notes(
+    choice: &XuChoice,
+    start_norm: f64,
+    events: &EventCount,
+    notes: &mut Vec<String>,
+) {
+    notes.push(
+        "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
+            .to_string(),
+    );
+    if choice.threshold.certifiable_maximum().is_none() {
+        notes.push(
+            "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
+        );
+    }
+    let Some(claim) = &choice.claim else {
+        return;
+    };
+    // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
+    let radius = (claim.gain_bound * claim.decay_rate_per_s).sqrt();
+    let place = if start_norm > radius {
+        "is not in the certified set"
+    } else {
+        "may be in the certified set"
+    };
+    notes.push(format!(
+        "The start {place}: |x| is {start_norm:.4}, and (20) with the claimed gamma = {} and \
+         phi = {} /s confines the set to |x| <= {radius:.4}.",
+        claim.gain_bound, claim.decay_rate_per_s
+    ));
+    notes.push(format!(
+        "The claimed gamma = {} is not confirmed: the conditions as printed do not prove it, and a run \
+         cannot.",
+        claim.gain_bound
+    ));
+    if let Some(mismatch) = events.largest_mismatch {
+        let relation = if mismatch > claim.membership_mismatch {
+            "does not hold"
+        } else {
+            "holds"
+        };
+        notes.push(format!(
+            "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
+             {mismatch:.4}.",
+            claim.membership_mismatch
+        ));
+    }
+}
+
+/// What is to be said of a run with Lei et al.'s controller.
+pub(crate) fn intermittent_notes(
+    scenario: &Scenario,
+    parameters: &lei2022::Parameters,
+    start: &AttitudeMeasurement,
+    notes: &mut Vec<String>,
+) {
+    if let System::RigidBody(body) = &scenario.system {
+        if !matches!(body.reference, Reference::Fixed(_)) {
+            notes.push(
+                "The reference moves; the law is made for a fixed one and does not feed its rate forward."
+                    .to_string(),
+            );
+        }
+    }
+    let Some(trigger) = parameters.trigger.composite() else {
+        return;
+    };
+    let continuous = matches!(scenario.instants, Instants::Continuous { .. });
+    if !continuous && trigger.relative_buffer == 0.0 {
+        notes.push(
+            "The trigger is evaluated at samples without a relative_buffer: V2 may exceed its envelope \
+             S2 before the next sample."
+                .to_string(),
+        );
+    }
+    let law = &parameters.law;
+    let error = start.error.shortest();
+    let energy = law
+        .evaluate(0.0, &error, &start.rate_rad_s)
+        .rate_error_energy;
+    if energy >= trigger.envelope_initial_j {
+        notes.push(format!(
+            "The start is above the envelope: V2 is {energy:.3e} J and S2(0) is {:.3e} J; the paper \
+             needs S2(0) above V2(0).",
+            trigger.envelope_initial_j
+        ));
+    }
+}

@@ -1,0 +1,306 @@
+//! Runs of the rigid body.
+
+use nalgebra::Vector3;
+use runtime::attitude::AttitudeMeasurement;
+use runtime::membership::{GaussianRules, Membership};
+use runtime::{lei2022, wu2018, xu2020};
+use synth::model::Plant;
+
+use super::attitude_log::{AttitudeLog, SettleRule, PROFILE_QUANTITIES};
+use super::design::Design;
+use super::designed::{designed, on_the_box, Use};
+use super::inner::InnerMonitor;
+use super::judge;
+use super::judge::Parts;
+use super::outcome::{Outcome, Recording, SimulateError};
+use super::summary::Summary;
+use crate::controllers::xu2020::{XuAttitude, XuChoice};
+use crate::controllers::yang2025::YangAttitude;
+use crate::controllers::ControllerChoice;
+use crate::plants::RigidBodySystem;
+use crate::scenario::Scenario;
+use crate::sim::closed_loop::{ClosedLoop, End};
+use crate::sim::controller::{AnyController, Controller};
+use crate::sim::link::Link;
+use crate::sim::lyapunov::LyapunovMonitor;
+use crate::sim::padding;
+use crate::sim::profile::Profile;
+use crate::sim::rigid_body_state::rigid_body_state;
+use crate::sim::sampling::Sampling;
+use crate::sim::sensor::AttitudeSensor;
+
+/// Breakpoints in order, without those at the start or after the end.
+pub(crate) fn ordered(mut breakpoints_s: Vec<f64>, duration_s: f64) -> Vec<f64> {
+    breakpoints_s.retain(|&time| time > 0.0 && time < duration_s);
+    breakpoints_s.sort_by(f64::total_cmp);
+    breakpoints_s.dedup();
+    breakpoints_s
+}
+
+/// Runs a scenario on the rigid body.
+pub(crate) fn run(
+    scenario: &Scenario,
+    system: &RigidBodySystem,
+    design: Option<&Design>,
+    recording: &Recording,
+) -> Result<Outcome, SimulateError> {
+    let monitors = (
+        design.map(|design| LyapunovMonitor::new(design.claims::<6>())),
+        design.and_then(|design| Some(InnerMonitor::new(design.inner_claims::<6>()?))),
+    );
+    let link = scenario.link.as_ref();
+    let link = link.map(|data| Link::new(data, scenario.seed));
+    let watch = Watch {
+        monitors,
+        link: link.transpose().map_err(SimulateError::Link)?,
+        recording,
+    };
+    let (end, log, name, limit) = match (&scenario.controller, design) {
+        (ControllerChoice::Wu(parameters), _) => {
+            let controller = wu2018::Controller::new(*parameters)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            (end, log, wu_name(parameters), parameters.torque_limit)
+        }
+        (ControllerChoice::Xu(choice), _) => {
+            let (end, log) = fly(scenario, system, fuzzy(choice)?, watch);
+            let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
+            (end, log, name, choice.torque_limit)
+        }
+        (ControllerChoice::Lei(parameters), _) => {
+            let controller = lei2022::Controller::new(**parameters)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            (end, log, lei_name(parameters), parameters.torque_limit)
+        }
+        (ControllerChoice::Yang(choice), _) => {
+            let oracle = choice.told_fault.then_some(system.body);
+            let linked = scenario.link.is_some();
+            let controller =
+                YangAttitude::new(choice.parameters, system.reference, oracle, linked)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            let name = "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string();
+            (end, log, name, choice.parameters.torque_limit)
+        }
+        (ControllerChoice::Design(_), Some(design)) => {
+            let (controller, limit) = attitude_controller(design)?;
+            let (end, log) = fly(scenario, system, controller, watch);
+            let name = format!(
+                "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
+                design.file.name
+            );
+            (end, log, name, limit)
+        }
+        (ControllerChoice::Design(_), None) => return Err(SimulateError::NoDesign),
+    };
+    Ok(finish(scenario, design, end, log, (name, limit)))
+}
+
+/// What is between the controller and the actuators, and what is watched beside the metrics.
+struct Watch<'a> {
+    /// The link.
+    link: Option<Link<3>>,
+    /// The claims of a certificate, and of the inner one where there are two.
+    monitors: (Option<LyapunovMonitor<6>>, Option<InnerMonitor<6>>),
+    /// What is recorded.
+    recording: &'a Recording<'a>,
+}
+
+/// The closed loop with a controller.
+fn fly<C: Controller<AttitudeMeasurement, 3>>(
+    scenario: &Scenario,
+    system: &RigidBodySystem,
+    controller: C,
+    watch: Watch,
+) -> (End, AttitudeLog) {
+    let mut log = AttitudeLog::new(
+        system.reference,
+        match scenario.settle_tolerance_component {
+            Some(tolerance) => SettleRule::Component(tolerance),
+            None => SettleRule::Angle(scenario.settle_tolerance_rad),
+        },
+        scenario.duration_s - scenario.tail_s,
+        watch.monitors,
+        watch
+            .recording
+            .trajectory
+            .then_some(scenario.output_interval_s),
+        controller.signal_names(),
+        watch.link.is_some(),
+    );
+    log.profile = Profile::new(watch.recording.profile_times_s, PROFILE_QUANTITIES);
+    let mut breakpoints_s = system.actuators.fault_edges_s();
+    breakpoints_s.extend(system.reference.kinks_s());
+    breakpoints_s.extend(system.disturbance.kinks_s());
+    let mut link = watch.link;
+    let closed_loop = ClosedLoop {
+        plant: &system.body,
+        disturbance: &system.disturbance,
+        sensor: AttitudeSensor::new(system.reference, system.sensors, scenario.seed),
+        controller,
+        link: link.as_mut(),
+        sampling: Sampling::new(
+            scenario.instants,
+            scenario.dropout_probability,
+            scenario.seed,
+        ),
+        actuators: &system.actuators,
+        breakpoints_s: ordered(breakpoints_s, scenario.duration_s),
+        method: scenario.method,
+        duration_s: scenario.duration_s,
+    };
+    let initial = rigid_body_state(&system.attitude, &system.rate_rad_s);
+    let end = closed_loop.run(&initial, &mut log);
+    log.link = link.map(|link| link.outcome());
+    (end, log)
+}
+
+fn wu_name(parameters: &wu2018::Parameters) -> String {
+    match parameters.trigger {
+        wu2018::TriggerRule::Relative { .. } => "Wu, Shen and Cao 2018, law (6) and trigger (8)",
+        wu2018::TriggerRule::EverySample => "Wu, Shen and Cao 2018, law (6) at every sample",
+    }
+    .to_string()
+}
+
+fn lei_name(parameters: &lei2022::Parameters) -> String {
+    match parameters.trigger {
+        lei2022::TriggerRule::Composite(_) => "Lei et al. 2022, law (12) with triggers (6) and (8)",
+        lei2022::TriggerRule::EverySample => "Lei et al. 2022, law (12) at every sample",
+    }
+    .to_string()
+}
+
+type AnyAttitudeController = AnyController<AttitudeMeasurement, 3>;
+
+/// Boxes the controller.
+struct Boxed;
+
+impl Use<6, 3> for Boxed {
+    type Output = AnyAttitudeController;
+
+    fn with<S, const R: usize>(self, controller: xu2020::Controller<S, 6, 3, R>) -> Self::Output
+    where
+        S: Membership<6, R> + Copy + std::fmt::Debug + 'static,
+    {
+        Box::new(XuAttitude::new(controller))
+    }
+}
+
+fn attitude_controller(
+    design: &Design,
+) -> Result<(AnyAttitudeController, Vector3<f64>), SimulateError> {
+    let controller = match &design.model.plant {
+        Plant::Spacecraft(craft) => on_the_box(design, craft, Boxed)?,
+        _ => designed::<6, 3, _>(design, Boxed)?,
+    };
+    let limit = design.model.plant.takagi_sugeno().input_limit;
+    Ok((controller, padding::vector(limit.as_slice())))
+}
+
+fn fuzzy(choice: &XuChoice) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
+    match choice.rules.len() {
+        1 => fuzzy_of::<1>(choice),
+        2 => fuzzy_of::<2>(choice),
+        3 => fuzzy_of::<3>(choice),
+        4 => fuzzy_of::<4>(choice),
+        5 => fuzzy_of::<5>(choice),
+        6 => fuzzy_of::<6>(choice),
+        7 => fuzzy_of::<7>(choice),
+        _ => fuzzy_of::<8>(choice),
+    }
+}
+
+/// The controller with exactly `R` rules; the caller has counted them.
+fn fuzzy_of<const R: usize>(
+    choice: &XuChoice,
+) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
+    let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
+    let controller = xu2020::Controller::new(xu2020::Parameters {
+        gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
+        membership: GaussianRules::new(std::array::from_fn(|index| rule(index).0), choice.widths)?,
+        trigger_weight: choice.trigger_weight,
+        threshold_update: choice.threshold,
+        torque_limit: choice.torque_limit,
+        longest_interval_s: choice.longest_interval_s,
+    })?;
+    Ok(Box::new(XuAttitude::new(controller)))
+}
+
+/// A controller without a trigger of its own sends what the encoder behind it sends.
+fn messages_on_the_link(summary: &mut Summary) {
+    let Some(link) = &summary.link else {
+        return;
+    };
+    summary.triggers = link.messages;
+    summary.bits = link.bits;
+    summary.bytes = link.bytes;
+    summary.shortest_interval_s = link.shortest_interval_s;
+    summary.mean_interval_s = link.mean_interval_s;
+}
+
+fn finish(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    end: End,
+    log: AttitudeLog,
+    (controller, limit): (String, Vector3<f64>),
+) -> Outcome {
+    let start_state = log.start.map(|start| start.rigid_body_state());
+    let from_rest = start_state.is_some_and(|state| state.norm() == 0.0);
+    let mut notes = Vec::new();
+    if let (ControllerChoice::Xu(choice), Some(state)) = (&scenario.controller, start_state) {
+        judge::published_notes(choice, state.norm(), &log.events, &mut notes);
+    }
+    if let (ControllerChoice::Lei(parameters), Some(start)) = (&scenario.controller, &log.start) {
+        judge::intermittent_notes(scenario, parameters, start, &mut notes);
+    }
+    let parts = Parts {
+        system: "rigid_body",
+        controller,
+        events: &log.events,
+        effort: (
+            log.effort.updates,
+            log.effort.max_torque,
+            log.effort.impulse,
+            log.effort.on_s,
+        ),
+        steps: log.steps,
+        settle_seconds: log.pointing.settle_seconds(),
+        torque_limit: limit.iter().copied().collect(),
+        settle_tolerance: scenario.settle_tolerance_rad.to_degrees(),
+        notes,
+        funnel: log.funnel.clone(),
+        threshold: log.threshold.clone(),
+        end,
+    };
+    let certificate = match (design, &log.lyapunov) {
+        (Some(design), Some(monitor)) => Some(judge::certificate(
+            scenario,
+            design,
+            (monitor, log.inner.as_ref()),
+            &log.events,
+            from_rest,
+        )),
+        _ => None,
+    };
+    let mut summary = judge::summary(scenario, design, parts, certificate);
+    let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
+    summary.final_error_deg = log
+        .last
+        .and_then(|last| degrees(last.error.rotation_angle_rad()));
+    summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
+    summary.link = log.link.clone();
+    summary.tail_error_deg = log.pointing.tail_peak().and_then(degrees);
+    summary.turn_ons = log.switches.map(|count| u64::from(count.on));
+    summary.turn_offs = log.switches.map(|count| u64::from(count.off));
+    if matches!(scenario.controller, ControllerChoice::Yang(_)) {
+        messages_on_the_link(&mut summary);
+    }
+    summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
+    judge::conclude(scenario, &mut summary, end);
+    let (profile, trajectory) = log.into_records(end == End::Completed);
+    Outcome {
+        summary,
+        trajectory,
+        profile,
+    }
+}

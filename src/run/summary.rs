@@ -1,0 +1,335 @@
+//! The summary of a run: what scripts and the report read.
+
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::RequirementFile;
+use crate::sim::link::LinkOutcome;
+use crate::sim::metrics::{metric_name, Metric};
+use crate::sim::usage::Usage;
+
+/// The version of the summary's format.
+pub const SUMMARY_SCHEMA_VERSION: u32 = 1;
+
+/// The answer of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunVerdict {
+    /// Every requirement is met and no proved bound was broken.
+    RequirementsMet,
+    /// Some requirement is missed.
+    RequirementsMissed,
+    /// The state became infinite.
+    Diverged,
+    /// A bound that is proved for this run was broken: the proof or the program is wrong.
+    ProofBroken,
+}
+
+impl RunVerdict {
+    /// In words.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            RunVerdict::RequirementsMet => "Every requirement is met.",
+            RunVerdict::RequirementsMissed => "A requirement is missed.",
+            RunVerdict::Diverged => "The run diverged.",
+            RunVerdict::ProofBroken => {
+                "A PROVED BOUND WAS BROKEN: the proof or the program is wrong. Do not use this design."
+            }
+        }
+    }
+}
+
+/// The summary. A metric that the run does not have is null.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Version of this format: 1.
+    pub schema_version: u32,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Where its numbers come from.
+    pub source: String,
+    /// Kind of the system: rigid_body or takagi_sugeno.
+    pub system: String,
+    /// The controller in words.
+    pub controller: String,
+    /// The answer.
+    pub verdict: RunVerdict,
+    /// Messages sent.
+    pub triggers: u64,
+    /// Changes of the torque that acts.
+    pub updates: u64,
+    /// Bits sent.
+    pub bits: u64,
+    /// Bytes sent, each message rounded up to whole bytes.
+    pub bytes: u64,
+    /// Time from which on the error stays within the tolerance, s.
+    pub settle_seconds: Option<f64>,
+    /// Attitude error at the end, deg.
+    pub final_error_deg: Option<f64>,
+    /// Root mean square of the attitude error over the tail, deg.
+    pub rms_error_deg: Option<f64>,
+    /// Largest attitude error over the tail, deg.
+    #[serde(default)]
+    pub tail_error_deg: Option<f64>,
+    /// Norm of the state at the end, for a plant that is no spacecraft.
+    pub final_state_norm: Option<f64>,
+    /// Root mean square of the norm of the state over the tail, for a plant that is no spacecraft.
+    pub rms_state_norm: Option<f64>,
+    /// Largest norm of the body rate, rad/s.
+    pub max_rate: Option<f64>,
+    /// Largest torque of any axis, N m.
+    pub max_torque: f64,
+    /// Integral over time of the magnitudes of all axes' torques, N m s.
+    pub impulse: f64,
+    /// Share of the run in which a torque acted.
+    #[serde(default)]
+    pub on_time_share: f64,
+    /// Times the actuators were turned on, for a controller that turns them off.
+    #[serde(default)]
+    pub turn_ons: Option<u64>,
+    /// Times they were turned off.
+    #[serde(default)]
+    pub turn_offs: Option<u64>,
+    /// Steps at which a claim of the controller's certificate was broken or its error was outside of its
+    /// prescribed bounds; zero without either.
+    pub violations: u64,
+    /// The requirements with their outcome.
+    pub requirements: Vec<RequirementOutcome>,
+    /// Samples that reached the controller.
+    pub samples: u64,
+    /// Integration steps.
+    pub steps: u64,
+    /// Shortest time between two messages, s.
+    pub shortest_interval_s: Option<f64>,
+    /// Mean time between two messages, s.
+    pub mean_interval_s: Option<f64>,
+    /// Messages sent per second of the run.
+    #[serde(default)]
+    pub triggers_per_s: f64,
+    /// What the sampling allows: no two messages are closer, s; null when the trigger is watched
+    /// continuously.
+    #[serde(default)]
+    pub min_inter_event_s: Option<f64>,
+    /// Its inverse, 1/s.
+    #[serde(default)]
+    pub max_transmissions_per_s: Option<f64>,
+    /// Samples that the controller could not use.
+    pub held_samples: u64,
+    /// The first reason for that.
+    pub first_hold: Option<String>,
+    /// Samples outside of the box of the controller's model, as the flight code saw them.
+    pub samples_outside_box: u64,
+    /// Samples later than the design allows.
+    pub late_samples: u64,
+    /// Largest difference of a membership from that at the sample sent last.
+    pub largest_membership_mismatch: Option<f64>,
+    /// What became of the design's certificate.
+    pub certificate: Option<CertificateOutcome>,
+    /// What the link to the actuators carried, where there is one.
+    #[serde(default)]
+    pub link: Option<LinkOutcome>,
+    /// Use of the prescribed bounds on the error, for a controller that has them.
+    #[serde(default)]
+    pub funnel: Option<Usage>,
+    /// What the trigger watches over its threshold, for a controller that watches it.
+    #[serde(default)]
+    pub threshold: Option<Usage>,
+    /// What else is worth saying.
+    pub notes: Vec<String>,
+    /// Numbers the figures need.
+    pub scales: Scales,
+    /// What made this.
+    pub provenance: RunProvenance,
+}
+
+/// A requirement and its outcome.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RequirementOutcome {
+    /// The metric and the side of the limit.
+    pub name: String,
+    /// The metric's value; null when the run does not have it.
+    pub value: Option<f64>,
+    /// The limit.
+    pub limit: f64,
+    /// Whether it is met.
+    pub met: bool,
+}
+
+/// What became of the design's certificate in the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CertificateOutcome {
+    /// Whether the design is proved, checked from its numbers before the run.
+    pub proved: bool,
+    /// The condition with the smallest margin.
+    pub worst_condition: Option<String>,
+    /// Its margin.
+    pub worst_margin: Option<f64>,
+    /// Whether the proof covers this run.
+    pub covers_run: bool,
+    /// Why it does not.
+    pub not_covered: Vec<String>,
+    /// x'Ux at the start; the certified set is x'Ux <= 1.
+    pub start_level: f64,
+    /// Largest x'Ux over its bound e^(-phi t) V(0) + (1 - e^(-phi t)) xi taubar^2 / phi.
+    pub largest_lyapunov_ratio: f64,
+    /// When that was, s.
+    pub largest_lyapunov_ratio_at_s: f64,
+    /// Steps above the bound.
+    pub bound_broken_steps: u64,
+    /// Steps above the invariant level k2 or outside of the box.
+    pub outside_steps: u64,
+    /// First time above the invariant level k2, s.
+    pub left_invariant_set_s: Option<f64>,
+    /// First time outside of the box of the model, s.
+    pub left_box_s: Option<f64>,
+    /// sup|y|, in units of the output.
+    pub peak_output: f64,
+    /// sup|tau|, N m.
+    pub peak_disturbance: f64,
+    /// sup|y| / sup|tau|; a lower bound of the gain when the run starts at rest in the origin.
+    pub peak_ratio: Option<f64>,
+    /// Whether the run starts in the origin, so that the ratio must stay below the gain bounds.
+    pub from_rest_in_origin: bool,
+    /// gamma of the design.
+    pub gamma: f64,
+    /// The design's sharper bound.
+    pub guaranteed_gain: f64,
+    /// xi taubar^2 / phi.
+    pub ultimate_level: f64,
+    /// What became of the inner certificate, for a design with two. The claims above are then those of
+    /// the outer one; gamma and the guaranteed gain are the inner one's, which holds at the origin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner: Option<InnerOutcome>,
+}
+
+/// What became of the inner certificate of a design with two.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InnerOutcome {
+    /// First sample at which the state and the state sent last were in the inner set x'Ux <= 1, s; its
+    /// claims hold from there on.
+    pub entered_s: Option<f64>,
+    /// Whether the proof covers the run from there on.
+    pub covered: bool,
+    /// x'Ux there.
+    pub level_at_entry: Option<f64>,
+    /// Largest x'Ux over its bound from there on.
+    pub largest_lyapunov_ratio: f64,
+    /// When that was, s.
+    pub largest_lyapunov_ratio_at_s: f64,
+    /// Steps above the bound.
+    pub bound_broken_steps: u64,
+    /// Steps above the invariant level or outside of the inner box.
+    pub outside_steps: u64,
+    /// sup|y| from there on.
+    pub peak_output: f64,
+    /// xi taubar^2 / phi.
+    pub ultimate_level: f64,
+    /// gamma of the inner certificate.
+    pub gamma: f64,
+    /// Its sharper bound.
+    pub guaranteed_gain: f64,
+}
+
+/// Numbers the figures need.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Scales {
+    /// Length of the run, s.
+    pub duration_s: f64,
+    /// Torque limits, N m.
+    pub torque_limit: Vec<f64>,
+    /// Settling tolerance, deg (norm of the state for another plant).
+    pub settle_tolerance: f64,
+    /// Settling tolerance of the components of the error quaternion's vector part, where it is on them.
+    #[serde(default)]
+    pub settle_tolerance_component: Option<f64>,
+    /// Length of the tail, s.
+    pub tail_s: f64,
+}
+
+/// What made a summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunProvenance {
+    /// Program and version.
+    pub generator: String,
+    /// SHA-256 of the scenario file.
+    pub scenario_sha256: String,
+    /// SHA-256 of the design file.
+    pub design_sha256: Option<String>,
+    /// Generator of random numbers.
+    pub random_generator: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Integrator in words.
+    pub integrator: String,
+}
+
+impl Summary {
+    /// The value of a metric; `None` when the run does not have it.
+    pub fn metric(&self, metric: Metric) -> Option<f64> {
+        match metric {
+            Metric::Triggers => Some(self.triggers as f64),
+            Metric::Updates => Some(self.updates as f64),
+            Metric::Bits => Some(self.bits as f64),
+            Metric::Bytes => Some(self.bytes as f64),
+            Metric::SettleSeconds => self.settle_seconds,
+            Metric::FinalErrorDeg => self.final_error_deg,
+            Metric::RmsErrorDeg => self.rms_error_deg,
+            Metric::TailErrorDeg => self.tail_error_deg,
+            Metric::FinalStateNorm => self.final_state_norm,
+            Metric::RmsStateNorm => self.rms_state_norm,
+            Metric::MaxRate => self.max_rate,
+            Metric::MaxTorque => Some(self.max_torque),
+            Metric::Impulse => Some(self.impulse),
+            Metric::Violations => Some(self.violations as f64),
+            Metric::ShortestIntervalS => self.shortest_interval_s,
+            Metric::MeanIntervalS => self.mean_interval_s,
+            Metric::LinkMessages => self.link.as_ref().map(|link| link.messages as f64),
+            Metric::LinkWords => self.link.as_ref().map(|link| link.words as f64),
+            Metric::LinkBits => self.link.as_ref().map(|link| link.bits as f64),
+            Metric::LinkLongestDisagreementS => {
+                let link = self.link.as_ref();
+                link.map(|link| link.longest_disagreement_s)
+            }
+            Metric::FunnelRatio => self.funnel.as_ref().map(|usage| usage.largest_ratio),
+            Metric::ThresholdRatio => self.threshold.as_ref().map(|usage| usage.largest_ratio),
+            Metric::TurnOns => self.turn_ons.map(|count| count as f64),
+            Metric::TurnOffs => self.turn_offs.map(|count| count as f64),
+            Metric::OnTimeShare => Some(self.on_time_share),
+            Metric::LyapunovRatio => {
+                let certificate = self.certificate.as_ref();
+                certificate.map(|outcome| outcome.largest_lyapunov_ratio)
+            }
+        }
+    }
+
+    /// Judges the requirements and then the run. `broken`: a proved bound was broken.
+    pub fn judge(&mut self, requirements: &[RequirementFile], diverged: bool, broken: bool) {
+        self.requirements = requirements
+            .iter()
+            .map(|requirement| self.outcome(requirement))
+            .collect();
+        self.verdict = if broken {
+            RunVerdict::ProofBroken
+        } else if diverged {
+            RunVerdict::Diverged
+        } else if self.requirements.iter().all(|outcome| outcome.met) {
+            RunVerdict::RequirementsMet
+        } else {
+            RunVerdict::RequirementsMissed
+        };
+    }
+
+    fn outcome(&self, requirement: &RequirementFile) -> RequirementOutcome {
+        let value = self.metric(requirement.metric);
+        let (side, limit, met) = match (requirement.at_most, requirement.at_least) {
+            (Some(limit), _) => ("at most", limit, value.is_some_and(|value| value <= limit)),
+            (None, Some(limit)) => ("at least", limit, value.is_some_and(|value| value >= limit)),
+            (None, None) => ("at most", f64::INFINITY, true),
+        };
+        RequirementOutcome {
+            name: format!("{} {side}", metric_name(requirement.metric)),
+            value,
+            limit,
+            met,
+        }
+    }
+}

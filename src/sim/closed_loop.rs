@@ -1,0 +1,296 @@
+//! The closed loop: plant, sensor, controller and actuators in time.
+
+use nalgebra::SVector;
+use runtime::command::Command;
+
+use super::actuator::{ActuatorData, Actuators};
+use super::controller::{Controller, Truth};
+use super::disturbance::{Disturbance, Walker};
+use super::integrator::{runge_kutta, Method};
+use super::link::Link;
+use super::plant::Plant;
+use super::sampling::{Instants, Sampling};
+use super::sensor::Sensor;
+use crate::sim::integrator::dormand_prince::DormandPrince;
+
+/// Watches a run with a controller `C`. Times are in s.
+pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
+    /// The initial state, before the first sample.
+    fn start(&mut self, state: &SVector<f64, N>, disturbance: &SVector<f64, D>, controller: &C);
+
+    /// A sample was taken; `mismatch` is the largest difference of a membership from the sample sent
+    /// last.
+    fn sample(
+        &mut self,
+        time_s: f64,
+        state: &SVector<f64, N>,
+        command: &Command<M>,
+        mismatch: Option<f64>,
+        controller: &C,
+    );
+
+    /// At the sample that is reported next the link carried these steps (see [`Link::steps`]).
+    fn carried(&mut self, _steps: &[f64; M]) {}
+
+    /// From `time_s` on this torque acts.
+    fn hold(&mut self, time_s: f64, torque: &SVector<f64, M>);
+
+    /// The torque acted for `span_s`.
+    fn held(&mut self, span_s: f64, torque: &SVector<f64, M>);
+
+    /// An integration step of `step_s` ended at `time_s`.
+    fn step(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        state: &SVector<f64, N>,
+        disturbance: &SVector<f64, D>,
+        controller: &C,
+    );
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// At the scenario's duration.
+    Completed,
+    /// The state was no longer finite.
+    Diverged {
+        /// When, s.
+        time_s: f64,
+    },
+}
+
+/// Everything that makes a run, except what watches it.
+#[derive(Debug)]
+pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
+    /// The plant.
+    pub plant: &'a P,
+    /// Its disturbance.
+    pub disturbance: &'a Disturbance<D>,
+    /// The sensor.
+    pub sensor: S,
+    /// The controller.
+    pub controller: C,
+    /// The link from its command to the actuators; without one the command acts as it is.
+    pub link: Option<&'a mut Link<M>>,
+    /// Sampling instants.
+    pub sampling: Sampling,
+    /// The actuators.
+    pub actuators: &'a ActuatorData<M>,
+    /// Times at which something changes abruptly, s, increasing.
+    pub breakpoints_s: Vec<f64>,
+    /// How the plant is integrated.
+    pub method: Method,
+    /// End of the run, s.
+    pub duration_s: f64,
+}
+
+/// Intervals shorter than this share of a step are not worth a step of their own.
+const STEP_ROUNDING: f64 = 1e-9;
+
+/// Where a run stands.
+struct Progress<'a, const N: usize, const D: usize> {
+    time: f64,
+    next_sample: f64,
+    state: SVector<f64, N>,
+    walker: Walker<'a, D>,
+}
+
+impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> {
+    /// Runs from `initial`.
+    pub fn run<O, const N: usize>(mut self, initial: &SVector<f64, N>, observer: &mut O) -> End
+    where
+        P: Plant<N, M, D>,
+        S: Sensor<N>,
+        C: Controller<S::Measurement, M>,
+        O: Observer<C, N, M, D>,
+    {
+        let mut at = Progress {
+            time: 0.0,
+            next_sample: 0.0,
+            state: *initial,
+            walker: Walker::new(self.disturbance, 0.0),
+        };
+        let mut next_breakpoint = 0;
+        let mut actuators = Actuators::new(self.actuators);
+        let mut reference = self.reference_integrator();
+        observer.start(&at.state, at.walker.now(), &self.controller);
+        while at.time < self.duration_s {
+            if at.time >= at.next_sample {
+                self.take_sample(&mut at, &mut actuators, observer);
+            }
+            let torque = actuators.torque(at.time);
+            let mut event = at
+                .next_sample
+                .min(actuators.next_change_s())
+                .min(self.duration_s);
+            while let Some(&breakpoint) = self.breakpoints_s.get(next_breakpoint) {
+                if breakpoint > at.time {
+                    event = event.min(breakpoint);
+                    break;
+                }
+                next_breakpoint += 1;
+            }
+            let from = at.time;
+            observer.hold(from, &torque);
+            match &mut reference {
+                None => self.advance(&mut at, event, &torque, observer),
+                Some(reference) => {
+                    while at.time < event {
+                        let (time, state) = reference.step(at.time, event, &at.state, &torque);
+                        let disturbance = self.disturbance.at(time);
+                        observer.step(time, time - at.time, &state, &disturbance, &self.controller);
+                        (at.time, at.state) = (time, state);
+                    }
+                }
+            }
+            observer.held(at.time - from, &torque);
+            if !at.state.iter().all(|value| value.is_finite()) {
+                return End::Diverged { time_s: at.time };
+            }
+        }
+        End::Completed
+    }
+
+    fn reference_integrator(&self) -> Option<DormandPrince<'a, P, D>> {
+        match self.method {
+            Method::RungeKutta4 { .. } => None,
+            Method::DormandPrince853 { tolerance } => Some(DormandPrince {
+                plant: self.plant,
+                disturbance: self.disturbance,
+                tolerance,
+                trial_s: 1.0,
+            }),
+        }
+    }
+
+    #[inline]
+    fn take_sample<O, const N: usize>(
+        &mut self,
+        at: &mut Progress<'a, N, D>,
+        actuators: &mut Actuators<'a, M>,
+        observer: &mut O,
+    ) where
+        S: Sensor<N>,
+        C: Controller<S::Measurement, M>,
+        O: Observer<C, N, M, D>,
+    {
+        at.next_sample = self.sampling.after(at.time);
+        if self.sampling.lost() {
+            return;
+        }
+        let measurement = self.sensor.measure(at.time, &at.state);
+        let mismatch = self.controller.membership_mismatch(&measurement);
+        let acting = actuators.torque(at.time);
+        self.controller.tell(&Truth {
+            time_s: at.time,
+            state: at.state.as_slice(),
+            disturbance: at.walker.now().as_slice(),
+            held: match &self.link {
+                None => *actuators.last_command(),
+                Some(link) => link.held_by_encoder(),
+            },
+            acting,
+        });
+        let command = self.controller.step(at.time, &measurement);
+        match &mut self.link {
+            None => actuators.command(at.time, &command.torque),
+            Some(link) => {
+                let held = link.transmit(at.time, &command.torque);
+                actuators.command(at.time, &held);
+                observer.carried(link.steps());
+            }
+        }
+        observer.sample(at.time, &at.state, &command, mismatch, &self.controller);
+    }
+
+    /// Steps of equal length to `event`, or to where a trigger that is watched continuously fires.
+    #[inline]
+    fn advance<O, const N: usize>(
+        &mut self,
+        at: &mut Progress<'a, N, D>,
+        event: f64,
+        torque: &SVector<f64, M>,
+        observer: &mut O,
+    ) where
+        P: Plant<N, M, D>,
+        S: Sensor<N>,
+        C: Controller<S::Measurement, M>,
+        O: Observer<C, N, M, D>,
+    {
+        let Method::RungeKutta4 { step_s } = self.method else {
+            return;
+        };
+        let from = at.time;
+        let steps = (event - from) / step_s - STEP_ROUNDING;
+        let count = if steps <= 1.0 { 1.0 } else { steps.ceil() };
+        let step = (event - from) / count;
+        let count = count as u64;
+        for index in 1..=count {
+            let (start, start_state) = (at.time, at.state);
+            let values = at.walker.step(start, step);
+            at.state = runge_kutta::step(self.plant, start, &start_state, step, torque, &values);
+            at.time = if index == count {
+                event
+            } else {
+                from + index as f64 * step
+            };
+            if let Instants::Continuous { resolution_s } = *self.sampling.instants() {
+                if self.fires(at.time, &at.state) {
+                    self.find_event(at, (start, start_state, step), resolution_s, torque);
+                    let fired = at.time;
+                    let disturbance = at.walker.now();
+                    observer.step(
+                        fired,
+                        fired - start,
+                        &at.state,
+                        disturbance,
+                        &self.controller,
+                    );
+                    at.next_sample = fired;
+                    return;
+                }
+            }
+            observer.step(at.time, step, &at.state, &values[2], &self.controller);
+        }
+    }
+
+    fn fires<const N: usize>(&mut self, time: f64, state: &SVector<f64, N>) -> bool
+    where
+        S: Sensor<N>,
+        C: Controller<S::Measurement, M>,
+    {
+        let measurement = self.sensor.measure(time, state);
+        self.controller.would_send(time, &measurement)
+    }
+
+    /// Bisects the step in which the trigger fires, down to `resolution`, and puts `at` on the end of
+    /// the remaining interval, where it fires.
+    fn find_event<const N: usize>(
+        &mut self,
+        at: &mut Progress<'a, N, D>,
+        (start, start_state, step): (f64, SVector<f64, N>, f64),
+        resolution: f64,
+        torque: &SVector<f64, M>,
+    ) where
+        P: Plant<N, M, D>,
+        S: Sensor<N>,
+        C: Controller<S::Measurement, M>,
+    {
+        let (mut silent, mut firing) = (0.0, step);
+        while firing - silent > resolution {
+            let middle = 0.5 * (silent + firing);
+            let times = [start, start + 0.5 * middle, start + middle];
+            let values = times.map(|time| self.disturbance.at(time));
+            let state = runge_kutta::step(self.plant, start, &start_state, middle, torque, &values);
+            if self.fires(start + middle, &state) {
+                firing = middle;
+                (at.time, at.state) = (start + middle, state);
+            } else {
+                silent = middle;
+            }
+        }
+        at.walker.stand_at(at.time);
+    }
+}

@@ -1,0 +1,106 @@
+//! The flight controllers behind one trait.
+
+use nalgebra::SVector;
+use runtime::command::Command;
+use runtime::lei2022::SwitchCount;
+
+/// What is true at a sample, before the controller's step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth<'a, const M: usize> {
+    /// Time, s.
+    pub time_s: f64,
+    /// State of the plant.
+    pub state: &'a [f64],
+    /// Disturbance, with everything that acts whatever is commanded.
+    pub disturbance: &'a [f64],
+    /// What the actuators have been told last, as far as the controller's end of the link knows: a lost
+    /// word makes them hold something else.
+    pub held: SVector<f64, M>,
+    /// What acts on the plant because of it.
+    pub acting: SVector<f64, M>,
+}
+
+/// An event-triggered controller that takes measurements `T` and commands `M` axes.
+pub trait Controller<T, const M: usize> {
+    /// Takes the sample at `time_s` seconds.
+    fn step(&mut self, time_s: f64, measurement: &T) -> Command<M>;
+
+    /// Told before each step what no sensor measures. Only for controllers that are tried with perfect
+    /// knowledge of something, or beside whose output an encoder works.
+    fn tell(&mut self, _truth: &Truth<M>) {}
+
+    /// Whether this sample would be sent; the controller stays as it is.
+    fn would_send(&self, time_s: f64, measurement: &T) -> bool;
+
+    /// The largest difference of a membership at this sample and at the one sent last (the kappa of
+    /// Xu and Huang 2020, Theorem 2); `None` without fuzzy rules.
+    fn membership_mismatch(&self, _measurement: &T) -> Option<f64> {
+        None
+    }
+
+    /// Names, with units, of what the controller shows of itself: columns of the trajectory.
+    fn signal_names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// The values of the signals at the true state, in the order of their names.
+    fn signals(&self, _time_s: f64, _truth: &T, _values: &mut [f64]) {}
+
+    /// The largest share of the prescribed bounds on its error that the true state uses, 1 at the edge;
+    /// `None` without such bounds.
+    fn funnel_ratio(&self, _time_s: f64, _truth: &T) -> Option<f64> {
+        None
+    }
+
+    /// What the trigger watches over its threshold at the true state, 1 where it should fire; `None`
+    /// where that is not watched.
+    fn threshold_ratio(&self, _time_s: f64, _truth: &T) -> Option<f64> {
+        None
+    }
+
+    /// How often the actuators were switched; `None` for a controller that never turns them off.
+    fn switch_count(&self) -> Option<SwitchCount> {
+        None
+    }
+}
+
+/// A controller chosen at run time.
+pub type AnyController<T, const M: usize> = Box<dyn Controller<T, M>>;
+
+impl<T, const M: usize> Controller<T, M> for AnyController<T, M> {
+    fn step(&mut self, time_s: f64, measurement: &T) -> Command<M> {
+        self.as_mut().step(time_s, measurement)
+    }
+
+    fn tell(&mut self, truth: &Truth<M>) {
+        self.as_mut().tell(truth);
+    }
+
+    fn would_send(&self, time_s: f64, measurement: &T) -> bool {
+        self.as_ref().would_send(time_s, measurement)
+    }
+
+    fn membership_mismatch(&self, measurement: &T) -> Option<f64> {
+        self.as_ref().membership_mismatch(measurement)
+    }
+
+    fn signal_names(&self) -> &'static [&'static str] {
+        self.as_ref().signal_names()
+    }
+
+    fn signals(&self, time_s: f64, truth: &T, values: &mut [f64]) {
+        self.as_ref().signals(time_s, truth, values);
+    }
+
+    fn funnel_ratio(&self, time_s: f64, truth: &T) -> Option<f64> {
+        self.as_ref().funnel_ratio(time_s, truth)
+    }
+
+    fn threshold_ratio(&self, time_s: f64, truth: &T) -> Option<f64> {
+        self.as_ref().threshold_ratio(time_s, truth)
+    }
+
+    fn switch_count(&self) -> Option<SwitchCount> {
+        self.as_ref().switch_count()
+    }
+}

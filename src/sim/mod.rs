@@ -1,0 +1,27 @@
+//! The closed loop and its parts, for any plant and any controller.
+//!
+//! A [`closed_loop::ClosedLoop`] runs a [`plant`], a [`sensor`], a [`controller`] and its [`actuator`]s, and
+//! an observer measures it.
+
+pub mod actuator;
+pub mod closed_loop;
+pub mod controller;
+pub mod disturbance;
+pub mod effort;
+pub mod events;
+pub mod integrator;
+pub mod link;
+pub mod lyapunov;
+pub mod metrics;
+pub mod padding;
+pub mod plant;
+pub mod pointing;
+pub mod profile;
+pub mod random;
+pub mod recorder;
+pub mod reference;
+pub mod rigid_body_state;
+pub mod sampling;
+pub mod sensor;
+pub mod transmissions;
+pub mod usage;
