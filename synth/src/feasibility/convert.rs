@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::file::{
-    DeadZoneMomentsFile, GainWeightsFile, HeldMomentsFile, InputWeightFile, MomentsFile,
-    RegionWeightFile, VertexWeightFile, WeightsFile,
+    flushed, rows, DeadZoneMomentsFile, GainWeightsFile, HeldMomentsFile, InputWeightFile,
+    MomentsFile, RegionWeightFile, VertexWeightFile, WeightsFile,
 };
 use crate::certify::infeasible::{
     DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
@@ -346,19 +346,4 @@ fn symmetric(field: &str, rows: &[Vec<f64>], side: usize) -> Result<DMatrix<f64>
     let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
     check_symmetric(field, &matrix)?;
     Ok(matrix)
-}
-
-/// Files hold no numbers below 1e-30 but 0.
-const SMALLEST: f64 = 1e-30;
-
-fn flushed(value: f64) -> f64 {
-    match value.abs() < SMALLEST {
-        true => 0.0,
-        false => value,
-    }
-}
-
-pub(super) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
-    (0..matrix.nrows()).map(row).collect()
 }

@@ -4,7 +4,6 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::convert::rows;
 use super::size::largest_multiplier;
 use crate::certify::infeasible::{limits, refute, Limit, Refutation, Weights};
 use crate::design::Provenance;
@@ -262,4 +261,19 @@ impl InfeasibilityFile {
             largest_multiplier(model, given)
         })
     }
+}
+
+/// Files hold no numbers below 1e-30 but 0.
+const SMALLEST: f64 = 1e-30;
+
+pub(super) fn flushed(value: f64) -> f64 {
+    match value.abs() < SMALLEST {
+        true => 0.0,
+        false => value,
+    }
+}
+
+pub(super) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
+    (0..matrix.nrows()).map(row).collect()
 }

@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::file::InertiaUncertaintyFile;
-use super::validate::{check_not_negative, require};
+use super::ranges::{check_not_negative, require};
 use super::ModelError;
 use crate::certify::definite::{prove_positive_definite, IntervalMatrix};
 use crate::certify::interval::Interval;

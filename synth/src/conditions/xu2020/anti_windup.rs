@@ -1,6 +1,6 @@
 //! Condition (19): inside the invariant set the sector bound of the dead zone holds.
 
-use super::{DesignUnknowns, Strictness};
+use super::unknowns::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Condition, SymmetricBlocks};
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, Strictness};
+use super::unknowns::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks};
 

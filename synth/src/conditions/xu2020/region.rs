@@ -1,6 +1,6 @@
 //! The invariant set lies inside the region in which the model holds.
 
-use super::{DesignUnknowns, Strictness};
+use super::unknowns::{DesignUnknowns, Strictness};
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, SymmetricBlocks};
 
