@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::unknowns::{DesignUnknowns, Interval, SectorUnknowns, Strictness};
+use super::unknowns::{DesignUnknowns, Interval, SectorUnknowns};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
+use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 // Block rows of (18).
 const STATE: usize = 0;

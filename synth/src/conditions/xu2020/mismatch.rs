@@ -7,9 +7,9 @@
 //! stating P_j and R on (B'v, p, x(t_k)) only: the N_j do not see the rest of v, and it can be
 //! minimised out of all P_j at once.
 
-use super::unknowns::{DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT};
+use super::unknowns::{DesignUnknowns, Interval, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
+use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// N_j on the rows of [`MismatchUnknowns`].
 fn gain_form(unknowns: &DesignUnknowns, rule: usize) -> Affine {

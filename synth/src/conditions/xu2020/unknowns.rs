@@ -1,9 +1,7 @@
 //! The unknowns of Theorem 2.
 
-use nalgebra::DMatrix;
-
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, Unknowns};
+use crate::lmi::{Affine, Unknowns};
 
 /// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
 /// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
@@ -222,37 +220,5 @@ fn numbered(name: &str, rule: usize) -> String {
     match rule {
         0 => name.to_string(),
         _ => format!("{name}{}", rule + 1),
-    }
-}
-
-/// The margin of the strict inequalities: a number, or an unknown that is maximised.
-#[derive(Debug, Clone)]
-pub struct Strictness(Affine);
-
-impl Strictness {
-    /// A fixed margin.
-    pub fn fixed(margin: f64) -> Self {
-        Strictness(Affine::identity(1, margin))
-    }
-
-    /// A margin that is itself a scalar expression.
-    pub fn unknown(margin: Affine) -> Self {
-        Strictness(margin)
-    }
-
-    /// `x >= margin I`.
-    pub fn positive(&self, name: impl Into<String>, x: Affine) -> Condition {
-        let weight = DMatrix::identity(x.nrows(), x.nrows());
-        self.positive_against(name, x, &weight)
-    }
-
-    /// `x >= margin * weight` for a constant symmetric weight.
-    pub fn positive_against(
-        &self,
-        name: impl Into<String>,
-        x: Affine,
-        weight: &DMatrix<f64>,
-    ) -> Condition {
-        Condition::semidefinite(name, x - self.0.times_matrix(weight))
     }
 }

@@ -15,7 +15,7 @@ use crate::model::{check_matrix, check_positive, check_symmetric, finite, Model,
 impl WeightsFile {
     /// The numbers as written, `None` without weights of a gain. Those too small to be allowed in a file
     /// become 0.
-    pub(super) fn new(weights: &Weights) -> Option<Self> {
+    pub(crate) fn new(weights: &Weights) -> Option<Self> {
         let region = |weight: &RegionWeight| RegionWeightFile {
             state: rows(&weight.state),
             cross: rows(&weight.cross),
@@ -37,7 +37,7 @@ impl WeightsFile {
     }
 
     /// Checked numbers.
-    pub(super) fn weights(
+    pub(crate) fn weights(
         &self,
         model: &Model,
         given: &[DMatrix<f64>],

@@ -20,11 +20,12 @@ pub use decrease::{
     vertex_term_at, Coordinates,
 };
 pub use unknowns::{
-    DesignUnknowns, Interval, MismatchUnknowns, RuleUnknowns, Sector, SectorUnknowns, Strictness,
+    DesignUnknowns, Interval, MismatchUnknowns, RuleUnknowns, Sector, SectorUnknowns,
     DEAD_ZONE_UNIT,
 };
 
 pub use super::Coverage;
+pub use crate::lmi::Strictness;
 
 use super::Task;
 use crate::lmi::Condition;
