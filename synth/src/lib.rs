@@ -18,8 +18,10 @@
 //! | [`solve`] | solvers behind one trait; what they return is a candidate |
 //! | [`design`] | recovers the numbers of a design and reads and writes its file |
 //! | [`certify`] | proves a file, apart from everything above that made it |
+//! | [`infeasibility`] | the file of a proof that there is no design |
+//! | [`programs`] | the semidefinite programs of a synthesis: stated, solved, recorded, and what may come of them |
+//! | [`feasibility`] | decides, with a proof, whether there is any design |
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
-//! | [`feasibility`] | says, with a proof, whether there is any design |
 //! | [`problem`] | takes other design problems the same way |
 //!
 //! # Example
@@ -63,10 +65,12 @@ pub mod conditions;
 pub mod design;
 pub mod feasibility;
 pub mod fuzzy;
+pub mod infeasibility;
 pub mod lmi;
 pub mod model;
 pub mod optimality;
 pub mod problem;
+pub mod programs;
 pub mod reduce;
 pub mod scaling;
 pub mod solve;

@@ -3,6 +3,7 @@
 //! Nothing but the numbers of the file is used. Each condition of Theorem 1 is assembled in interval
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
 
+mod certificate;
 pub mod definite;
 pub mod exclusion;
 pub mod infeasible;
@@ -18,10 +19,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
+pub use certificate::{Certificate, MismatchSlack, RuleGains};
 use definite::{prove_positive_definite, IntervalMatrix};
 use interval::Interval;
 use matrix::Matrix;
-use theorem1::{for_each_condition, Certificate, Statement};
+use theorem1::{for_each_condition, Statement};
 
 /// The answer of the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

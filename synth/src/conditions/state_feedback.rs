@@ -9,10 +9,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::xu2020::Strictness;
 use crate::certify::matrix::{Matrix, SymmetricBlocks};
 use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition, Unknowns};
+use crate::lmi::{Affine, Condition, Strictness, Unknowns};
 
 /// A problem for a [`VertexPlant`].
 pub trait DesignProblem: Sized {

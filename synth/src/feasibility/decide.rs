@@ -2,62 +2,19 @@
 
 use super::candidate::Source;
 use super::centre::centred;
-use super::file::{InfeasibilityFile, WeightsFile};
-use crate::certify::infeasible::{refute, Limit, Refutation, Weights};
+use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
+use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::lmi::Affine;
 use crate::model::Model;
+use crate::programs::{
+    blocking, containment_weights, scaled, Answer, Assembled, Decision, Form, Goal, Infeasible,
+    Session, Subject, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
+};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Solution, Status, Structured};
-use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Shortfall, Subject,
-    SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
-};
-
-/// Proved weights, and what they leave open.
-#[derive(Debug, Clone)]
-pub struct Infeasible {
-    /// The file that proves it.
-    pub file: InfeasibilityFile,
-    /// No design exists whose multiplier Qh has all entries (SI units) within this bound; the largest
-    /// double when none is needed.
-    pub bound: f64,
-    /// The designs that are not covered; none in a proof that no design exists.
-    pub limits: Vec<Limit>,
-}
-
-/// The answer.
-#[derive(Debug, Clone)]
-pub enum Answer {
-    /// A design exists: this one is proved. Its gain is not the smallest.
-    Feasible(Box<Synthesized>),
-    /// No design exists: proved.
-    Infeasible(Box<Infeasible>),
-    /// Neither is proved; with what was proved about a part of the designs.
-    Undecided(Option<Box<Infeasible>>),
-}
-
-/// The answer and what is known beside it.
-#[derive(Debug, Clone)]
-pub struct Decision {
-    /// The answer.
-    pub answer: Answer,
-    /// The smallest slack t with which every condition but the gain's holds, in scaled units, where
-    /// the solver found it: an estimate, not proved. Above 0 they cannot hold with the margin of the
-    /// model.
-    pub slack: Option<f64>,
-    /// The conditions with the largest share of the dual solution: those that block, when t is
-    /// above 0.
-    pub blocking: Vec<(String, f64)>,
-    /// What a search reached instead, where there was one.
-    pub shortfall: Option<Box<Shortfall>>,
-    /// Time spent in solvers (s).
-    pub solve_seconds: f64,
-    /// The solver's runs.
-    pub runs: Vec<SolverRun>,
-}
 
 /// Decides whether a design exists for a model. `model_text` is its file's text.
 pub fn decide(
@@ -66,7 +23,7 @@ pub fn decide(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut search = Search::new(Form::Reduced, backend, observer);
+    let mut search = Session::new(Form::Reduced, backend, observer);
     let task = model.task();
     decide_after(
         Subject::of_model(model, model_text, &task, Form::Reduced),
@@ -83,8 +40,8 @@ pub(super) fn look_for_a_design(
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut searches = [
-        Search::new(Form::Slack, structured, observer.clone()),
-        Search::new(Form::Reduced, backend, observer),
+        Session::new(Form::Slack, structured, observer.clone()),
+        Session::new(Form::Reduced, backend, observer),
     ];
     let task = model.task();
     settle(
@@ -98,7 +55,7 @@ pub(super) fn look_for_a_design(
 /// The same after other runs, which are counted.
 pub(crate) fn decide_after(
     subject: Subject,
-    search: &mut Search,
+    search: &mut Session,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
     let other = search.alternative();
@@ -139,7 +96,7 @@ pub(super) fn refute_part(
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
-    let mut searches = [Search::new(Form::Slack, &structured, observer)];
+    let mut searches = [Session::new(Form::Slack, &structured, observer)];
     let subject = Subject {
         form: Form::Slack,
         ..subject
@@ -176,7 +133,7 @@ enum End {
 /// answer.
 fn settle(
     subject: Subject,
-    searches: &mut [Search],
+    searches: &mut [Session],
     sought: Sought,
     most_units: usize,
 ) -> Result<Decision, SynthesisError> {
@@ -221,7 +178,7 @@ fn settle(
         }
     }
     let runs: Vec<SolverRun> = searches.iter().flat_map(|s| s.runs.clone()).collect();
-    let solve_seconds = searches.iter().map(Search::seconds).sum();
+    let solve_seconds = searches.iter().map(Session::seconds).sum();
     let answer = match design {
         Some(mut design) => {
             design.solve_seconds = solve_seconds;
@@ -261,7 +218,7 @@ fn settle(
 
 /// Which solvers are asked for what.
 struct Asking<'a, 'b> {
-    searches: &'a mut [Search<'b>],
+    searches: &'a mut [Session<'b>],
     sought: Sought,
     most_units: usize,
     out: &'a mut Found,
@@ -289,7 +246,7 @@ impl Asking<'_, '_> {
 
 fn attempt(
     subject: Subject,
-    search: &mut Search,
+    search: &mut Session,
     units: ProblemUnits,
     sought: Sought,
     out: &mut Found,
@@ -340,7 +297,7 @@ fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
 /// left open.
 fn refute_nominal(
     subject: Subject,
-    search: &mut Search,
+    search: &mut Session,
     units: ProblemUnits,
 ) -> Result<End, SynthesisError> {
     if !subject.given.is_empty() {

@@ -5,10 +5,10 @@
 
 use nalgebra::DMatrix;
 
-use super::decide::{refute_part, Answer, Decision};
+use super::decide::refute_part;
 use crate::conditions::{GainPlan, Task};
+use crate::programs::{Answer, Decision, Part, Subject, SynthesisError};
 use crate::solve::Observer;
-use crate::synthesis::{Part, Subject, SynthesisError};
 
 /// State units that are tried for one gain.
 const UNITS_ALONE: usize = 3;

@@ -7,16 +7,18 @@
 
 mod candidate;
 mod centre;
-mod convert;
 mod decide;
-mod file;
 mod given;
 mod relax;
 mod size;
 
-pub use decide::{decide, Answer, Decision, Infeasible};
-pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
+pub use decide::decide;
 pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
+
+pub use crate::infeasibility::{
+    GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION,
+};
+pub use crate::programs::{Answer, Decision, Infeasible};
 
 pub(crate) use centre::centred;
 pub(crate) use decide::decide_after;

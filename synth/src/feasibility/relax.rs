@@ -1,9 +1,9 @@
 //! Which requirement, relaxed alone, first makes a model feasible, and at what value.
 
-use super::decide::{look_for_a_design, Answer};
+use super::decide::look_for_a_design;
 use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
+use crate::programs::{Answer, SynthesisError};
 use crate::solve::{Backend, Observer, Structured};
-use crate::synthesis::SynthesisError;
 
 /// A requirement that can be relaxed alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

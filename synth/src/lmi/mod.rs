@@ -33,6 +33,7 @@ mod condition;
 mod sdpa;
 mod sdpa_read;
 mod semidefinite;
+mod strictness;
 mod unknowns;
 
 pub use affine::Affine;
@@ -40,4 +41,5 @@ pub use blocks::SymmetricBlocks;
 pub use condition::{Condition, Problem};
 pub use sdpa_read::SdpaError;
 pub use semidefinite::{svec_index, Cone, Entry, Semidefinite};
+pub use strictness::Strictness;
 pub use unknowns::Unknowns;

@@ -6,7 +6,7 @@ use runtime::local_rules::FuzzySet;
 use super::file::{
     FuzzySetFile, LocalRuleFile, RulesLinear, RulesPlant, RulesSpacecraft, RulesSystem,
 };
-use super::validate::{
+use super::ranges::{
     check_count, check_inertia, check_matrix, check_not_negative, check_positive, finite, require,
     MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
 };

@@ -139,3 +139,12 @@ impl BlockView {
         }
     }
 }
+
+/// Whether the condition with the vertex slack is split into its cliques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cliques {
+    /// Small cones and a free matrix for each separator: for solvers whose work grows with the side of a cone.
+    Split,
+    /// One cone for each end of the interval: for solvers whose work grows with the number of unknowns.
+    Whole,
+}

@@ -11,8 +11,7 @@
 
 use nalgebra::DMatrix;
 
-use super::cliques::{self, Split};
-use super::Cliques;
+use super::cliques::{self, Cliques, Split};
 use crate::conditions::xu2020::{
     condition_name, decrease_form, Coordinates, DesignUnknowns, Interval, Strictness,
     DEAD_ZONE_UNIT,

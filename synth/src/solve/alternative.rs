@@ -1,6 +1,8 @@
 //! The solver that is asked where the first finds no design.
 
-use super::{Backend, Clarabel, Solver, Structured};
+use super::backend::{Backend, Solver};
+use super::clarabel::Clarabel;
+use super::structured::Structured;
 
 /// The other of the two solvers, with its usual settings; `None` for a solver that is neither.
 ///

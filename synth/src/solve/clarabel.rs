@@ -6,7 +6,9 @@ use clarabel::solver::{
     SupportedConeT,
 };
 
-use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status};
+use super::backend::{
+    check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
+};
 use crate::lmi::{svec_index, Cone, Semidefinite};
 
 /// In which cones explicit zeros are stored, so that every column that touches such a cone touches
@@ -65,7 +67,7 @@ impl Backend for Clarabel {
         accuracy: Accuracy,
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError> {
-        super::check_finite(NAME, problem)?;
+        check_finite(NAME, problem)?;
         super::lapack::link();
         let (matrix, rhs, cones) = conic_form(problem, self.padding);
         let unknowns = problem.cost.len();

@@ -1,8 +1,8 @@
 //! The same optimum from two solvers.
 
-use super::{assemble, scaled_task, Form, Goal};
 use crate::design::ProblemUnits;
 use crate::model::Model;
+use crate::programs::{assemble, scaled_task, Form, Goal};
 use crate::solve::{Backend, Observer, SolveError, Status};
 
 /// A solver and the form of the problem it is given.

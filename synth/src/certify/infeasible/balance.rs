@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::end::End;
-use super::{GainWeights, IntegralCross, Moments, Weights};
+use super::weights::{GainWeights, IntegralCross, Moments, Weights};
 use crate::certify::interval::Interval;
 use crate::certify::matrix::{Matrix, SymmetricBlocks};
 use crate::certify::plant::DescriptorPlant;

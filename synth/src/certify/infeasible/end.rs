@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{DeadZoneMoments, HeldMoments, Moments};
+use super::weights::{DeadZoneMoments, HeldMoments, Moments};
 use crate::certify::matrix::{Matrix, SymmetricBlocks};
 use crate::certify::scalar::Scalar;
 

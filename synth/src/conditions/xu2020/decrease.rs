@@ -2,32 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, SectorUnknowns, Strictness};
+use super::unknowns::{DesignUnknowns, Interval, SectorUnknowns};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
-
-/// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
-/// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Interval {
-    /// r = 1: just after a sample, where hbar x'Yx' counts.
-    Start,
-    /// r = 2: just before the next sample, where the integral term counts.
-    End,
-}
-
-impl Interval {
-    /// Both ends.
-    pub const BOTH: [Interval; 2] = [Interval::Start, Interval::End];
-
-    /// The index r of (18).
-    pub fn index(self) -> usize {
-        match self {
-            Interval::Start => 1,
-            Interval::End => 2,
-        }
-    }
-}
+use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 // Block rows of (18).
 const STATE: usize = 0;

@@ -1,6 +1,6 @@
 //! Start states that the certified set must contain.
 
-use super::DesignUnknowns;
+use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition};
 

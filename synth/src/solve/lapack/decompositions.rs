@@ -3,9 +3,11 @@
 use core::ffi::{c_char, c_int};
 use core::mem::MaybeUninit;
 
+use super::arguments::{
+    array, contained, illegal_argument, letter, matrix_mut, triangle, INTERNAL_FAILURE,
+};
 use super::kernels::blas::Part;
 use super::kernels::spectral::{self, SingularVectors, SpectralError, Vectors};
-use super::{array, contained, illegal_argument, letter, matrix_mut, triangle, INTERNAL_FAILURE};
 
 /// The singular vectors wanted of one side.
 unsafe fn vectors(option: *const c_char) -> Option<Vectors> {

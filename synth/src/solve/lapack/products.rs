@@ -2,11 +2,11 @@
 
 use core::ffi::{c_char, c_int};
 
-use super::kernels::blas::{self, Part};
-use super::{
+use super::arguments::{
     contained_product, illegal_argument, matrix, matrix_mut, report_illegal, transposition,
     triangle, vector, vector_mut,
 };
+use super::kernels::blas::{self, Part};
 
 /// `C <- alpha op(A) op(B) + beta C`, `C` being `m` by `n` and `op(A)` `m` by `k`.
 ///

@@ -4,9 +4,11 @@ use core::ffi::{c_char, c_int};
 
 use faer::reborrow::*;
 
+use super::arguments::{
+    array, contained, illegal_argument, matrix, matrix_mut, triangle, INTERNAL_FAILURE,
+};
 use super::kernels::blas::Part;
 use super::kernels::factor::{self, FactorError};
-use super::{array, contained, illegal_argument, matrix, matrix_mut, triangle, INTERNAL_FAILURE};
 
 fn factor_info(outcome: Option<Result<(), FactorError>>) -> c_int {
     match outcome {

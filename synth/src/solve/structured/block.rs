@@ -1,7 +1,5 @@
 //! One semidefinite block and its coefficients.
 
-use super::layout::power_of_two;
-
 /// One entry of a symmetric matrix on or above the diagonal.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
@@ -181,4 +179,12 @@ impl Block {
             .map(|e| e.count() * e.value * w[e.column * self.side + e.row])
             .sum()
     }
+}
+
+/// The power of two nearest to a positive number; 1 for zero and infinity, which stand for "nothing there".
+pub fn power_of_two(x: f64) -> f64 {
+    if !(x.is_finite() && x > 0.0) {
+        return 1.0;
+    }
+    x.log2().round().clamp(-500.0, 500.0).exp2()
 }

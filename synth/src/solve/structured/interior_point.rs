@@ -2,28 +2,17 @@
 //! Vanderbei, Wolkowicz 1996; Kojima, Shindoh, Hara 1997; Monteiro 1997) and Mehrotra's predictor and corrector.
 
 use super::dense::dot;
-use super::iterate::{longest_step, sandwich, Factors, Point, StepWork};
-use super::layout::Layout;
+use super::exit::{End, Measures, Outcome, Task, FEASIBLE};
+use super::iterate::{longest_step, sandwich, Factors, StepWork};
+use super::layout::Point;
 use super::ray;
 use super::schur::{SchurPlan, SchurWork};
 use super::system::System;
+use super::threads::threads_now;
 use super::warm::Trail;
-use crate::lmi::Semidefinite;
 
 /// Most iterations.
 pub const ITERATIONS: u32 = 200;
-
-/// Relative size of the residuals of both feasibilities at which a point counts as feasible.
-pub const FEASIBLE: f64 = 1e-8;
-
-/// Relative residual of `<A_i, Z> = c_i` that is small enough: the inequalities themselves do not depend on it.
-const DUAL_FEASIBLE: f64 = 1e-7;
-
-/// The same for reduced accuracy.
-const NEARLY_FEASIBLE: f64 = 1e-6;
-
-/// Relative gap of reduced accuracy.
-const NEARLY_CLOSED: f64 = 1e-5;
 
 /// Iterations without progress after which the best point is returned.
 const PATIENCE: u32 = 12;
@@ -39,96 +28,6 @@ const REFINED: f64 = 1e-8;
 
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
-
-/// What is known of a point.
-#[derive(Debug, Clone, Copy)]
-pub struct Measures {
-    /// `c'y`, in balanced units.
-    pub objective: f64,
-    /// `-<constant, Z>`, in balanced units.
-    pub dual_objective: f64,
-    /// Their distance, relative to the larger one or to the unit of the accuracy.
-    pub relative_gap: f64,
-    /// Residual of the inequalities' slack, relative.
-    pub slack_residual: f64,
-    /// Residual of `<A_i, Z> = c_i`, relative.
-    pub dual_residual: f64,
-}
-
-impl Measures {
-    /// How far from the goal: 1 or less is there.
-    fn distance(&self, gap: f64) -> f64 {
-        let gap = self.relative_gap / gap;
-        let worst = gap
-            .max(self.slack_residual / FEASIBLE)
-            .max(self.dual_residual / DUAL_FEASIBLE);
-        if worst.is_nan() {
-            f64::INFINITY
-        } else {
-            worst
-        }
-    }
-
-    fn nearly_there(&self, gap: f64) -> bool {
-        self.relative_gap <= gap.max(NEARLY_CLOSED)
-            && self.slack_residual <= NEARLY_FEASIBLE
-            && self.dual_residual <= NEARLY_FEASIBLE
-    }
-}
-
-/// How the iterations ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum End {
-    /// To the accuracy asked for.
-    Solved,
-    /// To reduced accuracy: why not further.
-    Reduced(&'static str),
-    /// No point satisfies the inequalities; the point's Z is the ray.
-    Infeasible,
-    /// The objective has no lower bound; the point's y is the ray.
-    Unbounded,
-    /// No further progress: why.
-    Stalled(&'static str),
-    /// Stopped by the observer.
-    Cancelled,
-}
-
-/// The last or the best point.
-#[derive(Debug, Clone)]
-pub struct Outcome {
-    /// How it ended.
-    pub end: End,
-    /// The point, or the ray.
-    pub point: Point,
-    /// What is known of it.
-    pub measures: Measures,
-    /// Whether y itself satisfies the inequalities.
-    pub feasible: bool,
-    /// Iterations done.
-    pub iterations: u32,
-    /// Time [s] spent on the Schur complement, on its factor and solves, and on the rest.
-    pub seconds: [f64; 3],
-}
-
-/// What the iterations are asked for.
-pub struct Task<'a> {
-    /// The problem.
-    pub layout: &'a Layout,
-    /// The problem as it was given.
-    pub problem: &'a Semidefinite,
-    /// Relative gap asked for.
-    pub relative_gap: f64,
-    /// Most iterations.
-    pub iterations: u32,
-    /// Smallest size the gap is relative to, in balanced units.
-    pub objective_unit: f64,
-    /// Keeps nearer to the central path: more iterations, but fewer problems stall.
-    pub cautious: bool,
-    /// Threads that may be used.
-    pub threads: usize,
-    /// Called between iterations; `false` stops.
-    pub observer: &'a (dyn Fn(u32, &Measures) -> bool + Sync),
-}
 
 struct Run<'a> {
     task: &'a Task<'a>,
@@ -187,7 +86,7 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
         schur: SchurWork::default(),
         factors: Factors::new(layout),
         steps: Default::default(),
-        threads: super::threads_now(task.threads),
+        threads: threads_now(task.threads),
         product: vec![0.0; layout.length],
         residual: vec![0.0; layout.length],
         feasible: false,
@@ -218,7 +117,7 @@ impl Run<'_> {
         let mut stalled = "iteration limit";
         let mut iteration = 0;
         while iteration < self.task.iterations {
-            self.threads = super::threads_now(self.task.threads);
+            self.threads = threads_now(self.task.threads);
             self.refresh_slack(&mut point);
             if !self.factors.update(layout, &point, self.threads) {
                 stalled = "a matrix lost its definiteness";

@@ -3,18 +3,7 @@
 use super::block::Block;
 use super::dense;
 use super::halves::both;
-use super::layout::Layout;
-
-/// Unknowns y, slack matrices S (of the inequalities), multiplier matrices Z, packed.
-#[derive(Debug, Clone)]
-pub struct Point {
-    /// Unknowns.
-    pub y: Vec<f64>,
-    /// Slack.
-    pub s: Vec<f64>,
-    /// Multipliers.
-    pub z: Vec<f64>,
-}
+use super::layout::{Layout, Point};
 
 /// Factors of a point's matrices, block by block.
 #[derive(Debug, Clone)]

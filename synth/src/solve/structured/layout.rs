@@ -1,9 +1,8 @@
 //! The problem as the iterations see it: rows and unknowns that matter, in balanced units, packed.
 
-use super::block::{Block, Place};
+use super::block::{power_of_two, Block, Place};
 use super::dense::LANES;
 use super::halves::both;
-use super::iterate::Point;
 use crate::lmi::{self, Entry, Semidefinite};
 
 /// Work of an iteration outside of the Schur complement [multiplications] below which a second thread does not pay.
@@ -334,14 +333,6 @@ impl Layout {
     }
 }
 
-/// The power of two nearest to a positive number; 1 for zero and infinity, which stand for "nothing there".
-pub fn power_of_two(x: f64) -> f64 {
-    if !(x.is_finite() && x > 0.0) {
-        return 1.0;
-    }
-    x.log2().round().clamp(-500.0, 500.0).exp2()
-}
-
 /// Zero dual matrices for all cones.
 pub fn zero_duals(problem: &Semidefinite) -> Vec<Vec<f64>> {
     let height = |cone: &lmi::Cone| cone.side * (cone.side + 1) / 2;
@@ -366,4 +357,15 @@ fn negative_direction(cone: &lmi::Cone) -> Option<Vec<f64>> {
         .fold(0.0_f64, |max, value| max.max(value.abs()));
     let worst = (0..n).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
     (values[worst] < -1e-12 * size).then(|| vectors[worst * n..(worst + 1) * n].to_vec())
+}
+
+/// Unknowns y, slack matrices S (of the inequalities), multiplier matrices Z, packed.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// Unknowns.
+    pub y: Vec<f64>,
+    /// Slack.
+    pub s: Vec<f64>,
+    /// Multipliers.
+    pub z: Vec<f64>,
 }

@@ -6,6 +6,7 @@
 
 mod block;
 mod dense;
+mod exit;
 mod halves;
 mod interior_point;
 mod iterate;
@@ -15,16 +16,20 @@ mod ray;
 mod schur;
 mod start;
 mod system;
+mod threads;
 mod warm;
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use super::{Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status};
+use super::backend::{
+    check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
+};
 use crate::lmi::{svec_index, Semidefinite};
-use interior_point::{End, Measures, Outcome, Task, ITERATIONS};
+use exit::{End, Measures, Outcome, Task};
+use interior_point::ITERATIONS;
 use layout::{zero_duals, Layout};
 use start::{cold_start, feasible_start};
+use threads::Running;
 use warm::{Memory, Trail};
 
 const NAME: &str = "structured";
@@ -59,33 +64,6 @@ impl Default for Structured {
             memory: None,
             frozen: false,
         }
-    }
-}
-
-/// Solves in progress in this process.
-static RUNNING: AtomicUsize = AtomicUsize::new(0);
-
-/// Counts one solve for as long as it lives.
-struct Running;
-
-impl Running {
-    fn enter() -> Self {
-        RUNNING.fetch_add(1, Ordering::Relaxed);
-        Running
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        RUNNING.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
-/// Threads of those allowed that are worth using: one while other solves keep the processors busy.
-fn threads_now(allowed: usize) -> usize {
-    match RUNNING.load(Ordering::Relaxed) {
-        0 | 1 => allowed,
-        _ => 1,
     }
 }
 
@@ -130,7 +108,7 @@ impl Structured {
     ) -> Result<(Solution, Timings), SolveError> {
         let begin = Instant::now();
         let _running = Running::enter();
-        super::check_finite(NAME, problem)?;
+        check_finite(NAME, problem)?;
         check_size(problem)?;
         let layout = Layout::new(problem);
         if let Some((cone, direction)) = &layout.contradiction {

@@ -1,8 +1,8 @@
 //! Points to start the iterations from.
 
 use super::dense::dot;
-use super::iterate::{Factors, Point};
-use super::layout::Layout;
+use super::iterate::Factors;
+use super::layout::{Layout, Point};
 
 /// The start's slack and multipliers, relative to the size of the data.
 const START_SLACK: f64 = 1.0;

@@ -7,8 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::dense;
-use super::iterate::Point;
-use super::layout::Layout;
+use super::layout::{Layout, Point};
 use crate::lmi::Semidefinite;
 
 /// Kinds of problems remembered.

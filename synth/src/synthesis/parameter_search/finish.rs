@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::climb::Point;
-use super::inner::{Aim, Inner, REGION_MARGIN};
+use super::denial::{decision, denied};
+use super::inner::{Aim, Inner, Point, REGION_MARGIN};
 use super::plan::Plan;
-use super::shortfall::{sensitivities, Shortfall};
-use super::{decision, start};
+use super::shortfall::sensitivities;
+use super::start;
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
 use crate::certify::Verdict;
 use crate::conditions::xu2020::Coverage;
@@ -14,11 +14,11 @@ use crate::conditions::Task;
 use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
+use crate::programs::{
+    Assembled, Form, Goal, Outcome, Session, Shortfall, Subject, SynthesisError, Synthesized,
+};
 use crate::scaling::Scaling;
 use crate::solve::Status;
-use crate::synthesis::{
-    Assembled, Form, Goal, Outcome, Search, Subject, SynthesisError, Synthesized,
-};
 
 /// How the design is tried, one way after the other until one is proved.
 #[derive(Debug, Clone, Copy)]
@@ -83,9 +83,9 @@ pub struct Finish<'a> {
 impl Finish<'_> {
     /// Makes the design at the last of the points, or at an earlier one where it is not proved, and says
     /// whether it is what was asked for.
-    pub fn outcome(&self, trail: &[Point], runs: &mut Search) -> Result<Outcome, SynthesisError> {
+    pub fn outcome(&self, trail: &[Point], runs: &mut Session) -> Result<Outcome, SynthesisError> {
         let Some(summit) = trail.last() else {
-            return Ok(super::denied("the search found no point".to_string(), runs));
+            return Ok(denied("the search found no point".to_string(), runs));
         };
         let (ways, parts) = match self.inner.aim {
             Aim::Reach { .. } => (&REGION_WAYS[..], &POINTS[..]),
@@ -142,7 +142,7 @@ impl Finish<'_> {
         &self,
         point: &Point,
         ways: &[Way],
-        runs: &mut Search,
+        runs: &mut Session,
         unproved: &mut Option<Box<Synthesized>>,
     ) -> Result<Option<Outcome>, SynthesisError> {
         let mut missing = None;
@@ -214,7 +214,7 @@ impl Finish<'_> {
         &self,
         point: &Point,
         way: Way,
-        runs: &mut Search,
+        runs: &mut Session,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let Some(model) = self.model_at(point, way.shrinking) else {
             return Ok(None);
@@ -364,7 +364,7 @@ impl Finish<'_> {
         &self,
         point: &Point,
         design: Box<Synthesized>,
-        runs: &Search,
+        runs: &Session,
     ) -> Result<Outcome, SynthesisError> {
         let (scale, angle_deg) = self.extent(&design);
         let shortfall = Shortfall {
@@ -398,7 +398,7 @@ fn uncovered(scale: f64, angle_deg: Option<f64>) -> String {
     )
 }
 
-fn closed(mut design: Box<Synthesized>, runs: &Search) -> Box<Synthesized> {
+fn closed(mut design: Box<Synthesized>, runs: &Session) -> Box<Synthesized> {
     design.solve_seconds = runs.seconds();
     design.file.provenance.solver_runs = runs.runs.clone();
     design

@@ -9,13 +9,13 @@ use sha2::{Digest, Sha256};
 use time::format_description::well_known::Rfc3339;
 use time::OffsetDateTime;
 
-use super::{Cancelled, SynthesisError};
+use super::outcome::{Cancelled, SynthesisError};
 use crate::design::SolverRun;
 use crate::lmi::{svec_index, Condition, Problem};
 use crate::solve::{Accuracy, Backend, Observer, Solution};
 
 /// What is sought, and at how many vertices, for the record.
-pub(crate) struct Sought<'a> {
+pub(crate) struct SolveRequest<'a> {
     pub goal: &'a str,
     pub vertices: usize,
     pub accuracy: Accuracy,
@@ -25,7 +25,7 @@ pub(crate) struct Sought<'a> {
 pub(crate) fn run_solver(
     backend: &dyn Backend,
     problem: &Problem,
-    sought: &Sought,
+    sought: &SolveRequest,
     observer: Option<&Observer>,
 ) -> Result<(Solution, SolverRun), SynthesisError> {
     let cancelled = Arc::new(AtomicBool::new(false));

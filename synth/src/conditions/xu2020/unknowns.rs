@@ -1,30 +1,30 @@
-//! Xu & Huang 2020, Theorem 2, in the corrected form (see the book's chapter on the derivation).
-//!
-//! All unknowns are those after the congruence with the inverse multiplier: with Qh = Q^-1,
-//! Uh = Qh U Qh', Yh = Qh Y Qh', Wh = Qh Upsilon Qh', L1h = Qh L1 Qh', L2h = Qh L2 Qh',
-//! Fh = F Qh', Nh = N Qh', S = M^-1.
+//! The unknowns of Theorem 2.
 
-mod anti_windup;
-mod containment;
-mod decrease;
-mod mismatch;
-mod peak_gain;
-mod region;
-mod start;
+use crate::conditions::Task;
+use crate::lmi::{Affine, Unknowns};
 
-pub use anti_windup::gain_suffix;
-pub use containment::{coverage, Coverage};
-pub use decrease::{
-    condition_name, decrease, decrease_form, full_condition, full_matched_condition, vertex_term,
-    vertex_term_at, Coordinates, Interval,
-};
+/// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
+/// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interval {
+    /// r = 1: just after a sample, where hbar x'Yx' counts.
+    Start,
+    /// r = 2: just before the next sample, where the integral term counts.
+    End,
+}
 
-pub use mismatch::MismatchUnknowns;
+impl Interval {
+    /// Both ends.
+    pub const BOTH: [Interval; 2] = [Interval::Start, Interval::End];
 
-use nalgebra::DMatrix;
-
-use super::Task;
-use crate::lmi::{Affine, Condition, Unknowns};
+    /// The index r of (18).
+    pub fn index(self) -> usize {
+        match self {
+            Interval::Start => 1,
+            Interval::End => 2,
+        }
+    }
+}
 
 /// Unit of the dead-zone row of (18). The best S tends to zero; in this unit its margin costs nothing
 /// that shows in gamma.
@@ -43,7 +43,7 @@ pub struct SectorUnknowns {
 
 impl SectorUnknowns {
     /// S in units of the dead-zone row.
-    fn weight_in_row_units(&self) -> Affine {
+    pub(super) fn weight_in_row_units(&self) -> Affine {
         self.row_unit.powi(2) * &self.weight
     }
 }
@@ -68,6 +68,44 @@ pub struct RuleUnknowns {
     pub gain: Affine,
     /// Nh_j, m x n; `None` without sector unknowns.
     pub anti_windup: Option<Affine>,
+}
+
+/// P_j and R for one end of the sampling interval. Their rows: B'v (m), the dead zone in its unit (m;
+/// none without sector unknowns), x(t_k) (n).
+#[derive(Debug, Clone)]
+pub struct MismatchUnknowns {
+    /// P_j of every gain.
+    pub bounds: Vec<Affine>,
+    /// R.
+    pub common: Affine,
+}
+
+impl MismatchUnknowns {
+    /// The unknowns for both ends of the interval; none where no mismatch is assumed or it is 0.
+    fn for_task(unknowns: &mut Unknowns, task: &Task, sector: bool) -> Vec<Self> {
+        if !task.gains.matched().is_some_and(|kappa| kappa > 0.0) {
+            return Vec::new();
+        }
+        let (n, m) = (task.system.states(), task.system.inputs());
+        let side = n + if sector { 2 * m } else { m };
+        let one = |interval: Interval| {
+            let r = interval.index();
+            let names = (1..=task.gains.count).map(|rule| format!("P{r},{rule}"));
+            MismatchUnknowns {
+                bounds: names.map(|name| unknowns.symmetric(&name, side)).collect(),
+                common: unknowns.symmetric(&format!("R{r}"), side),
+            }
+        };
+        Interval::BOTH.map(one).into_iter().collect()
+    }
+
+    /// `kappa sum_j P_j`.
+    pub fn total(&self, task: &Task) -> Affine {
+        let side = self.common.nrows();
+        let kappa = task.gains.matched().unwrap_or(0.0);
+        let sum = |sum: Affine, bound: &Affine| sum + bound.clone();
+        kappa * self.bounds.iter().fold(Affine::zeros(side, side), sum)
+    }
 }
 
 /// The unknowns of Theorem 2. Shapes: n states, m inputs.
@@ -183,100 +221,4 @@ fn numbered(name: &str, rule: usize) -> String {
         0 => name.to_string(),
         _ => format!("{name}{}", rule + 1),
     }
-}
-
-/// The margin of the strict inequalities: a number, or an unknown that is maximised.
-#[derive(Debug, Clone)]
-pub struct Strictness(Affine);
-
-impl Strictness {
-    /// A fixed margin.
-    pub fn fixed(margin: f64) -> Self {
-        Strictness(Affine::identity(1, margin))
-    }
-
-    /// A margin that is itself a scalar expression.
-    pub fn unknown(margin: Affine) -> Self {
-        Strictness(margin)
-    }
-
-    /// `x >= margin I`.
-    pub fn positive(&self, name: impl Into<String>, x: Affine) -> Condition {
-        let weight = DMatrix::identity(x.nrows(), x.nrows());
-        self.positive_against(name, x, &weight)
-    }
-
-    /// `x >= margin * weight` for a constant symmetric weight.
-    pub fn positive_against(
-        &self,
-        name: impl Into<String>,
-        x: Affine,
-        weight: &DMatrix<f64>,
-    ) -> Condition {
-        Condition::semidefinite(name, x - self.0.times_matrix(weight))
-    }
-}
-
-/// Every condition but the decrease condition (18): positivity, anti-windup (19), gain (20), box,
-/// disturbance weight, must-contain states.
-pub fn side_conditions(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Vec<Condition> {
-    let mut out = positivity_and_anti_windup(task, unknowns, strictness);
-    out.push(peak_gain::peak_gain(task, unknowns, strictness));
-    out.push(peak_gain::gain_above_weight(task, unknowns, strictness));
-    out.extend(weight_region_and_start(task, unknowns, strictness));
-    out
-}
-
-/// The same without the gain (20): a gamma that is large enough satisfies it whatever the rest, so
-/// that it does not decide whether a design exists.
-pub fn conditions_without_gain(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Vec<Condition> {
-    let mut out = positivity_and_anti_windup(task, unknowns, strictness);
-    out.extend(weight_region_and_start(task, unknowns, strictness));
-    out
-}
-
-/// The same with `C'C <= g phi U` alone of the gain's conditions: with xi it bounds the gain by sqrt(g xi).
-pub fn conditions_with_peak(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Vec<Condition> {
-    let mut out = conditions_without_gain(task, unknowns, strictness);
-    out.push(peak_gain::peak_gain(task, unknowns, strictness));
-    out
-}
-
-fn positivity_and_anti_windup(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Vec<Condition> {
-    let mut out = vec![
-        strictness.positive("lyapunov positive", unknowns.lyapunov.clone()),
-        strictness.positive("integral weight positive", unknowns.integral_weight.clone()),
-        strictness.positive("trigger weight positive", unknowns.trigger_weight.clone()),
-    ];
-    out.extend(anti_windup::sector_positive(unknowns, strictness));
-    out.extend(anti_windup::anti_windup(task, unknowns, strictness));
-    out.extend(mismatch::bounded(task, unknowns, strictness));
-    out
-}
-
-fn weight_region_and_start(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Vec<Condition> {
-    let mut out = vec![peak_gain::weight_bound(task, unknowns)];
-    out.extend(region::region(task, unknowns, strictness));
-    out.extend(start::must_contain(task, unknowns));
-    out
 }

@@ -7,6 +7,7 @@
 //! candidate: the design is made by the solver of choice at the point found, and only the check proves it.
 
 mod climb;
+mod denial;
 mod finish;
 mod inner;
 mod parameters;
@@ -16,17 +17,16 @@ mod start;
 mod watch;
 
 pub use finish::reached;
-pub use shortfall::{Sensitivity, Shortfall};
 
-use climb::{climb, Effort, Point};
+use climb::{climb, Effort};
+use denial::denied;
 use finish::Finish;
-use inner::{Aim, Inner};
+use inner::{Aim, Inner, Point};
 use plan::{outside_every_box, Plan};
 use watch::Watch;
 
-use super::{Form, Outcome, Search, SynthesisError};
-use crate::feasibility::{Answer, Decision};
 use crate::model::Model;
+use crate::programs::{Form, Outcome, Session, SynthesisError};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Observer, Structured};
 
@@ -50,7 +50,7 @@ pub fn search(
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     let plan = Plan::of(model);
-    let mut runs = Search::new(form, backend, observer.clone());
+    let mut runs = Session::new(form, backend, observer.clone());
     if let Some(reason) = outside_every_box(model, &plan) {
         return Ok(denied(reason, &runs));
     }
@@ -80,29 +80,6 @@ pub fn search(
         inner: &inner,
     };
     finish.outcome(&points, &mut runs)
-}
-
-/// No design, for a reason.
-fn denied(reason: String, runs: &Search) -> Outcome {
-    let shortfall = Shortfall {
-        reason,
-        scale: None,
-        angle_deg: None,
-        limits: Vec::new(),
-    };
-    Outcome::Undecided(decision(shortfall, Vec::new(), runs))
-}
-
-/// The record of a search that did not reach what was asked for.
-fn decision(shortfall: Shortfall, blocking: Vec<(String, f64)>, runs: &Search) -> Decision {
-    Decision {
-        answer: Answer::Undecided(None),
-        slack: None,
-        blocking,
-        shortfall: Some(Box::new(shortfall)),
-        solve_seconds: runs.seconds(),
-        runs: runs.runs.clone(),
-    }
 }
 
 /// The search from the first start to the summit.

@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::file::{
-    DeadZoneMomentsFile, GainWeightsFile, HeldMomentsFile, InputWeightFile, MomentsFile,
-    RegionWeightFile, VertexWeightFile, WeightsFile,
+    flushed, rows, DeadZoneMomentsFile, GainWeightsFile, HeldMomentsFile, InputWeightFile,
+    MomentsFile, RegionWeightFile, VertexWeightFile, WeightsFile,
 };
 use crate::certify::infeasible::{
     DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
@@ -15,7 +15,7 @@ use crate::model::{check_matrix, check_positive, check_symmetric, finite, Model,
 impl WeightsFile {
     /// The numbers as written, `None` without weights of a gain. Those too small to be allowed in a file
     /// become 0.
-    pub(super) fn new(weights: &Weights) -> Option<Self> {
+    pub(crate) fn new(weights: &Weights) -> Option<Self> {
         let region = |weight: &RegionWeight| RegionWeightFile {
             state: rows(&weight.state),
             cross: rows(&weight.cross),
@@ -37,7 +37,7 @@ impl WeightsFile {
     }
 
     /// Checked numbers.
-    pub(super) fn weights(
+    pub(crate) fn weights(
         &self,
         model: &Model,
         given: &[DMatrix<f64>],
@@ -346,19 +346,4 @@ fn symmetric(field: &str, rows: &[Vec<f64>], side: usize) -> Result<DMatrix<f64>
     let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
     check_symmetric(field, &matrix)?;
     Ok(matrix)
-}
-
-/// Files hold no numbers below 1e-30 but 0.
-const SMALLEST: f64 = 1e-30;
-
-fn flushed(value: f64) -> f64 {
-    match value.abs() < SMALLEST {
-        true => 0.0,
-        false => value,
-    }
-}
-
-pub(super) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
-    (0..matrix.nrows()).map(row).collect()
 }

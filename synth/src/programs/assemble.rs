@@ -4,7 +4,7 @@ use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictne
 use crate::conditions::Task;
 use crate::lmi::{Affine, Condition, Problem, Unknowns};
 use crate::reduce::{self, Cliques};
-use crate::solve::{Accuracy, Solver};
+use crate::solve::{Accuracy, Backend, Solver};
 
 /// How the decrease condition (18) is put to the solver; all have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +32,14 @@ impl Form {
         match solver {
             Solver::Clarabel => Form::Reduced,
             Solver::Structured => Form::Slack,
+        }
+    }
+
+    /// This form for another solver: the one that solver is fastest with, unless the published form is requested.
+    pub(crate) fn for_backend(self, backend: &dyn Backend) -> Self {
+        match (self, backend.solver()) {
+            (Form::Full, _) | (_, None) => self,
+            (_, Some(solver)) => Form::suited_to(solver),
         }
     }
 
@@ -196,14 +204,14 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
 
 /// Without a threshold (nu = 0) nothing else bounds the trigger weight, and a solver that looks for
 /// the largest margin would let it grow for ever.
-pub(super) fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
+pub(crate) fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
     // A solver's feasibility tolerance is relative to the largest constant: keep it at 1.
     let unit = Affine::identity(design.trigger_weight.nrows(), 1.0);
     let share = 1.0 / TRIGGER_WEIGHT_BOUND * &design.trigger_weight;
     Condition::semidefinite("trigger weight bounded", unit - share)
 }
 
-pub(super) fn full_decrease(
+pub(crate) fn full_decrease(
     task: &Task,
     chosen: &[usize],
     design: &DesignUnknowns,

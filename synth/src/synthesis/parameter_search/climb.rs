@@ -2,18 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::inner::{Inner, Value};
+use super::inner::{Inner, Point};
 use super::parameters::Space;
-use crate::synthesis::SynthesisError;
-
-/// A solved point.
-#[derive(Debug, Clone)]
-pub struct Point {
-    /// Its coordinates.
-    pub coordinates: Vec<f64>,
-    /// What was found there.
-    pub value: Value,
-}
+use crate::programs::SynthesisError;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy)]

@@ -5,16 +5,15 @@ use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
 use crate::conditions::Task;
 use crate::design::{recover, CertificateFile, Coupling, OuterFile, ProblemUnits, SolverRun};
-use crate::feasibility::{Answer, Decision};
 use crate::lmi::Problem;
 use crate::model::{Model, ModelError, OuterSpecs};
 use crate::optimality::Optimality;
+use crate::programs::{
+    blocking, run_solver, Answer, Decision, Form, Goal, Outcome, SolveRequest, Subject,
+    SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
+};
 use crate::scaling::Scaling;
 use crate::solve::{alternative, Backend, Observer, Solution, Status};
-use crate::synthesis::run::{form_of, CONTAINMENT_WEIGHTS};
-use crate::synthesis::solver::{blocking, run_solver, Sought};
-use crate::synthesis::subject::Subject;
-use crate::synthesis::{Form, Goal, Outcome, SynthesisError, Synthesized};
 
 /// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
 const GAIN_ROOM: [f64; 2] = [1e-3, 1e-2];
@@ -224,7 +223,7 @@ pub fn synthesize_both(
     let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
         return Ok(first);
     };
-    let form = form_of(other, form);
+    let form = form.for_backend(other);
     let second = synthesize_with(model, model_text, form, other, observer)?;
     Ok(first.or(second))
 }
@@ -394,7 +393,7 @@ impl Run<'_> {
         goal: Goal,
     ) -> Result<(Coupled, Solution), SynthesisError> {
         let coupled = assemble(inner, outer, choice.coupling, self.subject.form, goal);
-        let sought = Sought {
+        let sought = SolveRequest {
             goal: goal.name(),
             vertices: inner.task.system.vertices.len() + outer.task.system.vertices.len(),
             accuracy: goal.accuracy(&inner.task),

@@ -4,12 +4,9 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::convert::rows;
-use super::size::largest_multiplier;
-use crate::certify::infeasible::{limits, refute, Limit, Refutation, Weights};
+use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::design::Provenance;
 use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
-use crate::synthesis::SynthesisError;
 
 /// The version this program reads and writes.
 pub const INFEASIBILITY_SCHEMA_VERSION: u32 = 1;
@@ -168,7 +165,7 @@ pub struct RegionWeightFile {
 
 impl InfeasibilityFile {
     /// Puts a file together.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &Model,
         given: &[DMatrix<f64>],
         infeasibility: Vec<WeightsFile>,
@@ -248,18 +245,19 @@ impl InfeasibilityFile {
         let sets = self.weights(model)?;
         Ok(sets.iter().map(|weights| refute(model, weights)).collect())
     }
+}
 
-    /// The designs that the file's statement does not cover, where its weights are proved; none: no design
-    /// exists. Where a bound on the multiplier is left, solvers are asked how large its entries become.
-    ///
-    /// # Errors
-    /// Weights that do not fit the model; a problem that a solver refuses.
-    pub fn limits(&self, model: &Model) -> Result<Vec<Limit>, SynthesisError> {
-        let sets = self.weights(model)?;
-        let refutations: Vec<Refutation> = sets.iter().map(|set| refute(model, set)).collect();
-        let given = sets.first().map_or(&[][..], |set| &set.given);
-        limits(model, &sets, &refutations, || {
-            largest_multiplier(model, given)
-        })
+/// Files hold no numbers below 1e-30 but 0.
+const SMALLEST: f64 = 1e-30;
+
+pub(super) fn flushed(value: f64) -> f64 {
+    match value.abs() < SMALLEST {
+        true => 0.0,
+        false => value,
     }
+}
+
+pub(super) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
+    (0..matrix.nrows()).map(row).collect()
 }

@@ -3,10 +3,9 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::climb::Point;
-use super::inner::{Aim, Inner};
+use super::inner::{Aim, Inner, Point};
 use super::parameters::Parameter;
-use crate::synthesis::SynthesisError;
+use crate::programs::SynthesisError;
 
 /// Weights rho of the first containment condition, for eps_1 = 1; from then on it is linearised about the
 /// last point.

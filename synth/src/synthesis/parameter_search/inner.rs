@@ -2,16 +2,15 @@
 
 use nalgebra::DMatrix;
 
-use super::climb::Point;
 use super::parameters::{Parameter, Space};
 use super::watch::Watch;
 use crate::conditions::xu2020::Coverage;
 use crate::conditions::Task;
 use crate::lmi::{svec_index, Entry, Semidefinite};
 use crate::model::{Model, ModelFile};
+use crate::programs::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
 use crate::scaling::Scaling;
 use crate::solve::{Backend, Solution, Status};
-use crate::synthesis::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
 
 /// A change of one number of a model file.
 pub type Turn = dyn Fn(&mut ModelFile, f64);
@@ -349,4 +348,13 @@ mod tests {
         assert_slopes(&plan.aim, &plan, &model);
         assert_slopes(&Aim::Gain, &plan, &model);
     }
+}
+
+/// A solved point.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// Its coordinates.
+    pub coordinates: Vec<f64>,
+    /// What was found there.
+    pub value: Value,
 }

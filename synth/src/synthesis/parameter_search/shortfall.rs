@@ -1,34 +1,9 @@
 //! Why a search did not reach what was asked for, and what holds it back.
 
-use super::climb::Point;
-use super::inner::{Aim, Inner, Turn};
+use super::inner::{Aim, Inner, Point, Turn};
 use super::parameters::Parameter;
 use crate::model::{ModelFile, PlantFile};
-use crate::synthesis::SynthesisError;
-
-/// What a search reached where that is not what was asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shortfall {
-    /// Why, in one sentence with its numbers.
-    pub reason: String,
-    /// The largest scale s so that s times every state asked for is in a set that is proved.
-    pub scale: Option<f64>,
-    /// The angle there, the smallest over states that are attitudes at rest (deg).
-    pub angle_deg: Option<f64>,
-    /// What would change the outcome most, largest first.
-    pub limits: Vec<Sensitivity>,
-}
-
-/// How the outcome depends on a number: by how much per cent it gets better when the number grows by 1 %.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensitivity {
-    /// The number, with its unit.
-    pub what: String,
-    /// Its value.
-    pub value: f64,
-    /// Per cent per per cent: of the scale for a region, of 1/gain for a gain. Below 0: it gets worse.
-    pub per_cent: f64,
-}
+use crate::programs::{Sensitivity, SynthesisError};
 
 /// Effects below this are left out.
 const SMALLEST: f64 = 0.01;

@@ -7,14 +7,13 @@
 
 use nalgebra::DMatrix;
 
-use super::super::assemble::{bounded_trigger_weight, full_decrease, MARGIN_UNIT};
-use super::super::{Form, Goal};
 use crate::conditions::xu2020::{
     conditions_without_gain, side_conditions, DesignUnknowns, SectorUnknowns, Strictness,
 };
 use crate::conditions::Task;
 use crate::design::Coupling;
 use crate::lmi::{Affine, Condition, Problem, Unknowns};
+use crate::programs::{bounded_trigger_weight, full_decrease, Form, Goal, MARGIN_UNIT};
 use crate::reduce::{self, Cliques};
 use crate::scaling::Scaling;
 

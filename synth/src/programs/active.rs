@@ -2,8 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::assemble::MARGIN_UNIT;
-use super::{Assembled, Goal};
+use super::assemble::{Assembled, Goal, MARGIN_UNIT};
 use crate::conditions::xu2020::{decrease, vertex_term_at, Interval};
 use crate::conditions::Task;
 use crate::fuzzy::TakagiSugeno;

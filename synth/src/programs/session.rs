@@ -1,15 +1,15 @@
 //! Runs of a solver for one model.
 
 use super::active;
-use super::run::SynthesisError;
-use super::solver::{run_solver, Sought};
-use super::{assemble_at, Assembled, Form, Goal};
+use super::assemble::{assemble_at, Assembled, Form, Goal};
+use super::outcome::SynthesisError;
+use super::solver::{run_solver, SolveRequest};
 use crate::conditions::Task;
 use crate::design::SolverRun;
 use crate::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
 
 /// A solver, what it is asked, and what it has done so far.
-pub(crate) struct Search<'a> {
+pub(crate) struct Session<'a> {
     form: Form,
     backend: &'a dyn Backend,
     observer: Option<Observer>,
@@ -19,9 +19,9 @@ pub(crate) struct Search<'a> {
     chosen: Vec<usize>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> Session<'a> {
     pub fn new(form: Form, backend: &'a dyn Backend, observer: Option<Observer>) -> Self {
-        Search {
+        Session {
             form,
             backend,
             observer,
@@ -32,12 +32,12 @@ impl<'a> Search<'a> {
 
     /// A search with the same solver that has not begun.
     pub fn fresh(&self, form: Form) -> Self {
-        Search::new(form, self.backend, self.observer.clone())
+        Session::new(form, self.backend, self.observer.clone())
     }
 
     /// The same with another solver.
-    pub fn with_backend<'b>(&self, form: Form, backend: &'b dyn Backend) -> Search<'b> {
-        Search::new(form, backend, self.observer.clone())
+    pub fn with_backend<'b>(&self, form: Form, backend: &'b dyn Backend) -> Session<'b> {
+        Session::new(form, backend, self.observer.clone())
     }
 
     /// The other solver.
@@ -88,7 +88,7 @@ impl<'a> Search<'a> {
         chosen: &[usize],
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let assembled = assemble_at(task, self.form, goal, chosen);
-        let sought = Sought {
+        let sought = SolveRequest {
             goal: goal.name(),
             vertices: chosen.len(),
             accuracy: accuracy(task, goal),

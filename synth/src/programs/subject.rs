@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
+use super::assemble::Form;
+use super::outcome::{SynthesisError, Synthesized};
 use super::solver::{generator, now, sha256_of};
-use super::{Form, SynthesisError, Synthesized};
 use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
 use crate::conditions::Task;
