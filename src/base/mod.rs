@@ -1,10 +1,12 @@
 //! What every layer above uses: checks of a file's numbers, digests, tables and their files, numbers as
 //! text.
 
+pub mod condition;
 pub mod digest;
 pub mod empty_file;
 pub mod files;
 pub mod number;
 pub mod parquet;
+pub mod plant_model;
 pub mod ranges;
 pub mod table;

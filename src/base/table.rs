@@ -92,3 +92,34 @@ impl Table {
         Ok(Self { columns, values })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns() -> Vec<String> {
+        vec!["time_s".to_string(), "x".to_string()]
+    }
+
+    #[test]
+    fn a_table_reads_back_exactly() {
+        let table = Table {
+            columns: columns(),
+            values: vec![0.1, 1.0 / 3.0, 1e-300, -2.5e17, 5e-324, 0.0],
+        };
+        assert_eq!(Table::from_csv(&table.to_csv()), Ok(table));
+    }
+
+    #[test]
+    fn a_broken_table_is_refused_with_its_line() {
+        let length = TableError::Length {
+            line: 3,
+            found: 1,
+            expected: 2,
+        };
+        assert_eq!(Table::from_csv("time_s,x\n0,1\n2\n"), Err(length));
+        let text = Table::from_csv("time_s,x\n0,one\n");
+        assert!(matches!(text, Err(TableError::NotANumber { line: 2, .. })));
+        assert_eq!(Table::from_csv(""), Err(TableError::Empty));
+    }
+}

@@ -39,7 +39,7 @@ pub enum CliError {
     Output(#[from] crate::base::files::OutputError),
     /// A result with a page cannot be written.
     #[error(transparent)]
-    Report(#[from] crate::report::files::ReportError),
+    Report(#[from] crate::report::pages::files::ReportError),
     /// An argument that is not what it should be.
     #[error("argument {argument}: {reason}")]
     Argument {

@@ -1,7 +1,6 @@
 //! Controllers, one paper each: its parameters as written in a scenario file and as checked, its law in the
 //! closed loop, and the paper's own conditions.
 
-pub mod condition;
 pub mod lei2022;
 pub mod registry;
 pub mod wu2018;

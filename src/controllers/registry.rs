@@ -6,12 +6,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use super::lei2022::check::lei2022;
 use super::lei2022::LeiFile;
 use super::wu2018::{wu2018, WuFile};
 use super::xu2020::{xu2020, XuChoice, XuFile};
-use super::yang2025::check::check_yang;
 use super::yang2025::{YangChoice, YangFile};
+use crate::controllers::lei2022::check::lei2022;
+use crate::controllers::yang2025::check::check_yang;
 use crate::plants::System;
 
 /// The controllers.

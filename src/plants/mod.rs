@@ -1,6 +1,5 @@
 //! Plants: what a controller is tried on, one folder each, as written in a scenario file and as checked.
 
-pub mod inertia;
 pub mod registry;
 pub mod rigid_body;
 pub mod takagi_sugeno;

@@ -1,15 +1,13 @@
 //! Pages: one HTML file each with its figures inside, readable offline.
+//!
+//! [`html`] and [`figure`] are what every page is made of; [`pages`] has one module for each.
 
-pub mod campaign;
-pub mod comparison;
 mod figure;
-pub mod files;
 pub mod html;
-mod run;
+pub mod pages;
 mod series;
-pub mod sweep;
 
 pub use figure::{Band, Figure, FigureError, Horizontal, COLOURS};
 pub use html::{document, document_with_style, escape};
-pub use run::page;
+pub use pages::run::page;
 pub use series::Line;

@@ -9,7 +9,9 @@ use synth::design::{DesignFile, OuterCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
-use crate::plants::{Mixing, RigidBody, RigidBodySystem, System, TakagiSugenoSystem};
+use crate::plants::rigid_body::RigidBodySystem;
+use crate::plants::takagi_sugeno::TakagiSugenoSystem;
+use crate::plants::{Mixing, RigidBody, System};
 use crate::scenario::Scenario;
 use crate::sim::lyapunov::Claims;
 use crate::sim::padding;

@@ -17,7 +17,7 @@ use super::summary::Summary;
 use crate::controllers::xu2020::{XuAttitude, XuChoice};
 use crate::controllers::yang2025::YangAttitude;
 use crate::controllers::ControllerChoice;
-use crate::plants::RigidBodySystem;
+use crate::plants::rigid_body::RigidBodySystem;
 use crate::scenario::Scenario;
 use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::controller::{AnyController, Controller};

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use runtime::lei2022::TriggerRule;
 
 use super::check::Scenario;
-use crate::controllers::condition::Condition;
+use crate::base::condition::Condition;
 use crate::controllers::lei2022::{conditions, Bounds, Case};
 use crate::controllers::ControllerChoice;
 use crate::plants::System;

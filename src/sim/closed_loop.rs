@@ -6,12 +6,13 @@ use runtime::command::Command;
 use super::actuator::{ActuatorData, Actuators};
 use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, Walker};
-use super::integrator::{runge_kutta, Method};
+use super::dormand_prince::DormandPrince;
+use super::integrator::Method;
 use super::link::Link;
 use super::plant::Plant;
+use super::runge_kutta;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
-use crate::sim::integrator::dormand_prince::DormandPrince;
 
 /// Watches a run with a controller `C`. Times are in s.
 pub trait Observer<C, const N: usize, const M: usize, const D: usize> {

@@ -6,7 +6,7 @@ use runtime::attitude::Quaternion;
 use runtime::lei2022::{
     Barrier, CompositeTrigger, ControlLaw, DisturbanceCompensation, PerformanceFunction, VirtualLaw,
 };
-use steadfast::controllers::condition::Condition;
+use steadfast::base::condition::Condition;
 use steadfast::controllers::lei2022::{conditions, Bounds, Case};
 
 /// A unit sphere with round numbers. The funnel does not narrow measurably and nothing disturbs.

@@ -11,7 +11,7 @@ use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::controllers::ControllerChoice;
-use crate::report::files::{write_comparison, COMPARISON_PAGE};
+use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
 use crate::run::design::Design;
 use crate::run::summary::RunVerdict;
 use crate::scenario::{Scenario, ScenarioFile};

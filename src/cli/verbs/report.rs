@@ -11,9 +11,9 @@ use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::print;
 use crate::cli::error::{told, CliError};
 use crate::cli::files;
-use crate::report::campaign;
-use crate::report::campaign::error::CampaignPageError;
-use crate::report::files::rebuild_report;
+use crate::report::pages::campaign;
+use crate::report::pages::campaign::error::CampaignPageError;
+use crate::report::pages::files::rebuild_report;
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// Arguments of `report`.

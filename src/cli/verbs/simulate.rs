@@ -10,7 +10,7 @@ use crate::cli::design::design_of;
 use crate::cli::error::{told, unplanned, CliError};
 use crate::cli::files;
 use crate::cli::show::run::describe;
-use crate::report::files::write_run;
+use crate::report::pages::files::write_run;
 use crate::run::design::Design;
 use crate::run::files::summary_text;
 use crate::run::outcome::Outcome;

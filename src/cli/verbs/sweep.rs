@@ -20,7 +20,7 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::solver::SolverArg;
-use crate::report::files::write_sweep;
+use crate::report::pages::files::write_sweep;
 use crate::run::check_design;
 use crate::scenario::Scenario;
 

@@ -9,7 +9,7 @@ use synth::model::{check_matrix, check_positive, check_positive_definite, ModelE
 
 use super::file::{CompositeTriggerFile, LeiFile, LeiTriggerFile, PerformanceFile};
 use crate::base::ranges::{each, not_negative, require};
-use crate::plants::RigidBodySystem;
+use crate::plants::rigid_body::RigidBodySystem;
 use crate::sim::rigid_body_state::rigid_body_state;
 
 /// Checks the controller's numbers, and that the start is inside of its funnel.

@@ -2,9 +2,9 @@
 
 use super::bounds::{Bounds, FUNNEL_USE};
 use super::case::Case;
-use crate::controllers::condition::Condition;
-use crate::controllers::condition::Origin::{Found, Paper, PaperCorrected};
-use crate::controllers::condition::Relation::{Above, AtLeast};
+use crate::base::condition::Condition;
+use crate::base::condition::Origin::{Found, Paper, PaperCorrected};
+use crate::base::condition::Relation::{Above, AtLeast};
 
 /// Evaluates every condition.
 pub fn conditions(case: &Case) -> Vec<Condition> {

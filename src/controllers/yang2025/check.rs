@@ -13,7 +13,8 @@ use super::file::{
     AdhesionFile, FaultEstimationFile, ResilienceFile, YangEnvelopeFile, YangFile, YangGainsFile,
     YangPerformanceFile,
 };
-use crate::plants::inertia::{inertia, relocated};
+use crate::base::plant_model::relocated;
+use crate::plants::rigid_body::inertia::inertia;
 
 /// The checked controller.
 #[derive(Debug, Clone, Copy)]

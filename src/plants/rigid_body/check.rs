@@ -7,9 +7,9 @@ use synth::model::{check_positive, finite, ModelError};
 use super::file::{
     ActuatorsFile, AttitudeFile, FaultFile, ReferenceFile, RigidBodyFile, SensorsFile, TorqueFile,
 };
+use super::inertia::{drawn, inertia};
 use super::RigidBody;
 use crate::base::ranges::{each, not_negative, require};
-use crate::plants::inertia::{drawn, inertia};
 use crate::sim::actuator::{ActuatorData, Fault};
 use crate::sim::disturbance::{Disturbance, Harmonic, Pulse, Table};
 use crate::sim::reference::Reference;

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod file;
+pub mod inertia;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -91,7 +92,10 @@ fn product(matrix: &Matrix3<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use runtime::attitude::Quaternion;
+
     use super::*;
+    use crate::sim::rigid_body_state::rigid_body_state;
 
     #[test]
     fn the_written_out_equations_are_those_of_the_attitude_algebra() {
@@ -107,36 +111,5 @@ mod tests {
         let turn = attitude.derivative(&rate);
         let expected = rigid_body_state(&turn, &acceleration);
         assert!((slope - expected).amax() < 1e-15);
-    }
-
-    #[test]
-    fn a_cycle_visits_each_vertex_and_comes_back() {
-        let vertex = |rate: f64| nalgebra::DMatrix::from_element(1, 1, rate);
-        let system = synth::fuzzy::VertexSystem {
-            state_matrices: vec![vertex(1.0), vertex(2.0), vertex(4.0)],
-            input_matrix: vertex(1.0),
-            disturbance_matrix: vertex(1.0),
-            output_matrix: vertex(1.0),
-            input_limit: nalgebra::DVector::from_element(1, 1.0),
-            disturbance_bound: 0.0,
-            box_rows: nalgebra::DMatrix::zeros(0, 1),
-            box_bounds: nalgebra::DVector::zeros(0),
-        };
-        let plant = TakagiSugenoPlant::<2, 1>::new(&system, Mixing::Cycle { dwell_s: 10.0 }, None);
-        let one = SVector::from([1.0, 0.0]);
-        let cases = [
-            (0.0, 1.0),
-            (5.0, 1.5),
-            (10.0, 2.0),
-            (20.0, 4.0),
-            (25.0, 2.5),
-            (30.0, 1.0),
-        ];
-        for (time, slope) in cases {
-            assert!(
-                (plant.drift(time, &one).x - slope).abs() < 1e-12,
-                "at {time} s"
-            );
-        }
     }
 }

@@ -6,8 +6,8 @@ use synth::model::{check_positive, finite, Model, ModelError, Plant, PlantFile};
 
 use super::file::{MixingFile, TakagiSugenoFile};
 use super::Mixing;
+use crate::base::plant_model::{placeholder, relocated};
 use crate::base::ranges::{each, not_negative, require};
-use crate::plants::inertia::{placeholder, relocated};
 use crate::sim::disturbance::{Disturbance, Harmonic};
 use crate::sim::padding;
 

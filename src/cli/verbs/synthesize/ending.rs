@@ -16,9 +16,8 @@ use crate::cli::answer::{exit_code, print, EXIT_NO, EXIT_SOLVER};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::show::claims::Claims;
-use crate::cli::show::feasibility;
-use crate::cli::show::reach;
 use crate::cli::show::verdict::describe;
+use crate::cli::show::{feasibility, reach};
 use crate::cli::solver::SolverArg;
 
 /// How a synthesis or an analysis is reported.

@@ -7,10 +7,10 @@ pub mod prescribed;
 
 use figures::figures;
 
-use super::figure::FigureError;
-use super::html::{document, escape, numbers, put};
 use crate::base::number::short;
 use crate::base::table::Table;
+use crate::report::figure::FigureError;
+use crate::report::html::{document, escape, numbers, put};
 use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
 

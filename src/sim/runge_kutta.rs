@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::sim::plant::Plant;
+use super::plant::Plant;
 
 /// State after one step of `step_s` seconds from `time_s`, with the input held. `disturbance` holds
 /// its values at the start, the middle and the end of the step.

@@ -2,9 +2,9 @@
 
 use nalgebra::SVector;
 
+use super::disturbance::Disturbance;
 use super::dormand_prince_coefficients::{ERROR_3, ERROR_5, NODES, STAGES, STAGE_WEIGHTS, WEIGHTS};
-use crate::sim::disturbance::Disturbance;
-use crate::sim::plant::Plant;
+use super::plant::Plant;
 
 /// Bounds of the change from one step to the next.
 const SMALLEST_CHANGE: f64 = 0.2;
@@ -113,8 +113,8 @@ mod tests {
     use super::*;
     use crate::plants::RigidBody;
     use crate::sim::disturbance::{Harmonic, Walker};
-    use crate::sim::integrator::runge_kutta;
     use crate::sim::rigid_body_state::{rigid_body_state, RigidBodyState};
+    use crate::sim::runge_kutta;
     use nalgebra::{Matrix3, Vector3};
     use runtime::attitude::Quaternion;
 

@@ -1,9 +1,5 @@
 //! Integration of the plant between events, with the input held.
 
-pub mod dormand_prince;
-mod dormand_prince_coefficients;
-pub mod runge_kutta;
-
 /// How the plant is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {

@@ -17,10 +17,10 @@ use plot::Plot;
 use reasons::{reasons, Reason};
 use scale::number;
 
-use super::figure::FigureError;
-use super::html::{document_with_style, escape};
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PARQUET_FILE};
 use crate::batch::sweep::outcome::PointOutcome;
+use crate::report::figure::FigureError;
+use crate::report::html::{document_with_style, escape};
 
 const STYLE: &str = include_str!("sweep.css");
 

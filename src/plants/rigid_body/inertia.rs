@@ -1,9 +1,10 @@
 //! Inertias of a file: checked, or drawn from a set.
 
 use nalgebra::Matrix3;
-use synth::model::{ExactPlant, Model, ModelFile, PlantFile, Specs};
+use synth::model::{ExactPlant, Model, PlantFile};
 use synth::model::{InertiaUncertaintyFile, ModelError, Plant};
 
+use crate::base::plant_model::{placeholder, relocated};
 use crate::sim::random::{Purpose, Random};
 
 /// An inertia drawn from the set about `rows`, every entry uniform and independent of the others.
@@ -29,33 +30,6 @@ pub(crate) fn drawn(
 /// The key of the set.
 const DRAWN: &str = "inertia_drawn_within";
 
-/// Specifications that play no part: only the plant of the model is used.
-pub(crate) fn placeholder(plant: PlantFile) -> ModelFile {
-    ModelFile {
-        schema_version: synth::model::MODEL_SCHEMA_VERSION,
-        name: String::new(),
-        source: String::new(),
-        plant,
-        specs: Specs {
-            phi_per_s: 1.0,
-            hbar_s: 1.0,
-            hmin_s: None,
-            nu: 0.0,
-            nu_min: None,
-            threshold_update: None,
-            eps: [1.0; 3],
-            xi_max: 1.0,
-            objective: Default::default(),
-            must_contain: Vec::new(),
-            outer: None,
-            search: None,
-            margin: 1e-6,
-        },
-        gains: Default::default(),
-        mismatch: Default::default(),
-    }
-}
-
 /// The same rules as for the inertia of a model file.
 pub(crate) fn inertia(rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     spacecraft(rows, None).map_err(|error| relocated(error, "plant.exact.", ""))?;
@@ -76,19 +50,4 @@ pub(crate) fn spacecraft(
         q0_min: 0.5,
     }));
     Ok(Model::new(model)?.plant)
-}
-
-/// The same error at another place.
-pub(crate) fn relocated(mut error: ModelError, from: &str, to: &str) -> ModelError {
-    if let ModelError::OutOfRange { field, .. }
-    | ModelError::WrongShape { field, .. }
-    | ModelError::NotSymmetric { field, .. }
-    | ModelError::NotPositiveDefinite { field, .. }
-    | ModelError::Choice { field, .. } = &mut error
-    {
-        if let Some(rest) = field.strip_prefix(from) {
-            *field = format!("{to}{rest}");
-        }
-    }
-    error
 }

@@ -14,8 +14,8 @@ use std::path::Path;
 use error::CampaignPageError;
 use tables::percent;
 
-use super::html::{document, escape, put};
 use crate::batch::campaign::record::{CampaignFile, Inputs, Results, State};
+use crate::report::html::{document, escape, put};
 
 pub use data::CampaignData;
 

@@ -2,18 +2,20 @@
 
 use std::path::Path;
 
-use super::{comparison, run, sweep, FigureError};
+use synth::model::FileError;
+
+use super::{comparison, run, sweep};
 use crate::base::files::{create_folder, write, OutputError};
 use crate::base::parquet;
 use crate::base::table::Table;
 use crate::batch::comparison::{Comparison, Curves};
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::table;
+use crate::report::figure::FigureError;
 use crate::run::files::{
     read_summary, read_trajectory, summary_text, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE,
 };
 use crate::run::outcome::Outcome;
-use synth::model::FileError;
 
 /// Name of a comparison's table.
 pub const COMPARISON_FILE: &str = "comparison.json";

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use super::figure::{Figure, FigureError};
-use super::html::{document, escape};
-use super::series::Line;
 use crate::batch::comparison::table::verdict_name;
 use crate::batch::comparison::{Comparison, Curves, Row};
+use crate::report::figure::{Figure, FigureError};
+use crate::report::html::{document, escape};
+use crate::report::series::Line;
 use crate::run::summary::RunVerdict;
 use crate::scenario::RequirementFile;
 use crate::sim::metrics::metric_name;

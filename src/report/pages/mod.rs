@@ -1,0 +1,7 @@
+//! The pages.
+
+pub mod campaign;
+pub mod comparison;
+pub mod files;
+pub mod run;
+pub mod sweep;
