@@ -1,3 +1,5 @@
+//! The controller of Lei et al. 2022: law, trigger, barrier and a closed loop.
+
 mod common;
 
 use approx::assert_relative_eq;

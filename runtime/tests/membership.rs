@@ -1,3 +1,5 @@
+//! Memberships of the spacecraft model: a partition of unity that reproduces the plant.
+
 mod common;
 
 use common::Plant;

@@ -1,3 +1,5 @@
+//! The controller of Wu et al. 2018: law, trigger and a closed loop.
+
 mod common;
 
 use approx::assert_relative_eq;
