@@ -1,3 +1,5 @@
+//! Quaternions, rotations and their errors.
+
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;

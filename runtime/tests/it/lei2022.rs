@@ -1,3 +1,5 @@
+//! The controller of Lei et al. 2022: law, trigger, barrier and a closed loop.
+
 use crate::common::{Body, Plant};
 use approx::assert_relative_eq;
 use proptest::prelude::*;

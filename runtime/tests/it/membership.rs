@@ -1,3 +1,5 @@
+//! Memberships of the spacecraft model: a partition of unity that reproduces the plant.
+
 use crate::common::Plant;
 use proptest::prelude::*;
 use runtime::attitude::{skew, Quaternion};

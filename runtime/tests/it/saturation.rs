@@ -1,3 +1,5 @@
+//! Saturation of a command, entry by entry.
+
 use proptest::prelude::*;
 use runtime::error::{Field, ParameterError};
 use runtime::nalgebra::Vector3;

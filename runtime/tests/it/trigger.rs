@@ -1,3 +1,5 @@
+//! The event trigger and its adaptive threshold.
+
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use runtime::error::{AllowedRange, Field, ParameterError};

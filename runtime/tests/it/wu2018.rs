@@ -1,3 +1,5 @@
+//! The controller of Wu et al. 2018: law, trigger and a closed loop.
+
 use crate::common::{Body, Plant};
 use approx::assert_relative_eq;
 use proptest::prelude::*;

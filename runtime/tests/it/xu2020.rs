@@ -1,3 +1,5 @@
+//! The controller of Xu and Huang 2020: gains, trigger and a closed loop.
+
 use crate::common::{Body, Plant};
 use approx::assert_relative_eq;
 use proptest::prelude::*;

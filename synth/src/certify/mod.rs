@@ -4,25 +4,22 @@
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
 
 mod certificate;
-pub mod definite;
-pub mod exclusion;
 pub mod infeasible;
-pub mod interval;
-pub mod matrix;
 pub mod plant;
 pub mod reach;
-pub mod rounding;
-pub mod scalar;
 pub mod theorem1;
 
+pub use sdp::exclusion;
+pub use verified::{definite, interval, matrix, rounding, scalar};
+
 use serde::{Deserialize, Serialize};
+use verified::definite::{prove_positive_definite, IntervalMatrix};
+use verified::interval::Interval;
+use verified::matrix::Matrix;
 
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
 pub use certificate::{Certificate, MismatchSlack, RuleGains};
-use definite::{prove_positive_definite, IntervalMatrix};
-use interval::Interval;
-use matrix::Matrix;
 use theorem1::{for_each_condition, Statement};
 
 /// The answer of the check.

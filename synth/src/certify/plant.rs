@@ -9,12 +9,12 @@ pub use crate::fuzzy::inertia_bounds;
 
 use nalgebra::{DMatrix, Vector4};
 
-use super::matrix::Matrix;
-use super::scalar::Scalar;
 use crate::fuzzy::{
     exact_inertia, inertia_vertices, ExactSpacecraft, RuleModel, VertexSystem, SPACECRAFT_VERTICES,
 };
 use crate::model::Plant;
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
 
 /// One bound of the region, `|rows x|^2 <= bound_squared`.
 #[derive(Debug, Clone)]

@@ -8,12 +8,12 @@ pub use super::certificate::{Certificate, MismatchSlack, RuleGains};
 
 use nalgebra::DMatrix;
 
-use super::matrix::{Matrix, SymmetricBlocks};
 use super::plant::DescriptorPlant;
-use super::scalar::Scalar;
 use crate::conditions::xu2020::gain_suffix;
 use crate::fuzzy::inertia_bounds;
 use crate::model::{Mismatch, Model, Plant};
+use verified::matrix::{Matrix, SymmetricBlocks};
+use verified::scalar::Scalar;
 
 /// A named symmetric matrix that must be positive definite.
 #[derive(Debug, Clone)]

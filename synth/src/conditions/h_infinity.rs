@@ -9,9 +9,9 @@ use nalgebra::DMatrix;
 use super::state_feedback::{
     power_of_two, DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant,
 };
-use crate::certify::matrix::{self, Matrix};
-use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use verified::matrix::{self, Matrix};
+use verified::scalar::Scalar;
 
 /// `x' = A(t) x + B u + B_w w`, `z = C x + D u + D_w w`: the L2 norm of z is below gamma times that of w,
 /// from rest, for every A(t) in the hull.

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::certify::matrix::{Matrix, SymmetricBlocks};
-use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition, Strictness, Unknowns};
+use sdp::lmi::{Affine, Condition, Strictness, Unknowns};
+use verified::matrix::{Matrix, SymmetricBlocks};
+use verified::scalar::Scalar;
 
 /// A problem for a [`VertexPlant`].
 pub trait DesignProblem: Sized {

@@ -10,10 +10,10 @@ use crate::certify::infeasible::{
 };
 use crate::conditions::xu2020::{condition_name, gain_suffix, Interval, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
-use crate::lmi::svec_index;
 use crate::model::Model;
 use crate::programs::{Assembled, Part};
 use crate::scaling::Scaling;
+use sdp::lmi::svec_index;
 
 /// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not left to the balance of the multiplier,
 /// which divides by it.

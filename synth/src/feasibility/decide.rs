@@ -1,20 +1,21 @@
 //! One solve, one proof. With an uncertain inertia the proof of a no is for the nominal one.
 
 use super::candidate::Source;
-use super::centre::centred;
+
 use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
-use crate::lmi::Affine;
 use crate::model::Model;
 use crate::programs::{
     blocking, containment_weights, scaled, Answer, Assembled, Decision, Form, Goal, Infeasible,
     Session, Subject, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 use crate::scaling::Scaling;
-use crate::solve::{Backend, Observer, Solution, Status, Structured};
+use sdp::centre::centred;
+use sdp::lmi::Affine;
+use sdp::solve::{Backend, Observer, Solution, Status, Structured};
 
 /// Decides whether a design exists for a model. `model_text` is its file's text.
 pub fn decide(

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use super::decide::refute_part;
 use crate::conditions::{GainPlan, Task};
 use crate::programs::{Answer, Decision, Part, Subject, SynthesisError};
-use crate::solve::Observer;
+use sdp::solve::Observer;
 
 /// State units that are tried for one gain.
 const UNITS_ALONE: usize = 3;

@@ -6,7 +6,6 @@
 //! [`certify::infeasible`](crate::certify::infeasible) proves.
 
 mod candidate;
-mod centre;
 mod decide;
 mod given;
 mod relax;
@@ -20,6 +19,5 @@ pub use crate::infeasibility::{
 };
 pub use crate::programs::{Answer, Decision, Infeasible};
 
-pub(crate) use centre::centred;
 pub(crate) use decide::decide_after;
 pub(crate) use given::refute_given;

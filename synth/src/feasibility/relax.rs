@@ -3,7 +3,7 @@
 use super::decide::look_for_a_design;
 use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
 use crate::programs::{Answer, SynthesisError};
-use crate::solve::{Backend, Observer, Structured};
+use sdp::solve::{Backend, Observer, Structured};
 
 /// A requirement that can be relaxed alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use crate::conditions::{GainPlan, Task};
 use crate::infeasibility::InfeasibilityFile;
 use crate::model::Model;
 use crate::programs::{scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS};
-use crate::solve::{Backend, Clarabel, Structured};
+use sdp::solve::{Backend, Clarabel, Structured};
 
 impl InfeasibilityFile {
     /// The designs that the file's statement does not cover, where its weights are proved; none: no design

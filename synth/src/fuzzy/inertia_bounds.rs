@@ -3,8 +3,8 @@
 use nalgebra::Matrix3;
 
 use super::ExactSpacecraft;
-use crate::certify::matrix::Matrix;
-use crate::certify::scalar::Scalar;
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
 
 /// The vertices of the inertia's set: every combination of J_ij -+ (percent / 100 |J_ij| + amount), each
 /// enclosed. Their convex hull holds every inertia of the set.

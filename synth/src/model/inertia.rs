@@ -5,10 +5,10 @@ use nalgebra::Matrix3;
 use super::file::InertiaUncertaintyFile;
 use super::ranges::{check_not_negative, require};
 use super::ModelError;
-use crate::certify::definite::{prove_positive_definite, IntervalMatrix};
-use crate::certify::interval::Interval;
-use crate::certify::matrix::Matrix;
 use crate::fuzzy::{inertia_bounds, ExactSpacecraft, InertiaUncertainty, INERTIA_ENTRIES};
+use verified::definite::{prove_positive_definite, IntervalMatrix};
+use verified::interval::Interval;
+use verified::matrix::Matrix;
 
 const FIELD: &str = "plant.exact.inertia_uncertainty";
 

@@ -1,11 +1,11 @@
 //! Proofs that a design problem has no solution.
 
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
-use crate::certify::exclusion::exclude;
 use crate::conditions::state_feedback::{DesignProblem, VertexPlant};
-use crate::feasibility::centred;
-use crate::lmi::{svec_index, Cone, Semidefinite};
-use crate::solve::Solution;
+use sdp::centre::centred;
+use sdp::exclusion::exclude;
+use sdp::lmi::{svec_index, Cone, Semidefinite};
+use sdp::solve::Solution;
 
 /// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
 const KEPT: f64 = 0.25;

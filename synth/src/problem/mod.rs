@@ -24,12 +24,12 @@ pub use outcome::{ProblemFailure, ProblemOutcome, ProblemSynthesized};
 pub use program::first_program;
 pub use run::synthesize;
 
-use crate::certify::matrix::Matrix;
-use crate::certify::scalar::Scalar;
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::SaturatedRegion;
 use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant};
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
 
 /// Every design problem.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,8 @@
 use super::checked::Problem;
 use super::{with_problem, DesignTask};
 use crate::conditions::state_feedback::{DesignProblem, Hatted, VertexPlant};
-use crate::lmi::{self, Affine, Semidefinite, Strictness, Unknowns};
-use crate::solve::Accuracy;
+use sdp::lmi::{self, Affine, Semidefinite, Strictness, Unknowns};
+use sdp::solve::Accuracy;
 
 /// Margin of every strict inequality in the first solve, in scaled units.
 const MARGIN: f64 = 1e-6;

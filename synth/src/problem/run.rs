@@ -17,7 +17,7 @@ use crate::optimality::Optimality;
 use crate::programs::{
     blocking, generator, now, run_solver, sha256_of, SolveRequest, SynthesisError,
 };
-use crate::solve::{alternative, Backend, Observer, Solution, Status};
+use sdp::solve::{alternative, Backend, Observer, Solution, Status};
 
 /// How far the exported design stays from the optimum, relative to it: the price of a margin. Tried one
 /// after the other until the design is proved.

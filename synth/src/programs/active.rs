@@ -6,7 +6,7 @@ use super::assemble::{Assembled, Goal, MARGIN_UNIT};
 use crate::conditions::xu2020::{decrease, vertex_term_at, Interval};
 use crate::conditions::Task;
 use crate::fuzzy::TakagiSugeno;
-use crate::solve::Solution;
+use sdp::solve::Solution;
 
 /// Vertices chosen before anything is known.
 const FIRST_CHOICE: usize = 8;

@@ -2,9 +2,9 @@
 
 use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictness};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, Problem, Unknowns};
 use crate::reduce::{self, Cliques};
-use crate::solve::{Accuracy, Backend, Solver};
+use sdp::lmi::{Affine, Condition, Problem, Unknowns};
+use sdp::solve::{Accuracy, Backend, Solver};
 
 /// How the decrease condition (18) is put to the solver; all have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use crate::design::{DesignFile, SolverRun};
 use crate::infeasibility::InfeasibilityFile;
 use crate::model::ModelError;
 use crate::optimality::Optimality;
-use crate::solve::SolveError;
+use sdp::solve::SolveError;
 
 /// A design and how it was found.
 #[derive(Debug, Clone)]

@@ -6,7 +6,7 @@ use super::outcome::SynthesisError;
 use super::solver::{run_solver, SolveRequest};
 use crate::conditions::Task;
 use crate::design::SolverRun;
-use crate::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
+use sdp::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
 
 /// A solver, what it is asked, and what it has done so far.
 pub(crate) struct Session<'a> {

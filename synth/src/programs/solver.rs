@@ -11,8 +11,8 @@ use time::OffsetDateTime;
 
 use super::outcome::{Cancelled, SynthesisError};
 use crate::design::SolverRun;
-use crate::lmi::{svec_index, Condition, Problem};
-use crate::solve::{Accuracy, Backend, Observer, Solution};
+use sdp::lmi::{svec_index, Condition, Problem};
+use sdp::solve::{Accuracy, Backend, Observer, Solution};
 
 /// What is sought, and at how many vertices, for the record.
 pub(crate) struct SolveRequest<'a> {

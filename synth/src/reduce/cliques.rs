@@ -5,7 +5,7 @@
 //! Rodman 1988). Blocks are split off one after the other; what a split-off clique hands to the rest
 //! is a free symmetric matrix on its separator.
 
-use crate::lmi::{Affine, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, SymmetricBlocks, Unknowns};
 
 /// Splits one block off: `residual` meets only the blocks of `separator`.
 #[derive(Debug, Clone)]

@@ -18,7 +18,7 @@ pub use cliques::Cliques;
 
 use crate::conditions::xu2020::{gain_suffix, DesignUnknowns, Strictness};
 use crate::conditions::Task;
-use crate::lmi::{Condition, Unknowns};
+use sdp::lmi::{Condition, Unknowns};
 
 /// (18) for the chosen vertices and both ends of the sampling interval, reduced.
 pub fn decrease_conditions(

@@ -17,7 +17,7 @@ use crate::conditions::xu2020::{
     condition_name, decrease_form, DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
 fn splits(interval: Interval) -> Vec<Split> {
     let mut out = vec![Split {

@@ -17,7 +17,7 @@ use crate::conditions::xu2020::{
     DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
 // Coordinates of the reduced condition: x, v, x(t_k^l), x(t_k), dead zone, tau, integral.
 pub(super) const STATE: usize = 0;

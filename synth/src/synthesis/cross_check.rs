@@ -3,7 +3,7 @@
 use crate::design::ProblemUnits;
 use crate::model::Model;
 use crate::programs::{assemble, scaled_task, Form, Goal};
-use crate::solve::{Backend, Observer, SolveError, Status};
+use sdp::solve::{Backend, Observer, SolveError, Status};
 
 /// A solver and the form of the problem it is given.
 #[derive(Clone, Copy)]

@@ -14,7 +14,7 @@ use crate::programs::{
     containment_weights, scaled, Answer, Form, Goal, Outcome, Part, Session, Subject,
     SynthesisError, Synthesized, STATE_UNITS,
 };
-use crate::solve::{alternative, Backend, Observer, Status};
+use sdp::solve::{alternative, Backend, Observer, Status};
 
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;

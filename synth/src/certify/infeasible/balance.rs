@@ -4,14 +4,12 @@ use nalgebra::DMatrix;
 
 use super::end::End;
 use super::weights::{GainWeights, IntegralCross, Moments, Weights};
-use crate::certify::interval::Interval;
-use crate::certify::matrix::{Matrix, SymmetricBlocks};
 use crate::certify::plant::DescriptorPlant;
-use crate::certify::rounding::add_up;
-use crate::certify::scalar::Scalar;
 use crate::certify::theorem1::Statement;
 use crate::conditions::xu2020::gain_suffix;
 use crate::model::Model;
+use verified::matrix::{Matrix, SymmetricBlocks};
+use verified::scalar::Scalar;
 
 /// `sum_k <G_k(y), Z_k>` as a function of the unknowns y: the constant and, where it does not vanish
 /// by construction, half the coefficient matrix of Qh.
@@ -21,14 +19,6 @@ pub struct Balance<S> {
     pub constant: S,
     /// The sum holds `2 <residual, Qh>` beside the constant; `None` when that vanishes exactly.
     pub residual: Option<Matrix<S>>,
-}
-
-impl Matrix<Interval> {
-    /// Upper bound of the sum of the magnitudes of all entries.
-    pub(super) fn magnitude_sum(&self) -> f64 {
-        let entries = (0..self.nrows()).flat_map(|r| (0..self.ncols()).map(move |c| (r, c)));
-        entries.fold(0.0, |sum, (r, c)| add_up(sum, self.at(r, c).magnitude()))
-    }
 }
 
 /// Which level k2 a statement is about.

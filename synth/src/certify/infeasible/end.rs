@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::weights::{DeadZoneMoments, HeldMoments, Moments};
-use crate::certify::matrix::{Matrix, SymmetricBlocks};
-use crate::certify::scalar::Scalar;
+use verified::matrix::{Matrix, SymmetricBlocks};
+use verified::scalar::Scalar;
 
 /// All moments of (18) that occur in it, at one end of the interval: `xv` is E[x v'] and so on.
 /// k is the sample x(t_k^l), w the held state, p the dead zone.

@@ -35,10 +35,10 @@ pub use weights::{
 };
 
 use self::balance::{for_each_statement, Balance};
-use super::interval::Interval;
-use super::rounding::{div_down, mul_up, next_down};
 use super::{judge, ConditionMargin};
 use crate::model::Model;
+use verified::interval::Interval;
+use verified::rounding::{div_down, mul_up, next_down};
 
 /// The outcome of the check of [`Weights`].
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition};
+use sdp::lmi::{Affine, Condition};
 
 /// `Qh'P + P'Qh - P'Uh P >= s^2 D D'` with s = 1 for what is covered and `scale_squared` for what is grown.
 ///

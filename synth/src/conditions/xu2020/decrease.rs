@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::unknowns::{DesignUnknowns, Interval, SectorUnknowns};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 // Block rows of (18).
 const STATE: usize = 0;

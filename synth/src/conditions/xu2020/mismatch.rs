@@ -9,7 +9,7 @@
 
 use super::unknowns::{DesignUnknowns, Interval, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// N_j on the rows of [`MismatchUnknowns`].
 fn gain_form(unknowns: &DesignUnknowns, rule: usize) -> Affine {

@@ -25,10 +25,10 @@ pub use unknowns::{
 };
 
 pub use super::Coverage;
-pub use crate::lmi::Strictness;
+pub use sdp::lmi::Strictness;
 
 use super::Task;
-use crate::lmi::Condition;
+use sdp::lmi::Condition;
 
 /// Every condition but the decrease condition (18): positivity, anti-windup (19), gain (20), box,
 /// disturbance weight, must-contain states.

@@ -2,7 +2,7 @@
 
 use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// `[ b^2/k2 Uh, Qh H' ; *, I ] >= 0`: |H x| <= b wherever x'Ux <= k2.
 pub(super) fn region<'a>(

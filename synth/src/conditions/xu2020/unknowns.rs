@@ -1,7 +1,7 @@
 //! The unknowns of Theorem 2.
 
 use crate::conditions::Task;
-use crate::lmi::{Affine, Unknowns};
+use sdp::lmi::{Affine, Unknowns};
 
 /// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
 /// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.

@@ -18,7 +18,7 @@ use crate::programs::{
     Assembled, Form, Goal, Outcome, Session, Shortfall, Subject, SynthesisError, Synthesized,
 };
 use crate::scaling::Scaling;
-use crate::solve::Status;
+use sdp::solve::Status;
 
 /// How the design is tried, one way after the other until one is proved.
 #[derive(Debug, Clone, Copy)]

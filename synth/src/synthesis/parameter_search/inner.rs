@@ -6,11 +6,11 @@ use super::parameters::{Parameter, Space};
 use super::watch::Watch;
 use crate::conditions::xu2020::Coverage;
 use crate::conditions::Task;
-use crate::lmi::{svec_index, Entry, Semidefinite};
 use crate::model::{Model, ModelFile};
 use crate::programs::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
 use crate::scaling::Scaling;
-use crate::solve::{Backend, Solution, Status};
+use sdp::lmi::{svec_index, Entry, Semidefinite};
+use sdp::solve::{Backend, Solution, Status};
 
 /// A change of one number of a model file.
 pub type Turn = dyn Fn(&mut ModelFile, f64);
@@ -287,7 +287,7 @@ fn pairing(program: &Semidefinite, solution: &Solution) -> f64 {
 mod tests {
     use super::super::plan::Plan;
     use super::*;
-    use crate::solve::Structured;
+    use sdp::solve::Structured;
 
     const CART: &str = r#"{
         "schema_version": 1, "name": "cart",

@@ -28,7 +28,7 @@ use watch::Watch;
 use crate::model::Model;
 use crate::programs::{Form, Outcome, Session, SynthesisError};
 use crate::scaling::Scaling;
-use crate::solve::{Backend, Observer, Structured};
+use sdp::solve::{Backend, Observer, Structured};
 
 /// Whether a model asks for a search.
 pub fn wanted(model: &Model) -> bool {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::programs::Cancelled;
-use crate::solve::{Observer, Progress};
+use sdp::solve::{Observer, Progress};
 
 /// Shows the search's own progress in the place of its solvers'.
 pub struct Watch {

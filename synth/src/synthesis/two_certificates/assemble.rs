@@ -12,10 +12,10 @@ use crate::conditions::xu2020::{
 };
 use crate::conditions::Task;
 use crate::design::Coupling;
-use crate::lmi::{Affine, Condition, Problem, Unknowns};
 use crate::programs::{bounded_trigger_weight, full_decrease, Form, Goal, MARGIN_UNIT};
 use crate::reduce::{self, Cliques};
 use crate::scaling::Scaling;
+use sdp::lmi::{Affine, Condition, Problem, Unknowns};
 
 /// A task in units of its own.
 pub(super) struct Scaled {

@@ -5,7 +5,6 @@ use crate::certify::theorem1::Certificate;
 use crate::certify::Verdict;
 use crate::conditions::Task;
 use crate::design::{recover, CertificateFile, Coupling, OuterFile, ProblemUnits, SolverRun};
-use crate::lmi::Problem;
 use crate::model::{Model, ModelError, OuterSpecs};
 use crate::optimality::Optimality;
 use crate::programs::{
@@ -13,7 +12,8 @@ use crate::programs::{
     SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
-use crate::solve::{alternative, Backend, Observer, Solution, Status};
+use sdp::lmi::Problem;
+use sdp::solve::{alternative, Backend, Observer, Solution, Status};
 
 /// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
 const GAIN_ROOM: [f64; 2] = [1e-3, 1e-2];

@@ -1,4 +1,5 @@
 //! The symbols as C declares them, and a call of each on [`Padded`] matrices.
+#![allow(unsafe_code)] // The symbols are called as Clarabel calls them.
 
 use core::ffi::{c_char, c_int};
 

@@ -4,7 +4,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::interval::Interval;
+use crate::interval::Interval;
 
 /// A number type over which the matrix of a certificate condition can be assembled.
 ///
@@ -31,25 +31,30 @@ pub trait Scalar:
     fn max(self, other: Self) -> Self;
 
     /// The number 0.
+    #[inline]
     fn zero() -> Self {
         Self::from_f64(0.0)
     }
 
     /// The number 1.
+    #[inline]
     fn one() -> Self {
         Self::from_f64(1.0)
     }
 }
 
 impl Scalar for Interval {
+    #[inline]
     fn from_f64(value: f64) -> Self {
         Interval::from(value)
     }
 
+    #[inline]
     fn exp_upper(self) -> Self {
         Interval::from(self.exp().hi())
     }
 
+    #[inline]
     fn max(self, other: Self) -> Self {
         Interval::max(self, other)
     }

@@ -5,9 +5,10 @@
 //! each of the others, c < 0 excludes every y with `max |y_i| sum_i r_i < -c` (Farkas). The sums are taken in interval
 //! arithmetic; that the weights are positive definite is proved as everywhere here.
 
-use super::definite::{prove_positive_definite, IntervalMatrix};
-use super::interval::Interval;
-use super::rounding::{add_up, div_down};
+use verified::definite::{prove_positive_definite, IntervalMatrix};
+use verified::interval::Interval;
+use verified::rounding::{add_up, div_down};
+
 use crate::lmi::{svec_index, Entry, Semidefinite};
 
 /// What the weights exclude.

@@ -2,7 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::scalar::Scalar;
+use crate::interval::Interval;
+use crate::rounding::add_up;
+use crate::scalar::Scalar;
 
 /// A dense matrix, stored row by row. Operators panic when shapes do not fit, as nalgebra's do.
 #[derive(Debug, Clone)]
@@ -131,6 +133,14 @@ impl<S: Scalar> Matrix<S> {
         Matrix::from_fn(self.rows, self.columns, |r, c| {
             combine(self.at(r, c).clone(), other.at(r, c).clone())
         })
+    }
+}
+
+impl Matrix<Interval> {
+    /// Upper bound of the sum of the magnitudes of all entries.
+    pub fn magnitude_sum(&self) -> f64 {
+        let entries = (0..self.nrows()).flat_map(|r| (0..self.ncols()).map(move |c| (r, c)));
+        entries.fold(0.0, |sum, (r, c)| add_up(sum, self.at(r, c).magnitude()))
     }
 }
 

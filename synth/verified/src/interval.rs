@@ -2,7 +2,7 @@
 //!
 //! An operation on intervals returns an interval that contains the exact result for every choice
 //! of members of its operands. Exact results are not widened; inexact bounds move outward by one
-//! unit in the last place at most (see [`rounding`](super::rounding)).
+//! unit in the last place at most (see [`rounding`](crate::rounding)).
 //!
 //! What is not known is [`Interval::ENTIRE`]: it stands for a NaN or an infinity in the data, a
 //! division by an interval that contains zero, or a root of a possibly negative number. Every
@@ -12,7 +12,7 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use super::rounding::{
+use crate::rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, next_down, next_up, power_of_two,
     sqrt_down, sqrt_up, sub_up,
 };
@@ -62,6 +62,7 @@ impl Interval {
 
     /// The interval from `lo` to `hi`, or [`Interval::ENTIRE`] if they are out of order, NaN, or
     /// an infinity on the wrong side.
+    #[inline]
     pub fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
             Interval { lo, hi }
@@ -71,31 +72,37 @@ impl Interval {
     }
 
     /// Lower bound.
+    #[inline]
     pub fn lo(self) -> f64 {
         self.lo
     }
 
     /// Upper bound.
+    #[inline]
     pub fn hi(self) -> f64 {
         self.hi
     }
 
     /// Whether the number `value` is a member. NaN and the infinities never are.
+    #[inline]
     pub fn contains(self, value: f64) -> bool {
         value.is_finite() && self.lo <= value && value <= self.hi
     }
 
     /// Whether both bounds are finite.
+    #[inline]
     pub fn is_bounded(self) -> bool {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
     /// Whether nothing is known.
+    #[inline]
     pub fn is_entire(self) -> bool {
         self == Interval::ENTIRE
     }
 
     /// A double near the centre, the member itself if there is only one; 0 if unbounded.
+    #[inline]
     pub fn midpoint(self) -> f64 {
         if !self.is_bounded() {
             0.0
@@ -107,17 +114,20 @@ impl Interval {
     }
 
     /// A bound of the distance from [`Self::midpoint`] to every member; infinite if unbounded.
+    #[inline]
     pub fn radius(self) -> f64 {
         let middle = self.midpoint();
         sub_up(self.hi, middle).max(sub_up(middle, self.lo))
     }
 
     /// The greatest magnitude of a member.
+    #[inline]
     pub fn magnitude(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }
 
     /// The smallest interval that contains both.
+    #[inline]
     pub fn hull(self, other: Self) -> Self {
         Interval {
             lo: self.lo.min(other.lo),
@@ -126,6 +136,7 @@ impl Interval {
     }
 
     /// The greater of two numbers, one from each interval.
+    #[inline]
     pub fn max(self, other: Self) -> Self {
         if self.is_entire() || other.is_entire() {
             return Interval::ENTIRE;
@@ -137,6 +148,7 @@ impl Interval {
     }
 
     /// The square.
+    #[inline]
     pub fn sqr(self) -> Self {
         if self.is_entire() {
             return self;
@@ -152,6 +164,7 @@ impl Interval {
 
     /// The square root, or [`Interval::ENTIRE`] if the interval has a negative member. Where a
     /// number is known to be nonnegative, take [`Interval::max`] with zero first.
+    #[inline]
     pub fn sqrt(self) -> Self {
         if self.lo < 0.0 {
             return Interval::ENTIRE;
@@ -163,6 +176,7 @@ impl Interval {
     ///
     /// On `[-700, 700]` the value at one number is enclosed to about five units in the last place;
     /// below it the lower bound is 0, above it the upper bound is infinite.
+    #[inline]
     pub fn exp(self) -> Self {
         if self.is_entire() {
             return self;
@@ -173,6 +187,7 @@ impl Interval {
 
 /// Enclosure of `e^x`: with `x = k ln 2 + r` and `|r| <= 0.36`, the Taylor polynomial of `e^r`
 /// and its remainder, times `2^k`.
+#[inline]
 fn exp_of(exponent: f64) -> Interval {
     if exponent == 0.0 {
         return Interval::ONE;
@@ -190,6 +205,7 @@ fn exp_of(exponent: f64) -> Interval {
     exp_of_reduced(reduced) * Interval::from(power_of_two(binades as i32))
 }
 
+#[inline]
 fn exp_of_reduced(reduced: Interval) -> Interval {
     let mut sum = Interval::ONE;
     let mut remainder = Interval::from(reduced.magnitude());
@@ -202,6 +218,7 @@ fn exp_of_reduced(reduced: Interval) -> Interval {
     sum + Interval::new(-bound, bound)
 }
 
+#[inline]
 fn degree_after(degree: u32) -> Interval {
     Interval::from(f64::from(degree + 1))
 }
@@ -211,6 +228,7 @@ fn degree_after(degree: u32) -> Interval {
 /// Meant for angles between two attitudes, in `[0, pi]`, where the enclosure of the value at one
 /// angle has a relative width of a few `1e-15`; a result for any other angle is a valid enclosure
 /// inside `[0, 1]`.
+#[inline]
 pub fn half_angle_sine_squared(theta: impl Into<Interval>) -> Interval {
     let theta = theta.into();
     let unit = Interval { lo: 0.0, hi: 1.0 };
@@ -233,6 +251,7 @@ pub fn half_angle_sine_squared(theta: impl Into<Interval>) -> Interval {
 
 /// `sin t = t (1 - t^2/(2 3) (1 - t^2/(4 5) (...)))` with `t = theta / 2` at most 2, and the
 /// remainder, which is bounded by the first omitted term because derivatives are bounded by 1.
+#[inline]
 fn half_angle_sine_squared_of(theta: f64) -> Interval {
     let half = Interval::from(theta) * Interval::from(0.5);
     let square = half.sqr();
@@ -251,6 +270,7 @@ fn half_angle_sine_squared_of(theta: f64) -> Interval {
 
 impl From<f64> for Interval {
     /// The number itself; NaN and the infinities give [`Interval::ENTIRE`].
+    #[inline]
     fn from(value: f64) -> Self {
         if value.is_finite() {
             Interval {
@@ -266,6 +286,7 @@ impl From<f64> for Interval {
 impl Neg for Interval {
     type Output = Interval;
 
+    #[inline]
     fn neg(self) -> Interval {
         Interval {
             lo: -self.hi,
@@ -277,6 +298,7 @@ impl Neg for Interval {
 impl Add for Interval {
     type Output = Interval;
 
+    #[inline]
     fn add(self, other: Interval) -> Interval {
         Interval::new(add_down(self.lo, other.lo), add_up(self.hi, other.hi))
     }
@@ -285,30 +307,35 @@ impl Add for Interval {
 impl Sub for Interval {
     type Output = Interval;
 
+    #[inline]
     fn sub(self, other: Interval) -> Interval {
         self + -other
     }
 }
 
 impl AddAssign for Interval {
+    #[inline]
     fn add_assign(&mut self, other: Interval) {
         *self = *self + other;
     }
 }
 
 impl SubAssign for Interval {
+    #[inline]
     fn sub_assign(&mut self, other: Interval) {
         *self = *self - other;
     }
 }
 
 impl Sum for Interval {
+    #[inline]
     fn sum<I: Iterator<Item = Interval>>(terms: I) -> Interval {
         terms.fold(Interval::ZERO, Add::add)
     }
 }
 
 /// The least lower and the greatest upper bound of an operation over the four corners.
+#[inline]
 fn over_corners(
     left: Interval,
     right: Interval,
@@ -335,6 +362,7 @@ fn over_corners(
 impl Mul for Interval {
     type Output = Interval;
 
+    #[inline]
     fn mul(self, other: Interval) -> Interval {
         if self.is_entire() || other.is_entire() {
             return Interval::ENTIRE;
@@ -349,6 +377,7 @@ impl Mul for Interval {
 impl Div for Interval {
     type Output = Interval;
 
+    #[inline]
     fn div(self, other: Interval) -> Interval {
         if self.is_entire() || other.is_entire() || other.contains(0.0) {
             return Interval::ENTIRE;

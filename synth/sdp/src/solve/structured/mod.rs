@@ -21,7 +21,7 @@ mod warm;
 
 use std::time::Instant;
 
-use super::backend::{
+use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
 use crate::lmi::{svec_index, Semidefinite};

@@ -6,7 +6,7 @@ use clarabel::solver::{
     SupportedConeT,
 };
 
-use super::backend::{
+use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
 use crate::lmi::{svec_index, Cone, Semidefinite};

@@ -1,8 +1,8 @@
 //! The solver that is asked where the first finds no design.
 
-use super::backend::{Backend, Solver};
 use super::clarabel::Clarabel;
 use super::structured::Structured;
+use crate::backend::{Backend, Solver};
 
 /// The other of the two solvers, with its usual settings; `None` for a solver that is neither.
 ///

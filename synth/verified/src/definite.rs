@@ -22,8 +22,8 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::interval::Interval;
-use super::rounding::{
+use crate::interval::Interval;
+use crate::rounding::{
     add_up, binary_exponent, div_up, mul_up, power_of_two, sub_down, SMALLEST_POSITIVE,
     UNIT_ROUNDOFF,
 };

@@ -118,7 +118,7 @@ impl Affine {
     }
 
     /// Adds `block` at (row, column) of this matrix.
-    pub(crate) fn add_block(&mut self, row: usize, column: usize, block: &Affine) {
+    pub fn add_block(&mut self, row: usize, column: usize, block: &Affine) {
         assert!(row + block.rows <= self.rows && column + block.columns <= self.columns);
         let shift = |target: &mut Entries, source: &Entries| {
             for (&(r, c), &v) in source {

@@ -120,7 +120,7 @@ pub trait Backend {
 }
 
 /// Refuses a problem with a number that is not finite.
-pub(super) fn check_finite(
+pub(crate) fn check_finite(
     backend: &'static str,
     problem: &Semidefinite,
 ) -> Result<(), SolveError> {

@@ -27,6 +27,7 @@ const ERROR_EXACT_ABOVE: f64 = power_of_two(-960);
 const ERROR_EXACT_BELOW: f64 = power_of_two(990);
 
 /// The double `2^exponent`; exponents outside `-1022..=1023` are clamped to that range.
+#[inline]
 pub const fn power_of_two(exponent: i32) -> f64 {
     let clamped = if exponent < -1022 {
         -1022
@@ -41,6 +42,7 @@ pub const fn power_of_two(exponent: i32) -> f64 {
 /// `floor(log2(value))` of a positive finite double, subnormal ones included.
 ///
 /// For any other argument the result is meaningless (but there is one).
+#[inline]
 pub fn binary_exponent(value: f64) -> i32 {
     if value < f64::MIN_POSITIVE {
         binary_exponent_of_normal(value * power_of_two(64)) - 64
@@ -49,11 +51,13 @@ pub fn binary_exponent(value: f64) -> i32 {
     }
 }
 
+#[inline]
 fn binary_exponent_of_normal(value: f64) -> i32 {
     ((value.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
 
 /// The least double above `value`; infinity and NaN are returned unchanged.
+#[inline]
 pub fn next_up(value: f64) -> f64 {
     if value.is_nan() || value == f64::INFINITY {
         value
@@ -67,6 +71,7 @@ pub fn next_up(value: f64) -> f64 {
 }
 
 /// The greatest double below `value`; minus infinity and NaN are returned unchanged.
+#[inline]
 pub fn next_down(value: f64) -> f64 {
     -next_up(-value)
 }
@@ -81,6 +86,7 @@ enum Exact {
 }
 
 impl Exact {
+    #[inline]
     fn from_error(error: f64) -> Self {
         if !error.is_finite() {
             Exact::Unknown
@@ -93,6 +99,7 @@ impl Exact {
         }
     }
 
+    #[inline]
     fn reversed(self) -> Self {
         match self {
             Exact::Below => Exact::Above,
@@ -110,6 +117,7 @@ struct Rounded {
 }
 
 impl Rounded {
+    #[inline]
     fn exactly(value: f64) -> Self {
         Rounded {
             value,
@@ -119,6 +127,7 @@ impl Rounded {
 
     /// A lower bound of the exact result. A rounded `+inf` marked inexact is an overflow, so the
     /// exact result is finite and above the greatest double.
+    #[inline]
     fn down(self) -> f64 {
         match self.exact {
             _ if self.value.is_nan() => f64::NEG_INFINITY,
@@ -127,6 +136,7 @@ impl Rounded {
         }
     }
 
+    #[inline]
     fn up(self) -> f64 {
         match self.exact {
             _ if self.value.is_nan() => f64::INFINITY,
@@ -136,10 +146,12 @@ impl Rounded {
     }
 }
 
+#[inline]
 fn is_unbounded(left: f64, right: f64) -> bool {
     !left.is_finite() || !right.is_finite()
 }
 
+#[inline]
 fn rounded_sum(left: f64, right: f64) -> Rounded {
     let sum = left + right;
     if is_unbounded(left, right) {
@@ -157,6 +169,7 @@ fn rounded_sum(left: f64, right: f64) -> Rounded {
     }
 }
 
+#[inline]
 fn overflowed(value: f64) -> Rounded {
     let exact = if value > 0.0 {
         Exact::Below
@@ -167,6 +180,7 @@ fn overflowed(value: f64) -> Rounded {
 }
 
 /// Veltkamp's splitting into two parts of 26 bits each.
+#[inline]
 fn split(value: f64) -> (f64, f64) {
     let scaled = 134_217_729.0 * value;
     let high = scaled - (scaled - value);
@@ -175,6 +189,7 @@ fn split(value: f64) -> (f64, f64) {
 
 /// The error `left * right - product` of the rounded product, exact if nothing under- or
 /// overflows; `None` if that is not certain.
+#[inline]
 fn product_error(left: f64, right: f64, product: f64) -> Option<f64> {
     let safe = left.abs() < ERROR_EXACT_BELOW
         && right.abs() < ERROR_EXACT_BELOW
@@ -190,12 +205,14 @@ fn product_error(left: f64, right: f64, product: f64) -> Option<f64> {
     Some(partial + left_low * right_low)
 }
 
+#[inline]
 fn is_normal_power_of_two(value: f64) -> bool {
     value.is_normal() && value.to_bits() & ((1 << 52) - 1) == 0
 }
 
 /// The rounded result of an operation on nonzero finite numbers whose error is not computable:
 /// an underflow to zero has a known sign, and anything else may lie on either side.
+#[inline]
 fn undecided(value: f64, negative: bool) -> Rounded {
     let exact = match (value == 0.0, negative) {
         (true, true) => Exact::Below,
@@ -205,6 +222,7 @@ fn undecided(value: f64, negative: bool) -> Rounded {
     Rounded { value, exact }
 }
 
+#[inline]
 fn rounded_product(left: f64, right: f64) -> Rounded {
     if left == 0.0 || right == 0.0 {
         return Rounded::exactly(0.0);
@@ -229,6 +247,7 @@ fn rounded_product(left: f64, right: f64) -> Rounded {
     }
 }
 
+#[inline]
 fn rounded_quotient(dividend: f64, divisor: f64) -> Rounded {
     if divisor == 0.0 || dividend.is_nan() || divisor.is_nan() {
         return Rounded::exactly(f64::NAN);
@@ -262,6 +281,7 @@ fn rounded_quotient(dividend: f64, divisor: f64) -> Rounded {
     }
 }
 
+#[inline]
 fn rounded_root(value: f64) -> Rounded {
     if value == 0.0 || value == f64::INFINITY {
         return Rounded::exactly(value);
@@ -278,51 +298,61 @@ fn rounded_root(value: f64) -> Rounded {
 }
 
 /// Lower bound of `left + right`.
+#[inline]
 pub fn add_down(left: f64, right: f64) -> f64 {
     rounded_sum(left, right).down()
 }
 
 /// Upper bound of `left + right`.
+#[inline]
 pub fn add_up(left: f64, right: f64) -> f64 {
     rounded_sum(left, right).up()
 }
 
 /// Lower bound of `left - right`.
+#[inline]
 pub fn sub_down(left: f64, right: f64) -> f64 {
     rounded_sum(left, -right).down()
 }
 
 /// Upper bound of `left - right`.
+#[inline]
 pub fn sub_up(left: f64, right: f64) -> f64 {
     rounded_sum(left, -right).up()
 }
 
 /// Lower bound of `left * right`; zero times infinity is zero.
+#[inline]
 pub fn mul_down(left: f64, right: f64) -> f64 {
     rounded_product(left, right).down()
 }
 
 /// Upper bound of `left * right`; zero times infinity is zero.
+#[inline]
 pub fn mul_up(left: f64, right: f64) -> f64 {
     rounded_product(left, right).up()
 }
 
 /// Lower bound of `dividend / divisor`; minus infinity if the divisor is zero.
+#[inline]
 pub fn div_down(dividend: f64, divisor: f64) -> f64 {
     rounded_quotient(dividend, divisor).down()
 }
 
 /// Upper bound of `dividend / divisor`; infinity if the divisor is zero.
+#[inline]
 pub fn div_up(dividend: f64, divisor: f64) -> f64 {
     rounded_quotient(dividend, divisor).up()
 }
 
 /// Lower bound of the square root; minus infinity if `value` is negative.
+#[inline]
 pub fn sqrt_down(value: f64) -> f64 {
     rounded_root(value).down()
 }
 
 /// Upper bound of the square root; infinity if `value` is negative.
+#[inline]
 pub fn sqrt_up(value: f64) -> f64 {
     rounded_root(value).up()
 }

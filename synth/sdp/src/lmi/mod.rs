@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use nalgebra::DMatrix;
-//! use synth::lmi::{Condition, Unknowns};
+//! use sdp::lmi::{Condition, Unknowns};
 //!
 //! let a = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -2.0, -3.0]);
 //! let mut unknowns = Unknowns::new();
@@ -19,7 +19,7 @@
 //! A product of two unknowns is not linear, and there is no way to write one:
 //!
 //! ```compile_fail,E0277
-//! use synth::lmi::Unknowns;
+//! use sdp::lmi::Unknowns;
 //!
 //! let mut unknowns = Unknowns::new();
 //! let multiplier = unknowns.general("Q", 2, 2);

@@ -2,7 +2,7 @@
 
 use faer::Side;
 
-use super::Solution;
+use crate::backend::Solution;
 use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
 
 /// Error measures of a candidate, in the manner of the DIMACS challenge; all are zero at an exact solution.
