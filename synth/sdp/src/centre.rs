@@ -40,14 +40,14 @@ const POLISHING_STEPS: usize = 4;
 const REGULARISATION: f64 = 1e-13;
 
 /// One cone of the equations: the row of each coefficient, and the coefficient.
-struct Block<'a> {
+struct ConeRows<'a> {
     side: usize,
     rows: Vec<(usize, &'a [Entry])>,
 }
 
 /// `sum_k <F_ik, Z_k> = c_i` for every unknown i and, last, `sum_k <F0_k, Z_k> = target`.
 struct Equations<'a> {
-    blocks: Vec<Block<'a>>,
+    blocks: Vec<ConeRows<'a>>,
     right: Vec<f64>,
 }
 
@@ -118,7 +118,7 @@ impl<'a> Equations<'a> {
             let rows = cone.coefficients.iter();
             let rows = rows.map(|(unknown, entries)| (*unknown, entries.as_slice()));
             let rows = rows.chain([(constant, cone.constant.as_slice())]);
-            Block {
+            ConeRows {
                 side: cone.side,
                 rows: rows.collect(),
             }
@@ -222,7 +222,7 @@ impl<'a> Equations<'a> {
     }
 }
 
-impl Block<'_> {
+impl ConeRows<'_> {
     /// `sum_i lambda_i F_i`.
     fn combined(&self, multipliers: &[f64]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(self.side, self.side);

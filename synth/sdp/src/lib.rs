@@ -11,7 +11,7 @@
 //!
 //! ```
 //! use nalgebra::DMatrix;
-//! use sdp::lmi::{Affine, Condition, Problem, Unknowns};
+//! use sdp::lmi::{Affine, Condition, LmiProblem, Unknowns};
 //! use sdp::solve::{Accuracy, Backend, Status, Structured};
 //!
 //! // The smallest t with t I >= A: the largest eigenvalue of A, which is 3.
@@ -19,7 +19,7 @@
 //! let mut unknowns = Unknowns::new();
 //! let t = unknowns.scalar("t");
 //! let above = t.times_matrix(&DMatrix::identity(2, 2)) - Affine::constant(&a);
-//! let problem = Problem {
+//! let problem = LmiProblem {
 //!     unknowns,
 //!     objective: t,
 //!     conditions: vec![Condition::semidefinite("t I above A", above)],

@@ -12,7 +12,7 @@ use super::plant::DescriptorPlant;
 use crate::conditions::xu2020::gain_suffix;
 use crate::fuzzy::inertia_bounds;
 use crate::model::{Mismatch, Model, Plant};
-use verified::matrix::{Matrix, SymmetricBlocks};
+use verified::matrix::{Matrix, SymmetricBlockMatrix};
 use verified::scalar::Scalar;
 
 /// A named symmetric matrix that must be positive definite.
@@ -209,7 +209,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn gain_form(&self, (gain, anti_windup): &(Matrix<S>, Matrix<S>)) -> Matrix<S> {
         let (m, n) = (gain.nrows(), gain.ncols());
         let zone = self.certificate.mismatch_side() - m - n;
-        let mut out = SymmetricBlocks::new(&[m, zone, n]);
+        let mut out = SymmetricBlockMatrix::new(&[m, zone, n]);
         out.set(0, 2, gain);
         if zone > 0 {
             out.set(1, 2, anti_windup);
@@ -290,7 +290,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         if interval == 2 {
             sizes.push(n);
         }
-        let mut out = SymmetricBlocks::new(&sizes);
+        let mut out = SymmetricBlockMatrix::new(&sizes);
         let decay = self.lyapunov.scaled(&self.phi);
         out.set(0, 0, &decay.plus(&l1.symmetrised()));
         out.set(0, 1, &self.lyapunov);
@@ -355,7 +355,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let difference = gain.minus(anti_windup);
             for (input, limit) in self.plant.input_limit.iter().enumerate() {
                 let factor = limit.clone() * limit.clone() / self.level.clone();
-                let mut out = SymmetricBlocks::new(&[self.plant.states(), 1]);
+                let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), 1]);
                 out.set(0, 0, &self.lyapunov.scaled(&factor));
                 out.set(0, 1, &difference.row(input).transposed());
                 out.set(1, 1, &Matrix::identity(1, S::one()));
@@ -380,7 +380,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
 
     fn gain_block(&self, bound: S) -> Matrix<S> {
         let output = &self.plant.output;
-        let mut out = SymmetricBlocks::new(&[self.plant.states(), output.nrows()]);
+        let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), output.nrows()]);
         out.set(0, 0, &self.lyapunov.scaled(&self.phi));
         out.set(0, 1, &output.transposed());
         out.set(1, 1, &Matrix::identity(output.nrows(), bound));
@@ -392,7 +392,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         for bound in &self.plant.region {
             let factor = bound.bound_squared.clone() / self.level.clone();
             let rows = bound.rows.nrows();
-            let mut out = SymmetricBlocks::new(&[self.plant.states(), rows]);
+            let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), rows]);
             out.set(0, 0, &self.lyapunov.scaled(&factor));
             out.set(0, 1, &bound.rows.transposed());
             out.set(1, 1, &Matrix::identity(rows, S::one()));

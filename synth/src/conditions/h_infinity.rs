@@ -113,7 +113,7 @@ impl DesignProblem for HInfinity {
         let gamma = |side| Matrix::identity(side, proof.guarantee.clone());
         tell("lyapunov positive".into(), proof.lyapunov.clone());
         for (index, a) in proof.vertices.iter().enumerate() {
-            let mut out = matrix::SymmetricBlocks::new(&[n, d, p]);
+            let mut out = matrix::SymmetricBlockMatrix::new(&[n, d, p]);
             let driven = proof.lyapunov.times(&exactly(&self.disturbance));
             out.set(0, 0, &proof.decay(a, &proof.gain, &S::zero()));
             out.set(0, 1, &driven.negated());

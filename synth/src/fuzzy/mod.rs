@@ -10,7 +10,7 @@ pub use exact::{ExactSpacecraft, SCHEDULING_VARIABLES, SPACECRAFT_VERTICES};
 pub use inertia_bounds::inertia_bounds;
 pub(crate) use inertia_bounds::{exact_inertia, inertia_vertices};
 pub use inertia_set::{triangle_excess, InertiaUncertainty, INERTIA_ENTRIES};
-pub use rules::{ModelError as RuleModelError, RuleModel};
+pub use rules::{BlendError, RuleModel};
 pub use vertices::VertexSystem;
 
 use nalgebra::{DMatrix, DVector};

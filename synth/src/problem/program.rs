@@ -52,7 +52,7 @@ impl ProblemGoal {
 
 /// A problem for a solver, with handles on its unknowns.
 pub(super) struct Program {
-    pub(super) problem: lmi::Problem,
+    pub(super) problem: lmi::LmiProblem,
     pub(super) hatted: Hatted,
 }
 
@@ -80,7 +80,7 @@ pub(super) fn program<P: DesignProblem>(
     };
     let conditions = asked.conditions(plant, &hatted, &strictness);
     Program {
-        problem: lmi::Problem {
+        problem: lmi::LmiProblem {
             unknowns,
             objective,
             conditions,

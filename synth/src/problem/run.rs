@@ -62,7 +62,7 @@ fn recover<P: DesignProblem>(
     usable.then_some(found)
 }
 
-struct Run<'a> {
+struct FeedbackSynthesis<'a> {
     problem: &'a Problem,
     text: &'a str,
     observer: Option<Observer>,
@@ -82,7 +82,7 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<ProblemOutcome, SynthesisError> {
-    let mut run = Run {
+    let mut run = FeedbackSynthesis {
         problem,
         text,
         observer,
@@ -100,12 +100,12 @@ fn usable(solution: &Solution) -> bool {
 }
 
 /// What a solver came to without a proved feedback.
-struct Attempt {
+struct FailedAttempt {
     unproved: Option<Box<ProblemSynthesized>>,
     refused: bool,
 }
 
-impl Run<'_> {
+impl FeedbackSynthesis<'_> {
     fn solve<P: DesignProblem>(
         &mut self,
         asked: &P,
@@ -146,7 +146,7 @@ impl Run<'_> {
         asked: &P,
         units: &Units,
         backend: &dyn Backend,
-    ) -> Result<Result<Box<ProblemSynthesized>, Attempt>, SynthesisError> {
+    ) -> Result<Result<Box<ProblemSynthesized>, FailedAttempt>, SynthesisError> {
         let scaled = asked.in_units(units);
         let given = &self.problem.plant;
         let plant = given.in_units(units);
@@ -170,7 +170,7 @@ impl Run<'_> {
                 unproved = Some(design);
             }
         }
-        Ok(Err(Attempt {
+        Ok(Err(FailedAttempt {
             unproved,
             refused: smallest.status == Status::Infeasible,
         }))

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::assemble::{Assembled, Goal, MARGIN_UNIT};
-use crate::conditions::xu2020::{decrease, vertex_term_at, Interval};
+use crate::conditions::xu2020::{decrease, vertex_term_at, SamplingEnd};
 use crate::conditions::Task;
 use crate::fuzzy::TakagiSugeno;
 use sdp::solve::Solution;
@@ -14,7 +14,7 @@ const FIRST_CHOICE: usize = 8;
 /// The same where the inertia is uncertain: the vertices are many, and a wrong start costs rounds.
 const FIRST_CHOICE_OF_SET: usize = 24;
 
-/// Part of a condition's margin that a vertex left out may use up before it counts as violated.
+/// ConditionSubset of a condition's margin that a vertex left out may use up before it counts as violated.
 const MARGIN_SHARE: f64 = 0.5;
 
 /// The same for the largest margin where the inertia is uncertain: nearly all vertices come near to the
@@ -74,7 +74,7 @@ pub(super) fn violated(
     let design = &assembled.design;
     let n = task.system.states();
     let multiplier = design.multiplier.value(&solution.values);
-    let nominal = Interval::BOTH.map(|interval| {
+    let nominal = SamplingEnd::BOTH.map(|interval| {
         let lhs = decrease(task, &DMatrix::zeros(n, n), interval, design);
         -lhs.value(&solution.values)
     });

@@ -1,9 +1,9 @@
 //! Theorem 2 as a problem for a solver.
 
-use crate::conditions::xu2020::{self, DesignUnknowns, Interval, Sector, Strictness};
+use crate::conditions::xu2020::{self, DesignUnknowns, SamplingEnd, Sector, Strictness};
 use crate::conditions::Task;
 use crate::reduce::{self, Cliques};
-use sdp::lmi::{Affine, Condition, Problem, Unknowns};
+use sdp::lmi::{Affine, Condition, LmiProblem, Unknowns};
 use sdp::solve::{Accuracy, Backend, Solver};
 
 /// How the decrease condition (18) is put to the solver; all have the same solutions.
@@ -112,7 +112,7 @@ impl Goal {
 #[derive(Debug, Clone)]
 pub struct Assembled {
     /// The problem, ready for a backend.
-    pub problem: Problem,
+    pub problem: LmiProblem,
     /// The unknowns of Theorem 2.
     pub design: DesignUnknowns,
 }
@@ -193,7 +193,7 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
         Form::Full => full_decrease(task, chosen, &design, &strictness),
     });
     Assembled {
-        problem: Problem {
+        problem: LmiProblem {
             unknowns,
             objective,
             conditions,
@@ -218,7 +218,7 @@ pub(crate) fn full_decrease(
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let mut out = Vec::new();
-    for interval in Interval::BOTH {
+    for interval in SamplingEnd::BOTH {
         for &vertex in chosen {
             if task.gains.matched().is_some() {
                 out.push(xu2020::full_matched_condition(

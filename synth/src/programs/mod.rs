@@ -6,9 +6,9 @@
 mod active;
 mod assemble;
 mod outcome;
+mod request;
 mod session;
 mod solver;
-mod subject;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
@@ -19,7 +19,7 @@ pub use outcome::{
 pub use units::{scaled_task, FIRST_UNITS};
 
 pub(crate) use assemble::{bounded_trigger_weight, full_decrease};
+pub(crate) use request::{ConditionSubset, DesignRequest};
 pub(crate) use session::Session;
 pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, SolveRequest};
-pub(crate) use subject::{Part, Subject};
 pub(crate) use units::{containment_weights, scaled, CONTAINMENT_WEIGHTS, STATE_UNITS};

@@ -11,7 +11,7 @@ use time::OffsetDateTime;
 
 use super::outcome::{Cancelled, SynthesisError};
 use crate::design::SolverRun;
-use sdp::lmi::{svec_index, Condition, Problem};
+use sdp::lmi::{svec_index, Condition, LmiProblem};
 use sdp::solve::{Accuracy, Backend, Observer, Solution};
 
 /// What is sought, and at how many vertices, for the record.
@@ -24,7 +24,7 @@ pub(crate) struct SolveRequest<'a> {
 /// Lowers and solves a problem; a run that the observer stopped is an error.
 pub(crate) fn run_solver(
     backend: &dyn Backend,
-    problem: &Problem,
+    problem: &LmiProblem,
     sought: &SolveRequest,
     observer: Option<&Observer>,
 ) -> Result<(Solution, SolverRun), SynthesisError> {

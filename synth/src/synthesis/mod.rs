@@ -5,7 +5,7 @@ mod parameter_search;
 mod run;
 mod two_certificates;
 
-pub use cross_check::{cross_check, Candidate, CrossCheck, Found};
+pub use cross_check::{cross_check, Candidate, CrossCheck, SolverOptimum};
 pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
 pub use two_certificates::{coupled_problem, synthesize_both, BothOutcome, Choice, Tried};

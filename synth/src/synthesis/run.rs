@@ -11,8 +11,8 @@ use crate::feasibility;
 use crate::model::{Mismatch, Model, Objective};
 use crate::optimality::Optimality;
 use crate::programs::{
-    containment_weights, scaled, Answer, Form, Goal, Outcome, Part, Session, Subject,
-    SynthesisError, Synthesized, STATE_UNITS,
+    containment_weights, scaled, Answer, ConditionSubset, DesignRequest, Form, Goal, Outcome,
+    Session, SynthesisError, Synthesized, STATE_UNITS,
 };
 use sdp::solve::{alternative, Backend, Observer, Status};
 
@@ -38,8 +38,8 @@ enum Attempt {
     Stuck,
 }
 
-struct Run<'a> {
-    subject: Subject<'a>,
+struct GainSynthesis<'a> {
+    subject: DesignRequest<'a>,
     search: Session<'a>,
 }
 
@@ -67,9 +67,9 @@ pub fn synthesize(
         });
     }
     let task = model.task();
-    let subject = Subject::of_model(model, model_text, &task, form);
+    let subject = DesignRequest::of_model(model, model_text, &task, form);
     let search = Session::new(form, backend, observer);
-    Run { subject, search }.search()
+    GainSynthesis { subject, search }.search()
 }
 
 /// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup
@@ -98,12 +98,12 @@ pub fn analyse(
         given: Some(gains.to_vec()),
     };
     let all: Vec<usize> = (0..gains.len()).collect();
-    let subject = Subject {
+    let subject = DesignRequest {
         model,
         model_text,
         task: &task,
         given: gains,
-        part: Part {
+        part: ConditionSubset {
             gains: &all,
             vertices: None,
         },
@@ -114,7 +114,7 @@ pub fn analyse(
         return Ok(Outcome::Infeasible(decision));
     }
     let search = Session::new(form, backend, observer);
-    Run { subject, search }.search()
+    GainSynthesis { subject, search }.search()
 }
 
 /// Runs with a solver, and with the other one where it proves nothing. The better of the two outcomes is
@@ -138,7 +138,7 @@ fn with_alternative(
 
 /// What the attempts in all units came to.
 #[derive(Default)]
-struct Found {
+struct Attempts {
     /// The best proved design.
     best: Option<Box<Synthesized>>,
     /// A design that is not proved.
@@ -149,9 +149,9 @@ struct Found {
     infeasible: u32,
 }
 
-impl Found {
+impl Attempts {
     /// Adds what another solver came to.
-    fn extend(&mut self, other: Found) {
+    fn extend(&mut self, other: Attempts) {
         self.best = self.best.take().or(other.best);
         self.unproved = self.unproved.take().or(other.unproved);
         self.bounds.extend(other.bounds);
@@ -165,14 +165,14 @@ impl Found {
     }
 }
 
-impl Run<'_> {
+impl GainSynthesis<'_> {
     fn search(mut self) -> Result<Outcome, SynthesisError> {
         let mut found = self.look()?;
         let other = self.search.alternative();
         if let Some(other) = other.as_deref().filter(|_| found.best.is_none()) {
             let form = self.subject.form.for_backend(other);
-            let mut second = Run {
-                subject: Subject {
+            let mut second = GainSynthesis {
+                subject: DesignRequest {
                     form,
                     ..self.subject
                 },
@@ -201,8 +201,8 @@ impl Run<'_> {
     }
 
     /// Looks for a proved design with one solver.
-    fn look(&mut self) -> Result<Found, SynthesisError> {
-        let mut found = Found::default();
+    fn look(&mut self) -> Result<Attempts, SynthesisError> {
+        let mut found = Attempts::default();
         for &containment_weight in containment_weights(self.subject.model) {
             let first = self.unit_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
@@ -214,7 +214,7 @@ impl Run<'_> {
     }
 
     /// Tries larger gain bounds where none was proved with the usual room.
-    fn try_wider_rooms(&mut self, found: &mut Found) -> Result<(), SynthesisError> {
+    fn try_wider_rooms(&mut self, found: &mut Attempts) -> Result<(), SynthesisError> {
         let bounds: Vec<(ProblemUnits, f64)> =
             found.bounds.iter().take(WIDENED_UNITS).copied().collect();
         for room in WIDER_ROOMS {
@@ -242,14 +242,14 @@ impl Run<'_> {
         }
         let mut task = self.subject.task.clone();
         task.gains = GainPlan::constant();
-        let mut constant = Run {
-            subject: Subject {
+        let mut constant = GainSynthesis {
+            subject: DesignRequest {
                 task: &task,
                 ..self.subject
             },
             search: self.search.fresh(self.subject.form),
         };
-        let mut found = Found::default();
+        let mut found = Attempts::default();
         let outcome = constant.try_units(weight, None, &mut found);
         self.search.runs.append(&mut constant.search.runs);
         outcome?;
@@ -262,7 +262,7 @@ impl Run<'_> {
         &mut self,
         containment_weight: f64,
         first: Option<f64>,
-        found: &mut Found,
+        found: &mut Attempts,
     ) -> Result<(), SynthesisError> {
         let mut tried: Vec<f64> = Vec::new();
         let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
@@ -322,9 +322,9 @@ fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthe
     }
 }
 
-impl Run<'_> {
+impl GainSynthesis<'_> {
     /// A design with the record of all runs so far.
-    fn closed(&self, mut design: Box<Synthesized>, found: &Found) -> Box<Synthesized> {
+    fn closed(&self, mut design: Box<Synthesized>, found: &Attempts) -> Box<Synthesized> {
         let gamma = design.file.certificate.gamma;
         design.optimality = Optimality::of_smallest(gamma, found.best_seen());
         design.solve_seconds = self.search.seconds();

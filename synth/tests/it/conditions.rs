@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use synth::certify::interval::Interval as Enclosure;
 use synth::certify::theorem1::{for_each_condition, Certificate};
 use synth::certify::Verdict;
-use synth::conditions::xu2020::{decrease, Interval, Sector, DEAD_ZONE_UNIT};
+use synth::conditions::xu2020::{decrease, SamplingEnd, Sector, DEAD_ZONE_UNIT};
 use synth::conditions::Task;
 use synth::design::recover;
 use synth::model::Model;
@@ -48,8 +48,8 @@ fn assert_published_matrix_equals_the_proof(sector: Sector) {
         let vertex = &task.system.vertices[0];
         let matrix =
             |interval| decrease(&task, vertex, interval, &point.design).value(&point.values);
-        let start = matrix(Interval::Start);
-        let end = schur_complement(&matrix(Interval::End), task.system.states());
+        let start = matrix(SamplingEnd::Start);
+        let end = schur_complement(&matrix(SamplingEnd::End), task.system.states());
         for _ in 0..5 {
             let mut at = any_instant(&mut stream, &task);
             if sector == Sector::Unsaturated {

@@ -221,7 +221,7 @@ fn published_sum(
     }
     let multiplier = point.design.multiplier.value(values);
     for (part, r, moments) in ends() {
-        let interval = xu2020::Interval::BOTH[r - 1];
+        let interval = xu2020::SamplingEnd::BOTH[r - 1];
         let suffix = gain_suffix(task.gains.count, part.gain);
         let zero = DMatrix::zeros(n, n);
         let design = point.design.with_rule(part.gain);

@@ -5,7 +5,9 @@ use crate::expressions::{lowered_value, Pair, Sdpa, World};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use synth::conditions::xu2020::Strictness;
-use synth::lmi::{svec_index, Affine, Condition, Problem, Semidefinite, SymmetricBlocks, Unknowns};
+use synth::lmi::{
+    svec_index, Affine, Condition, LmiProblem, Semidefinite, SymmetricBlocks, Unknowns,
+};
 use synth::solve::{Accuracy, Backend, Clarabel, Padding, Solution, Status};
 
 /// Nothing is written beside the sources: a failing seed is printed.
@@ -174,7 +176,7 @@ proptest! {
         let (x, y) = (world.symmetric(side), world.affine(other, side));
         let congruence = y.expression.transposed() * &world.constant(other, side);
         let objective = world.scalar().expression + world.affine(1, 1).expression;
-        let problem = Problem {
+        let problem = LmiProblem {
             objective,
             conditions: vec![
                 Condition::positive("first", x.expression.clone(), 0.375),
@@ -297,7 +299,7 @@ const TIGHT: Accuracy = Accuracy {
     objective_unit: 1.0,
 };
 
-fn solve(problem: &Problem) -> Solution {
+fn solve(problem: &LmiProblem) -> Solution {
     let solutions = [Padding::None, Padding::FromSide(2)].map(|padding| {
         let solution = Clarabel { padding }.solve(&problem.lower(), TIGHT, None);
         solution.expect("a problem with finite numbers")
@@ -329,7 +331,7 @@ fn the_solver_sees_every_entry_of_the_matrices_at_its_place() {
                 let mut unknowns = Unknowns::new();
                 let t = unknowns.scalar("t");
                 let pencil = Affine::constant(&c) + t.times_matrix(&d);
-                let problem = Problem {
+                let problem = LmiProblem {
                     unknowns,
                     objective: sign * &t,
                     conditions: vec![Condition::semidefinite("pencil", pencil)],
@@ -396,7 +398,7 @@ fn the_solver_projects_onto_the_positive_semidefinite_matrices() {
         bordered.add(0, 0, &t.times_matrix(&DMatrix::identity(count, count)));
         bordered.add(0, 1, &column);
         bordered.add(1, 1, &t);
-        let problem = Problem {
+        let problem = LmiProblem {
             unknowns,
             objective: t,
             conditions: vec![
@@ -423,7 +425,7 @@ fn a_margin_moves_the_optimum_by_itself() {
         let p = unknowns.scalar("p");
         let exchange = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, 1.0, 0.0]);
         let matrix = p.times_matrix(&DMatrix::identity(2, 2)) + Affine::constant(&exchange);
-        let problem = Problem {
+        let problem = LmiProblem {
             unknowns,
             objective: p,
             conditions: vec![Condition::positive("both", matrix, margin)],
@@ -441,7 +443,7 @@ fn a_margin_moves_the_optimum_by_itself() {
 fn a_constant_in_the_objective_is_kept() {
     let mut unknowns = Unknowns::new();
     let p = unknowns.scalar("p");
-    let problem = Problem {
+    let problem = LmiProblem {
         objective: 2.0 * &p + Affine::identity(1, 5.0),
         conditions: vec![Condition::positive("p", p, 3.0)],
         unknowns,

@@ -5,7 +5,7 @@ use crate::random;
 use crate::random::{assert_close, positive_definite, uniform, Point, Sizes};
 use nalgebra::DMatrix;
 use synth::conditions::xu2020::{
-    decrease, decrease_form, Interval, Sector, Strictness, DEAD_ZONE_UNIT,
+    decrease, decrease_form, SamplingEnd, Sector, Strictness, DEAD_ZONE_UNIT,
 };
 use synth::conditions::Task;
 use synth::lmi::{Affine, Condition, Unknowns};
@@ -23,7 +23,7 @@ fn smallest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
 }
 
 /// T: the rows of the full condition from the reduced coordinates.
-fn transform(task: &Task, point: &Point, interval: Interval) -> DMatrix<f64> {
+fn transform(task: &Task, point: &Point, interval: SamplingEnd) -> DMatrix<f64> {
     let at = coordinates(task, &point.design, interval);
     let mut blocks = vec![
         at.state.clone(),
@@ -33,7 +33,7 @@ fn transform(task: &Task, point: &Point, interval: Interval) -> DMatrix<f64> {
         &at.dead_zone / DEAD_ZONE_UNIT,
         at.disturbance.clone(),
     ];
-    if interval == Interval::End {
+    if interval == SamplingEnd::End {
         blocks.push(at.integral.clone());
     }
     let rows: Vec<_> = blocks
@@ -62,7 +62,7 @@ fn the_full_matrix_in_the_reduced_coordinates_is_the_common_form_plus_the_vertex
         let sizes = Sizes::any(&mut stream);
         let task = random::model(&mut stream, sizes, false).task();
         let point = Point::random(&mut stream, &task, SECTORS[case % 2]);
-        for interval in Interval::BOTH {
+        for interval in SamplingEnd::BOTH {
             let t = transform(&task, &point, interval);
             assert_eq!(t.nrows(), t.ncols());
             assert!(t.clone().try_inverse().is_some(), "a congruence");
@@ -149,7 +149,7 @@ impl Reduced {
     }
 
     /// The cliques of one end of the interval with their blocks.
-    fn cliques(&self, interval: Interval) -> Vec<(String, &'static [usize])> {
+    fn cliques(&self, interval: SamplingEnd) -> Vec<(String, &'static [usize])> {
         let prefix = format!("decrease r={} clique ", interval.index());
         let names = self.conditions.iter().filter_map(|condition| {
             let clique = condition.name().strip_prefix(&prefix)?;
@@ -159,7 +159,7 @@ impl Reduced {
     }
 
     /// Sets a matrix unknown of one end of the interval: its name's first or second occurrence.
-    fn set(&mut self, name: &str, interval: Interval, matrix: &DMatrix<f64>) {
+    fn set(&mut self, name: &str, interval: SamplingEnd, matrix: &DMatrix<f64>) {
         let names = self.point.unknowns.names();
         let first = format!("{name}[0,0]");
         let starts: Vec<usize> = (0..names.len()).filter(|&k| names[k] == first).collect();
@@ -182,7 +182,7 @@ impl Reduced {
 fn full_in_reduced_coordinates(
     task: &Task,
     point: &Point,
-    interval: Interval,
+    interval: SamplingEnd,
     vertex: usize,
     margin: f64,
 ) -> DMatrix<f64> {
@@ -208,7 +208,7 @@ fn at_any_point_the_cliques_and_a_vertex_block_add_up_to_the_full_condition_of_t
                 *value = stream.signed_unit();
             }
         }
-        for interval in Interval::BOTH {
+        for interval in SamplingEnd::BOTH {
             let sizes_of = block_sizes(&task, &reduced.point.design, interval);
             let side = sizes_of.iter().sum();
             let cliques = reduced.cliques(interval);
@@ -251,7 +251,7 @@ const SHARE: f64 = 0.25;
 /// complements, moved inside by a part of the room there is.
 fn complete(reduced: &mut Reduced, task: &Task, margin: f64) {
     let n = task.system.states();
-    for interval in Interval::BOTH {
+    for interval in SamplingEnd::BOTH {
         let sizes = block_sizes(task, &reduced.point.design, interval);
         let side: usize = sizes.iter().sum();
         let full =
@@ -337,7 +337,7 @@ fn every_point_of_the_full_condition_extends_to_one_of_the_reduced_condition() {
         let (point, _) = solve(&task, Form::Full, Goal::LargestMargin { gain_bound });
         let margin = 1e-6;
         let vertices = 0..task.system.vertices.len();
-        let given = Interval::BOTH.map(|interval| {
+        let given = SamplingEnd::BOTH.map(|interval| {
             let matrices = vertices
                 .clone()
                 .map(|vertex| full_in_reduced_coordinates(&task, &point, interval, vertex, margin));

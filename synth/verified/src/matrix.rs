@@ -146,12 +146,12 @@ impl Matrix<Interval> {
 
 /// A symmetric block matrix; blocks on and above the diagonal are given.
 #[derive(Debug, Clone)]
-pub struct SymmetricBlocks<S> {
+pub struct SymmetricBlockMatrix<S> {
     offsets: Vec<usize>,
     matrix: Matrix<S>,
 }
 
-impl<S: Scalar> SymmetricBlocks<S> {
+impl<S: Scalar> SymmetricBlockMatrix<S> {
     /// Zeros, with the given block sizes.
     pub fn new(sizes: &[usize]) -> Self {
         let mut offsets = vec![0];
@@ -159,7 +159,7 @@ impl<S: Scalar> SymmetricBlocks<S> {
             offsets.push(offsets[offsets.len() - 1] + size);
         }
         let side = offsets[sizes.len()];
-        SymmetricBlocks {
+        SymmetricBlockMatrix {
             offsets,
             matrix: Matrix::zeros(side, side),
         }

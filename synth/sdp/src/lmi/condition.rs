@@ -52,7 +52,7 @@ impl Condition {
 
 /// `minimise objective(y)` subject to all conditions.
 #[derive(Debug, Clone)]
-pub struct Problem {
+pub struct LmiProblem {
     /// The unknowns of every expression below.
     pub unknowns: Unknowns,
     /// The objective, 1 x 1.

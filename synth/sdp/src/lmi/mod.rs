@@ -2,7 +2,7 @@
 //!
 //! [`Unknowns`] hands out matrix unknowns as [`Affine`] expressions; constant factors, sums,
 //! transposes and blocks of them are again [`Affine`]. A [`Condition`] is such an expression with
-//! a name, a sign and a margin; a [`Problem`] is a list of conditions with a linear objective. It is
+//! a name, a sign and a margin; a [`LmiProblem`] is a list of conditions with a linear objective. It is
 //! lowered once, to a [`Semidefinite`] program, which every backend and file writer reads.
 //!
 //! ```
@@ -38,7 +38,7 @@ mod unknowns;
 
 pub use affine::Affine;
 pub use blocks::SymmetricBlocks;
-pub use condition::{Condition, Problem};
+pub use condition::{Condition, LmiProblem};
 pub use sdpa_read::SdpaError;
 pub use semidefinite::{svec_index, Cone, Entry, Semidefinite};
 pub use strictness::Strictness;

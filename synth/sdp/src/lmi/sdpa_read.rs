@@ -79,7 +79,7 @@ pub enum SdpaError {
 }
 
 /// Entries of one matrix: (row, column) to value, row <= column.
-type Matrix = BTreeMap<(usize, usize), f64>;
+type SparseMatrix = BTreeMap<(usize, usize), f64>;
 
 /// A block of the file: the cones it becomes, one for each row when it is diagonal.
 struct FileBlock {
@@ -131,7 +131,7 @@ impl Semidefinite {
         for (line, word) in reader.words(unknowns, "the costs", false)? {
             cost.push(number::<f64>(line, word, "a cost")?);
         }
-        let mut matrices: Vec<BTreeMap<usize, Matrix>> = vec![BTreeMap::new(); cones.len()];
+        let mut matrices: Vec<BTreeMap<usize, SparseMatrix>> = vec![BTreeMap::new(); cones.len()];
         while let Some((line, text)) = reader.line() {
             reader_entry(line, text, unknowns, &blocks, &mut matrices)?;
         }
@@ -146,7 +146,7 @@ impl Semidefinite {
     }
 }
 
-fn cone(name: String, side: usize, matrices: BTreeMap<usize, Matrix>) -> Cone {
+fn cone(name: String, side: usize, matrices: BTreeMap<usize, SparseMatrix>) -> Cone {
     let mut out = Cone {
         name,
         side,
@@ -178,7 +178,7 @@ fn reader_entry(
     text: &str,
     unknowns: usize,
     blocks: &[FileBlock],
-    matrices: &mut [BTreeMap<usize, Matrix>],
+    matrices: &mut [BTreeMap<usize, SparseMatrix>],
 ) -> Result<(), SdpaError> {
     let words: Vec<&str> = split(text).collect();
     let [matrix, block, row, column, value] = words[..] else {

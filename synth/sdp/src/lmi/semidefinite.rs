@@ -1,6 +1,6 @@
 //! The lowered form that backends and file writers read.
 
-use super::{Affine, Problem};
+use super::{Affine, LmiProblem};
 
 /// One entry of a symmetric matrix: row <= column, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +43,7 @@ pub fn svec_index(row: usize, column: usize) -> usize {
     column * (column + 1) / 2 + row
 }
 
-impl Problem {
+impl LmiProblem {
     /// Lowers the problem to lists of entries.
     pub fn lower(&self) -> Semidefinite {
         let mut cost = vec![0.0; self.unknowns.count()];

@@ -23,7 +23,7 @@
 //! which the matrices are positive definite and the constant is negative.
 
 pub mod balance;
-mod end;
+mod moments;
 mod scope;
 mod weights;
 

@@ -7,7 +7,7 @@
 //! stating P_j and R on (B'v, p, x(t_k)) only: the N_j do not see the rest of v, and it can be
 //! minimised out of all P_j at once.
 
-use super::unknowns::{DesignUnknowns, Interval, DEAD_ZONE_UNIT};
+use super::unknowns::{DesignUnknowns, SamplingEnd, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
 use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
@@ -31,7 +31,7 @@ pub(super) fn bounded(
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let mut out = Vec::new();
-    for (slack, interval) in unknowns.mismatch.iter().zip(Interval::BOTH) {
+    for (slack, interval) in unknowns.mismatch.iter().zip(SamplingEnd::BOTH) {
         for (rule, bound) in slack.bounds.iter().enumerate().take(task.gains.count) {
             let difference = gain_form(unknowns, rule) - slack.common.clone();
             let r = interval.index();

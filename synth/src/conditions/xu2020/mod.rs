@@ -20,7 +20,7 @@ pub use decrease::{
     vertex_term_at, Coordinates,
 };
 pub use unknowns::{
-    DesignUnknowns, Interval, MismatchUnknowns, RuleUnknowns, Sector, SectorUnknowns,
+    DesignUnknowns, MismatchUnknowns, RuleUnknowns, SamplingEnd, Sector, SectorUnknowns,
     DEAD_ZONE_UNIT,
 };
 

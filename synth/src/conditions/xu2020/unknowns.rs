@@ -6,22 +6,22 @@ use sdp::lmi::{Affine, Unknowns};
 /// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
 /// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Interval {
+pub enum SamplingEnd {
     /// r = 1: just after a sample, where hbar x'Yx' counts.
     Start,
     /// r = 2: just before the next sample, where the integral term counts.
     End,
 }
 
-impl Interval {
+impl SamplingEnd {
     /// Both ends.
-    pub const BOTH: [Interval; 2] = [Interval::Start, Interval::End];
+    pub const BOTH: [SamplingEnd; 2] = [SamplingEnd::Start, SamplingEnd::End];
 
     /// The index r of (18).
     pub fn index(self) -> usize {
         match self {
-            Interval::Start => 1,
-            Interval::End => 2,
+            SamplingEnd::Start => 1,
+            SamplingEnd::End => 2,
         }
     }
 }
@@ -88,7 +88,7 @@ impl MismatchUnknowns {
         }
         let (n, m) = (task.system.states(), task.system.inputs());
         let side = n + if sector { 2 * m } else { m };
-        let one = |interval: Interval| {
+        let one = |interval: SamplingEnd| {
             let r = interval.index();
             let names = (1..=task.gains.count).map(|rule| format!("P{r},{rule}"));
             MismatchUnknowns {
@@ -96,7 +96,7 @@ impl MismatchUnknowns {
                 common: unknowns.symmetric(&format!("R{r}"), side),
             }
         };
-        Interval::BOTH.map(one).into_iter().collect()
+        SamplingEnd::BOTH.map(one).into_iter().collect()
     }
 
     /// `kappa sum_j P_j`.

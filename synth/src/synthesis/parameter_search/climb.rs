@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::inner::{Inner, Point};
+use super::inner::{Inner, SearchPoint};
 use super::parameters::Space;
 use crate::programs::SynthesisError;
 
@@ -29,7 +29,7 @@ const SMALL_RISES: usize = 2;
 
 struct Ascent<'a> {
     space: &'a Space,
-    best: Point,
+    best: SearchPoint,
     /// Estimate of the inverse of minus the second derivative.
     curvature: DMatrix<f64>,
     known: bool,
@@ -40,10 +40,10 @@ struct Ascent<'a> {
 /// to go on.
 pub fn climb(
     inner: &Inner<'_>,
-    start: Point,
+    start: SearchPoint,
     effort: Effort,
-    tell: &mut dyn FnMut(&Point) -> bool,
-) -> Result<Point, SynthesisError> {
+    tell: &mut dyn FnMut(&SearchPoint) -> bool,
+) -> Result<SearchPoint, SynthesisError> {
     let size = start.coordinates.len();
     let mut ascent = Ascent {
         space: inner.space,
@@ -142,18 +142,18 @@ impl Ascent<'_> {
         &self,
         inner: &Inner<'_>,
         direction: &DVector<f64>,
-    ) -> Result<Option<(Point, bool)>, SynthesisError> {
+    ) -> Result<Option<(SearchPoint, bool)>, SynthesisError> {
         let at = |part: f64| {
             let from = DVector::from_column_slice(&self.best.coordinates);
             let to: Vec<f64> = (from + direction * part).iter().copied().collect();
             self.space.inside(&to)
         };
-        let solve = |coordinates: Vec<f64>| -> Result<Option<Point>, SynthesisError> {
+        let solve = |coordinates: Vec<f64>| -> Result<Option<SearchPoint>, SynthesisError> {
             let value = inner.solve(&coordinates, &self.best.value.linearisation)?;
-            Ok(value.map(|value| Point { coordinates, value }))
+            Ok(value.map(|value| SearchPoint { coordinates, value }))
         };
         let (long, short) = rayon::join(|| solve(at(1.0)), || solve(at(SHORTER)));
-        let height = |point: &Option<Point>| {
+        let height = |point: &Option<SearchPoint>| {
             let height = point.as_ref().map(|point| point.value.height);
             height.unwrap_or(f64::NEG_INFINITY)
         };
@@ -165,7 +165,7 @@ impl Ascent<'_> {
     }
 
     /// The BFGS update of the curvature by a step.
-    fn learn(&mut self, to: &Point) {
+    fn learn(&mut self, to: &SearchPoint) {
         let vector = |values: &[f64]| DVector::from_column_slice(values);
         let step = vector(&to.coordinates) - vector(&self.best.coordinates);
         let change = vector(&self.best.value.slope) - vector(&to.value.slope);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::denial::{decision, denied};
-use super::inner::{Aim, Inner, Point, REGION_MARGIN};
+use super::inner::{Aim, Inner, SearchPoint, REGION_MARGIN};
 use super::plan::Plan;
 use super::shortfall::sensitivities;
 use super::start;
@@ -15,15 +15,15 @@ use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, Varie
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
-    Assembled, Form, Goal, Outcome, Session, Shortfall, Subject, SynthesisError, Synthesized,
+    Assembled, DesignRequest, Form, Goal, Outcome, Session, Shortfall, SynthesisError, Synthesized,
 };
 use crate::scaling::Scaling;
 use sdp::solve::Status;
 
 /// How the design is tried, one way after the other until one is proved.
 #[derive(Debug, Clone, Copy)]
-struct Way {
-    /// Part of the scale found that is given away for room.
+struct AttemptSettings {
+    /// ConditionSubset of the scale found that is given away for room.
     shrinking: f64,
     /// Unit of the state, relative to the search's.
     unit: f64,
@@ -32,21 +32,22 @@ struct Way {
     margin: f64,
 }
 
-const fn way(shrinking: f64, unit: f64, margin: f64) -> Way {
-    Way {
+const fn way(shrinking: f64, unit: f64, margin: f64) -> AttemptSettings {
+    AttemptSettings {
         shrinking,
         unit,
         margin,
     }
 }
 
-const REGION_WAYS: [Way; 1] = [way(1e-2, 1.0, 0.1 * REGION_MARGIN)];
+const REGION_WAYS: [AttemptSettings; 1] = [way(1e-2, 1.0, 0.1 * REGION_MARGIN)];
 
 /// Points of the way to a region's summit that are tried, as parts of it: a summit may lie where the solver's digits
 /// do not suffice.
 const POINTS: [f64; 5] = [1.0, 0.6, 0.4, 0.2, 0.0];
 
-const GAIN_WAYS: [Way; 3] = [way(0.0, 1.0, 0.0), way(0.0, 0.25, 0.0), way(0.0, 4.0, 0.0)];
+const GAIN_WAYS: [AttemptSettings; 3] =
+    [way(0.0, 1.0, 0.0), way(0.0, 0.25, 0.0), way(0.0, 4.0, 0.0)];
 
 /// The bound g of the exported design, relative to the smallest: the price of a margin. A region is not after the
 /// gain and can pay more.
@@ -68,7 +69,7 @@ struct Making<'a> {
     task: &'a Task,
     scaling: &'a Scaling,
     units: ProblemUnits,
-    point: &'a Point,
+    point: &'a SearchPoint,
 }
 
 /// What the design is made for.
@@ -83,7 +84,11 @@ pub struct Finish<'a> {
 impl Finish<'_> {
     /// Makes the design at the last of the points, or at an earlier one where it is not proved, and says
     /// whether it is what was asked for.
-    pub fn outcome(&self, trail: &[Point], runs: &mut Session) -> Result<Outcome, SynthesisError> {
+    pub fn outcome(
+        &self,
+        trail: &[SearchPoint],
+        runs: &mut Session,
+    ) -> Result<Outcome, SynthesisError> {
         let Some(summit) = trail.last() else {
             return Ok(denied("the search found no point".to_string(), runs));
         };
@@ -120,7 +125,7 @@ impl Finish<'_> {
     }
 
     /// The outcome with its objective beside the best one that the search saw.
-    fn compared(&self, mut outcome: Outcome, summit: &Point) -> Outcome {
+    fn compared(&self, mut outcome: Outcome, summit: &SearchPoint) -> Outcome {
         if let Outcome::Solved(design) = &mut outcome {
             let height = summit.value.height;
             design.optimality = match self.inner.aim {
@@ -140,8 +145,8 @@ impl Finish<'_> {
     /// A proved design at a point, if one of the ways leads to it.
     fn at(
         &self,
-        point: &Point,
-        ways: &[Way],
+        point: &SearchPoint,
+        ways: &[AttemptSettings],
         runs: &mut Session,
         unproved: &mut Option<Box<Synthesized>>,
     ) -> Result<Option<Outcome>, SynthesisError> {
@@ -169,7 +174,7 @@ impl Finish<'_> {
     }
 
     /// The point with its numbers in few digits.
-    fn rounded(&self, point: &Point) -> Result<Point, SynthesisError> {
+    fn rounded(&self, point: &SearchPoint) -> Result<SearchPoint, SynthesisError> {
         let space = &self.plan.space;
         let file = space.at(&point.coordinates);
         let ranges = space.ranges.iter().zip(&point.coordinates);
@@ -179,7 +184,7 @@ impl Finish<'_> {
                 value.map_or(at, |value| range.parameter.coordinate(value))
             })
             .collect();
-        let near = Point {
+        let near = SearchPoint {
             coordinates: space.inside(&coordinates),
             value: point.value.clone(),
         };
@@ -188,7 +193,7 @@ impl Finish<'_> {
     }
 
     /// The model at a point, with what it contains.
-    fn model_at(&self, point: &Point, shrinking: f64) -> Option<Model> {
+    fn model_at(&self, point: &SearchPoint, shrinking: f64) -> Option<Model> {
         let mut file = self.plan.space.at(&point.coordinates);
         for range in &self.plan.space.ranges {
             if let Some(value) = range.parameter.of(&file) {
@@ -212,8 +217,8 @@ impl Finish<'_> {
 
     fn attempt(
         &self,
-        point: &Point,
-        way: Way,
+        point: &SearchPoint,
+        way: AttemptSettings,
         runs: &mut Session,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let Some(model) = self.model_at(point, way.shrinking) else {
@@ -291,7 +296,7 @@ impl Finish<'_> {
         if add_claims(model, &mut certificate).is_err() {
             return Ok(None);
         }
-        let subject = Subject::of_model(model, self.model_text, making.task, self.form);
+        let subject = DesignRequest::of_model(model, self.model_text, making.task, self.form);
         let mut design = match subject.design(&certificate, making.units) {
             Ok(design) => design,
             // Numbers that no design file may hold: a failed attempt.
@@ -302,7 +307,7 @@ impl Finish<'_> {
         Ok(Some(design))
     }
 
-    fn record(&self, point: &Point, file: &ModelFile) -> SearchRecord {
+    fn record(&self, point: &SearchPoint, file: &ModelFile) -> SearchRecord {
         let varied = self.plan.space.ranges.iter().filter_map(|range| {
             let [lowest, highest] = range.limits;
             range.parameter.of(file).map(|value| VariedFile {
@@ -362,7 +367,7 @@ impl Finish<'_> {
     /// How far one gets, with a proof, where that is not what was asked for.
     fn short(
         &self,
-        point: &Point,
+        point: &SearchPoint,
         design: Box<Synthesized>,
         runs: &Session,
     ) -> Result<Outcome, SynthesisError> {

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::parameters::{Parameter, Space};
-use super::watch::Watch;
+use super::progress::SearchProgress;
 use crate::conditions::xu2020::Coverage;
 use crate::conditions::Task;
 use crate::model::{Model, ModelFile};
@@ -44,7 +44,7 @@ pub struct Inner<'a> {
     /// The solver.
     pub backend: &'a (dyn Backend + Sync),
     /// Who is told and may stop it.
-    pub watch: &'a Watch,
+    pub watch: &'a SearchProgress,
 }
 
 /// What the program gave at a point.
@@ -211,7 +211,11 @@ impl Inner<'_> {
     }
 
     /// The value's slopes along other numbers of the model, relative: `turn` multiplies one by a factor.
-    pub fn slopes_along(&self, point: &Point, turns: &[&Turn]) -> Result<Vec<f64>, SynthesisError> {
+    pub fn slopes_along(
+        &self,
+        point: &SearchPoint,
+        turns: &[&Turn],
+    ) -> Result<Vec<f64>, SynthesisError> {
         let linearisation = &point.value.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
             return Ok(vec![f64::NAN; turns.len()]);
@@ -236,7 +240,7 @@ impl Inner<'_> {
     }
 
     /// The same along the bounds on the gain.
-    pub fn slope_along_gamma(&self, point: &Point) -> Result<Option<f64>, SynthesisError> {
+    pub fn slope_along_gamma(&self, point: &SearchPoint) -> Result<Option<f64>, SynthesisError> {
         let linearisation = &point.value.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
             return Ok(None);
@@ -304,7 +308,7 @@ mod tests {
     }"#;
 
     fn assert_slopes(aim: &Aim, plan: &Plan, model: &Model) {
-        let watch = Watch::new(None);
+        let watch = SearchProgress::new(None);
         let backend = Structured::default();
         let scaling = Scaling::automatic(&model.task().system, 0.5);
         let inner = Inner {
@@ -352,7 +356,7 @@ mod tests {
 
 /// A solved point.
 #[derive(Debug, Clone)]
-pub struct Point {
+pub struct SearchPoint {
     /// Its coordinates.
     pub coordinates: Vec<f64>,
     /// What was found there.

@@ -12,18 +12,18 @@ mod finish;
 mod inner;
 mod parameters;
 mod plan;
+mod progress;
 mod shortfall;
 mod start;
-mod watch;
 
 pub use finish::reached;
 
 use climb::{climb, Effort};
 use denial::denied;
 use finish::Finish;
-use inner::{Aim, Inner, Point};
+use inner::{Aim, Inner, SearchPoint};
 use plan::{outside_every_box, Plan};
-use watch::Watch;
+use progress::SearchProgress;
 
 use crate::model::Model;
 use crate::programs::{Form, Outcome, Session, SynthesisError};
@@ -54,7 +54,7 @@ pub fn search(
     if let Some(reason) = outside_every_box(model, &plan) {
         return Ok(denied(reason, &runs));
     }
-    let watch = Watch::new(observer);
+    let watch = SearchProgress::new(observer);
     // Two points at a time, each on one thread.
     let mut own = Structured::default();
     own.threads = 1;
@@ -68,8 +68,8 @@ pub fn search(
         watch: &watch,
     };
     let points = match whole.best(model)? {
-        Found::Points(points) => points,
-        Found::Nothing(reason) => return Ok(denied(reason, &runs)),
+        SearchResult::Points(points) => points,
+        SearchResult::Nothing(reason) => return Ok(denied(reason, &runs)),
     };
     let inner = whole.inner(&plan.aim, &plan.covered);
     let finish = Finish {
@@ -87,13 +87,13 @@ struct Whole<'a> {
     plan: &'a Plan,
     scaling: &'a Scaling,
     backend: &'a Structured,
-    watch: &'a Watch,
+    watch: &'a SearchProgress,
 }
 
 /// What a search came to.
-enum Found {
+enum SearchResult {
     /// The points passed on the way, the summit last.
-    Points(Vec<Point>),
+    Points(Vec<SearchPoint>),
     /// There is no design, as far as the search can tell.
     Nothing(String),
 }
@@ -110,28 +110,28 @@ impl<'a> Whole<'a> {
         }
     }
 
-    fn best(&self, model: &Model) -> Result<Found, SynthesisError> {
+    fn best(&self, model: &Model) -> Result<SearchResult, SynthesisError> {
         let inner = self.inner(&self.plan.aim, &self.plan.covered);
         let begun = match self.plan.covered.is_empty() {
             true => start::first(&inner)?,
             false => match self.covering(model)? {
                 Ok(point) => start::again(&inner, &point)?,
-                Err(reason) => return Ok(Found::Nothing(reason)),
+                Err(reason) => return Ok(SearchResult::Nothing(reason)),
             },
         };
         let Some(begun) = begun else {
-            return Ok(Found::Nothing(self.no_start(model)?));
+            return Ok(SearchResult::Nothing(self.no_start(model)?));
         };
         let mut trail = vec![begun.clone()];
         // Every rise is told, so that the last point of the trail is the summit.
         self.climb(&inner, begun, f64::INFINITY, &mut |point| {
             trail.push(point.clone());
         })?;
-        Ok(Found::Points(trail))
+        Ok(SearchResult::Points(trail))
     }
 
     /// A point at which all that must be covered is covered.
-    fn covering(&self, model: &Model) -> Result<Result<Point, String>, SynthesisError> {
+    fn covering(&self, model: &Model) -> Result<Result<SearchPoint, String>, SynthesisError> {
         let (gamma_max, gain_max) = match self.plan.aim {
             Aim::Reach {
                 gamma_max,
@@ -169,10 +169,10 @@ impl<'a> Whole<'a> {
     fn climb(
         &self,
         inner: &Inner<'_>,
-        begun: Point,
+        begun: SearchPoint,
         enough: f64,
-        passed: &mut dyn FnMut(&Point),
-    ) -> Result<Point, SynthesisError> {
+        passed: &mut dyn FnMut(&SearchPoint),
+    ) -> Result<SearchPoint, SynthesisError> {
         let effort = Effort {
             rounds: self.plan.limits.rounds as usize,
             rise: SMALL_RISE,

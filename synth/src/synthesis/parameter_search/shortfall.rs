@@ -1,6 +1,6 @@
 //! Why a search did not reach what was asked for, and what holds it back.
 
-use super::inner::{Aim, Inner, Point, Turn};
+use super::inner::{Aim, Inner, SearchPoint, Turn};
 use super::parameters::Parameter;
 use crate::model::{ModelFile, PlantFile};
 use crate::programs::{Sensitivity, SynthesisError};
@@ -79,7 +79,10 @@ fn knobs(file: &ModelFile, fixed: &[Parameter]) -> Vec<Knob> {
 }
 
 /// What holds a point back: the numbers that the search could not change (further), by their effect.
-pub fn sensitivities(inner: &Inner<'_>, point: &Point) -> Result<Vec<Sensitivity>, SynthesisError> {
+pub fn sensitivities(
+    inner: &Inner<'_>,
+    point: &SearchPoint,
+) -> Result<Vec<Sensitivity>, SynthesisError> {
     let file = inner.space.at(&point.coordinates);
     let all = [
         Parameter::DecayRate,

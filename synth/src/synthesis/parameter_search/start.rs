@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::inner::{Aim, Inner, Point};
+use super::inner::{Aim, Inner, SearchPoint};
 use super::parameters::Parameter;
 use crate::programs::SynthesisError;
 
@@ -15,7 +15,7 @@ const WEIGHTS: [f64; 3] = [0.25, 0.5, 0.1];
 const BOXES: [f64; 4] = [1.0, 0.4, 2.5, 0.1];
 
 /// The best of the starts that can be solved: the model's own numbers first, others when they cannot.
-pub fn first(inner: &Inner<'_>) -> Result<Option<Point>, SynthesisError> {
+pub fn first(inner: &Inner<'_>) -> Result<Option<SearchPoint>, SynthesisError> {
     let weights = match inner.aim {
         Aim::Reach { .. } => &WEIGHTS[..],
         Aim::Gain if inner.covered.is_empty() => &WEIGHTS[..1],
@@ -33,7 +33,7 @@ pub fn first(inner: &Inner<'_>) -> Result<Option<Point>, SynthesisError> {
             .iter()
             .flat_map(|point| weights.iter().map(move |&weight| (point, weight)))
             .collect();
-        let solved: Result<Vec<Option<Point>>, SynthesisError> = starts
+        let solved: Result<Vec<Option<SearchPoint>>, SynthesisError> = starts
             .par_iter()
             .map(|(coordinates, weight)| solve(inner, coordinates, *weight))
             .collect();
@@ -47,9 +47,12 @@ pub fn first(inner: &Inner<'_>) -> Result<Option<Point>, SynthesisError> {
 }
 
 /// The same point with another aim.
-pub fn again(inner: &Inner<'_>, point: &Point) -> Result<Option<Point>, SynthesisError> {
+pub fn again(
+    inner: &Inner<'_>,
+    point: &SearchPoint,
+) -> Result<Option<SearchPoint>, SynthesisError> {
     let value = inner.solve(&point.coordinates, &point.value.linearisation)?;
-    Ok(value.map(|value| Point {
+    Ok(value.map(|value| SearchPoint {
         coordinates: point.coordinates.clone(),
         value,
     }))
@@ -59,14 +62,14 @@ fn solve(
     inner: &Inner<'_>,
     coordinates: &[f64],
     weight: f64,
-) -> Result<Option<Point>, SynthesisError> {
+) -> Result<Option<SearchPoint>, SynthesisError> {
     let states = inner.scaling.state.len();
     let file = inner.space.at(coordinates);
     // With eps_1 = 0 any weight is as good as another.
     let unit = file.specs.eps[0].abs().max(1e-3);
     let linearisation = DMatrix::identity(states, states) * (weight / unit);
     let value = inner.solve(coordinates, &linearisation)?;
-    Ok(value.map(|value| Point {
+    Ok(value.map(|value| SearchPoint {
         coordinates: coordinates.to_vec(),
         value,
     }))

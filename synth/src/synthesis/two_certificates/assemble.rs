@@ -15,7 +15,7 @@ use crate::design::Coupling;
 use crate::programs::{bounded_trigger_weight, full_decrease, Form, Goal, MARGIN_UNIT};
 use crate::reduce::{self, Cliques};
 use crate::scaling::Scaling;
-use sdp::lmi::{Affine, Condition, Problem, Unknowns};
+use sdp::lmi::{Affine, Condition, LmiProblem, Unknowns};
 
 /// A task in units of its own.
 pub(super) struct Scaled {
@@ -25,22 +25,22 @@ pub(super) struct Scaled {
 
 /// The problem with handles on its unknowns.
 pub(super) struct Coupled {
-    pub problem: Problem,
+    pub problem: LmiProblem,
     pub inner: DesignUnknowns,
     pub outer: DesignUnknowns,
 }
 
 /// The unknowns that both certificates share, in the units of one of them.
-struct Shared {
+struct SharedUnknowns {
     multiplier: Affine,
     gain: Affine,
     trigger_weight: Affine,
 }
 
-impl Shared {
+impl SharedUnknowns {
     fn new(unknowns: &mut Unknowns, task: &Task) -> Self {
         let (states, inputs) = (task.system.states(), task.system.inputs());
-        Shared {
+        SharedUnknowns {
             trigger_weight: unknowns.symmetric("Wh", states),
             multiplier: unknowns.general("Qh", states, states),
             gain: unknowns.general("Fh", inputs, states),
@@ -54,7 +54,7 @@ impl Shared {
         let inputs = outer.input.component_div(&inner.input);
         let gain = DMatrix::from_diagonal(&(inputs * (multiplier * size)));
         let trigger = (multiplier * size).powi(2) / coupling.trigger_multiple;
-        Shared {
+        SharedUnknowns {
             multiplier: multiplier * &self.multiplier,
             gain: &gain * &self.gain,
             trigger_weight: trigger * &self.trigger_weight,
@@ -100,7 +100,7 @@ pub(super) fn assemble(
     goal: Goal,
 ) -> Coupled {
     let mut unknowns = Unknowns::new();
-    let shared = Shared::new(&mut unknowns, &outer.task);
+    let shared = SharedUnknowns::new(&mut unknowns, &outer.task);
     let own = shared.in_inner_units(&inner.scaling, &outer.scaling, coupling);
     let mut inner_design = own.with_own(&mut unknowns, &inner.task, "inner");
     let outer_design = shared.with_own(&mut unknowns, &outer.task, "outer");
@@ -137,7 +137,7 @@ pub(super) fn assemble(
         conditions.extend(named(name, own));
     }
     Coupled {
-        problem: Problem {
+        problem: LmiProblem {
             unknowns,
             objective,
             conditions,

@@ -8,11 +8,11 @@ use crate::design::{recover, CertificateFile, Coupling, OuterFile, ProblemUnits,
 use crate::model::{Model, ModelError, OuterSpecs};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, run_solver, Answer, Decision, Form, Goal, Outcome, SolveRequest, Subject,
+    blocking, run_solver, Answer, Decision, DesignRequest, Form, Goal, Outcome, SolveRequest,
     SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
-use sdp::lmi::Problem;
+use sdp::lmi::LmiProblem;
 use sdp::solve::{alternative, Backend, Observer, Solution, Status};
 
 /// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
@@ -196,7 +196,7 @@ pub fn coupled_problem(
     model: &Model,
     form: Form,
     choice: Option<Choice>,
-) -> Result<Problem, ModelError> {
+) -> Result<LmiProblem, ModelError> {
     let outer = model.outer()?;
     let first = model.file.specs.outer.as_ref().map(Choice::first);
     let choice = choice
@@ -238,8 +238,8 @@ fn synthesize_with(
 ) -> Result<BothOutcome, SynthesisError> {
     let outer = model.outer()?;
     let task = model.task();
-    let run = Run {
-        subject: Subject::of_model(model, model_text, &task, form),
+    let run = CoupledSynthesis {
+        subject: DesignRequest::of_model(model, model_text, &task, form),
         outer: &outer,
         backend,
         observer,
@@ -254,7 +254,7 @@ fn synthesize_with(
 
 /// A solver's point of the smallest gain.
 #[derive(Clone, Copy)]
-struct Point {
+struct GainPoint {
     choice: Choice,
     /// The smallest gamma, SI units.
     gamma: f64,
@@ -262,19 +262,19 @@ struct Point {
     gain: f64,
 }
 
-struct Run<'a> {
-    subject: Subject<'a>,
+struct CoupledSynthesis<'a> {
+    subject: DesignRequest<'a>,
     outer: &'a Model,
     backend: &'a dyn Backend,
     observer: Option<Observer>,
     runs: Vec<SolverRun>,
     tried: Vec<Tried>,
-    points: Vec<Point>,
+    points: Vec<GainPoint>,
     blocking: Vec<(String, f64)>,
     infeasible: bool,
 }
 
-impl Run<'_> {
+impl CoupledSynthesis<'_> {
     fn search(mut self) -> Result<BothOutcome, SynthesisError> {
         let specs = self.subject.model.file.specs.outer.clone();
         let given = specs.as_ref().and_then(|outer| outer.inner_scale);
@@ -355,7 +355,7 @@ impl Run<'_> {
     }
 
     /// The smallest gain for a choice; kept where there is one.
-    fn point(&mut self, choice: Choice) -> Result<Option<Point>, SynthesisError> {
+    fn point(&mut self, choice: Choice) -> Result<Option<GainPoint>, SynthesisError> {
         let (inner, outer) = scaled(self.subject.model, self.outer, choice);
         let goal = Goal::SmallestGain;
         let (coupled, solution) = self.solve((&inner, &outer), choice, goal)?;
@@ -364,7 +364,7 @@ impl Run<'_> {
             Status::Solved | Status::Inaccurate => {
                 let model = self.subject.model;
                 let recovered = recover(model, &coupled.inner, &solution.values, &inner.scaling);
-                found = recovered.ok().map(|certificate| Point {
+                found = recovered.ok().map(|certificate| GainPoint {
                     choice,
                     gamma: solution.objective,
                     gain: certificate.guaranteed_gain,
@@ -408,7 +408,7 @@ impl Run<'_> {
     /// would; `None` where its numbers cannot be recovered.
     fn design(
         &mut self,
-        point: Point,
+        point: GainPoint,
         room: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let choice = point.choice;

@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 use nalgebra::{DMatrix, DVector};
-use synth::conditions::xu2020::{decrease, Interval, Sector, DEAD_ZONE_UNIT};
+use synth::conditions::xu2020::{decrease, SamplingEnd, Sector, DEAD_ZONE_UNIT};
 use synth::conditions::Task;
 
 use crate::closed_loop::{quadratic, schur_complement, Instant, Quantities};
@@ -31,8 +31,8 @@ impl Decrease {
     pub fn corrected(task: &Task, vertex: &DMatrix<f64>, point: &Point) -> Self {
         let at = |interval| decrease(task, vertex, interval, &point.design).value(&point.values);
         Decrease {
-            start: at(Interval::Start),
-            end: schur_complement(&at(Interval::End), task.system.states()),
+            start: at(SamplingEnd::Start),
+            end: schur_complement(&at(SamplingEnd::End), task.system.states()),
             states: task.system.states(),
             inputs: task.system.inputs(),
         }

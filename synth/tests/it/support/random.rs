@@ -5,7 +5,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use synth::conditions::xu2020::{
-    full_condition, side_conditions, DesignUnknowns, Interval, Sector, Strictness, DEAD_ZONE_UNIT,
+    full_condition, side_conditions, DesignUnknowns, SamplingEnd, Sector, Strictness,
+    DEAD_ZONE_UNIT,
 };
 use synth::conditions::Task;
 use synth::lmi::{Condition, Unknowns};
@@ -172,7 +173,7 @@ impl Point {
     pub fn conditions(&self, task: &Task) -> Vec<Condition> {
         let strictness = Strictness::fixed(0.0);
         let mut out = side_conditions(task, &self.design, &strictness);
-        for interval in Interval::BOTH {
+        for interval in SamplingEnd::BOTH {
             for vertex in 0..task.system.vertices.len() {
                 out.push(full_condition(
                     task,

@@ -1,6 +1,6 @@
 //! What the iterations are given and how they end.
 
-use super::layout::{Layout, Point};
+use super::layout::{Iterate, Layout};
 use crate::lmi::Semidefinite;
 
 /// Relative size of the residuals of both feasibilities at which a point counts as feasible.
@@ -54,7 +54,7 @@ impl Measures {
 
 /// How the iterations ended.
 #[derive(Debug, Clone, PartialEq)]
-pub enum End {
+pub enum Termination {
     /// To the accuracy asked for.
     Solved,
     /// To reduced accuracy: why not further.
@@ -71,11 +71,11 @@ pub enum End {
 
 /// The last or the best point.
 #[derive(Debug, Clone)]
-pub struct Outcome {
+pub struct SolverExit {
     /// How it ended.
-    pub end: End,
+    pub termination: Termination,
     /// The point, or the ray.
-    pub point: Point,
+    pub point: Iterate,
     /// What is known of it.
     pub measures: Measures,
     /// Whether y itself satisfies the inequalities.
@@ -87,7 +87,7 @@ pub struct Outcome {
 }
 
 /// What the iterations are asked for.
-pub struct Task<'a> {
+pub struct SolveTask<'a> {
     /// The problem.
     pub layout: &'a Layout,
     /// The problem as it was given.

@@ -2,9 +2,9 @@
 //! Vanderbei, Wolkowicz 1996; Kojima, Shindoh, Hara 1997; Monteiro 1997) and Mehrotra's predictor and corrector.
 
 use super::dense::dot;
-use super::exit::{End, Measures, Outcome, Task, FEASIBLE};
+use super::exit::{Measures, SolveTask, SolverExit, Termination, FEASIBLE};
 use super::iterate::{longest_step, sandwich, Factors, StepWork};
-use super::layout::Point;
+use super::layout::Iterate;
 use super::ray;
 use super::schur::{SchurPlan, SchurWork};
 use super::system::System;
@@ -29,8 +29,8 @@ const REFINED: f64 = 1e-8;
 /// Steps shorter than this, twice in a row, are a stall.
 const SHORTEST_STEP: f64 = 1e-5;
 
-struct Run<'a> {
-    task: &'a Task<'a>,
+struct Iteration<'a> {
+    task: &'a SolveTask<'a>,
     plan: SchurPlan,
     system: System,
     schur: SchurWork,
@@ -59,7 +59,7 @@ struct Direction {
 }
 
 /// Iterates from `start`; points on the way that another solve may start from go to `trail`.
-pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcome {
+pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) -> SolverExit {
     let layout = task.layout;
     if layout.cost.is_empty() {
         // Nothing is unknown, and what is known holds.
@@ -70,8 +70,8 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
             slack_residual: 0.0,
             dual_residual: 0.0,
         };
-        return Outcome {
-            end: End::Solved,
+        return SolverExit {
+            termination: Termination::Solved,
             point: start,
             measures,
             feasible: true,
@@ -79,7 +79,7 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
             seconds: [0.0; 3],
         };
     }
-    let mut run = Run {
+    let mut run = Iteration {
         task,
         plan: SchurPlan::new(layout),
         system: System::default(),
@@ -106,10 +106,10 @@ pub fn solve(task: &Task<'_>, start: Point, trail: Option<&mut Trail>) -> Outcom
     outcome
 }
 
-impl Run<'_> {
-    fn iterate(&mut self, mut point: Point, mut trail: Option<&mut Trail>) -> Outcome {
+impl Iteration<'_> {
+    fn iterate(&mut self, mut point: Iterate, mut trail: Option<&mut Trail>) -> SolverExit {
         let layout = self.task.layout;
-        let mut best: Option<(f64, Point, Measures)> = None;
+        let mut best: Option<(f64, Iterate, Measures)> = None;
         let mut since_best = 0;
         let mut since_nearer = 0;
         let mut least_complementarity = f64::INFINITY;
@@ -126,8 +126,8 @@ impl Run<'_> {
             let measures = self.measure(&point);
             let distance = measures.distance(self.task.relative_gap);
             let feasible = self.feasible;
-            let outcome = |end: End, point: &Point| Outcome {
-                end,
+            let outcome = |termination: Termination, point: &Iterate| SolverExit {
+                termination,
                 point: point.clone(),
                 measures,
                 feasible,
@@ -135,10 +135,10 @@ impl Run<'_> {
                 seconds: [0.0; 3],
             };
             if !(self.task.observer)(iteration, &measures) {
-                return outcome(End::Cancelled, &point);
+                return outcome(Termination::Cancelled, &point);
             }
             if distance <= 1.0 {
-                return outcome(End::Solved, &point);
+                return outcome(Termination::Solved, &point);
             }
             let complementarity = dot(&point.s, &point.z);
             let nearer = best
@@ -149,7 +149,7 @@ impl Run<'_> {
             least_complementarity = complementarity.min(least_complementarity);
             let gap = self.task.relative_gap;
             // A smaller distance is no reason to give up a point of reduced accuracy.
-            let replaces = |(least, _, at): &(f64, Point, Measures)| match (
+            let replaces = |(least, _, at): &(f64, Iterate, Measures)| match (
                 measures.nearly_there(gap),
                 at.nearly_there(gap),
             ) {
@@ -185,13 +185,13 @@ impl Run<'_> {
                     ray::dual(layout, &self.system, &self.factors, &point.z, self.threads)
                 {
                     point.z = ray;
-                    return outcome(End::Infeasible, &point);
+                    return outcome(Termination::Infeasible, &point);
                 }
             }
             if measures.objective < 0.0 && measures.dual_residual > FEASIBLE {
                 if let Some(ray) = ray::primal(layout, &point.y) {
                     point.y = ray;
-                    return outcome(End::Unbounded, &point);
+                    return outcome(Termination::Unbounded, &point);
                 }
             }
             let Some(steps) = self.advance(&mut point) else {
@@ -215,17 +215,17 @@ impl Run<'_> {
     /// The best point so far, with the most that can be said of it.
     fn conclude(
         &mut self,
-        best: Option<(f64, Point, Measures)>,
-        last: Point,
+        best: Option<(f64, Iterate, Measures)>,
+        last: Iterate,
         iterations: u32,
         stalled: &'static str,
-    ) -> Outcome {
+    ) -> SolverExit {
         let gap = self.task.relative_gap;
         let Some((_, point, measures)) = best else {
             let measures = self.measure(&last);
-            let end = End::Stalled(stalled);
-            return Outcome {
-                end,
+            let termination = Termination::Stalled(stalled);
+            return SolverExit {
+                termination,
                 point: last,
                 measures,
                 feasible: self.feasible,
@@ -233,12 +233,12 @@ impl Run<'_> {
                 seconds: [0.0; 3],
             };
         };
-        let end = match measures.nearly_there(gap) {
-            true => End::Reduced(stalled),
-            false => End::Stalled(stalled),
+        let termination = match measures.nearly_there(gap) {
+            true => Termination::Reduced(stalled),
+            false => Termination::Stalled(stalled),
         };
-        Outcome {
-            end,
+        SolverExit {
+            termination,
             point,
             measures,
             feasible: self.feasible,
@@ -248,7 +248,7 @@ impl Run<'_> {
     }
 
     /// Computes the residual of the slack, or, where it is nothing but rounding, the slack itself from y.
-    fn refresh_slack(&mut self, point: &mut Point) {
+    fn refresh_slack(&mut self, point: &mut Iterate) {
         let layout = self.task.layout;
         layout.evaluate(1.0, &point.y, self.threads, &mut self.residual);
         if self.feasible {
@@ -276,7 +276,7 @@ impl Run<'_> {
         }
     }
 
-    fn measure(&mut self, point: &Point) -> Measures {
+    fn measure(&mut self, point: &Iterate) -> Measures {
         let layout = self.task.layout;
         let objective = dot(&layout.cost, &point.y);
         let dual_objective = -layout.against_constant(&point.z);
@@ -300,7 +300,7 @@ impl Run<'_> {
         }
     }
 
-    fn build_system(&mut self, point: &Point) -> bool {
+    fn build_system(&mut self, point: &Iterate) -> bool {
         let layout = self.task.layout;
         let begin = std::time::Instant::now();
         self.plan.assemble(
@@ -319,7 +319,7 @@ impl Run<'_> {
     }
 
     /// Predictor, corrector, step. `None` when a direction is not finite.
-    fn advance(&mut self, point: &mut Point) -> Option<(f64, f64)> {
+    fn advance(&mut self, point: &mut Iterate) -> Option<(f64, f64)> {
         let layout = self.task.layout;
         let order = layout.order as f64;
         let complementarity = dot(&point.s, &point.z) / order;
@@ -385,7 +385,12 @@ impl Run<'_> {
 
     /// After the predictor and its steps: how much to centre, the fraction of the residuals to remove, and the weight
     /// of the second-order term.
-    fn caution(&self, point: &Point, predictor: &Direction, steps: (f64, f64)) -> (f64, f64, f64) {
+    fn caution(
+        &self,
+        point: &Iterate,
+        predictor: &Direction,
+        steps: (f64, f64),
+    ) -> (f64, f64, f64) {
         let (s_step, z_step) = steps;
         let step = s_step.min(z_step);
         if self.task.cautious {
@@ -406,7 +411,7 @@ impl Run<'_> {
 
     /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z` that removes a fraction of both residuals: with all
     /// of them, `<A_i, Z + dZ> = c_i`.
-    fn direction(&mut self, point: &Point, target: &[f64], fraction: f64) -> Option<Direction> {
+    fn direction(&mut self, point: &Iterate, target: &[f64], fraction: f64) -> Option<Direction> {
         let layout = self.task.layout;
         let unknowns = layout.cost.len();
         let mut goal = self.products.clone();
@@ -458,7 +463,7 @@ impl Run<'_> {
     }
 
     /// Steps for S and for Z: `damping` of the way to the boundary, at most 1.
-    fn step_lengths(&mut self, point: &Point, direction: &Direction, damping: f64) -> (f64, f64) {
+    fn step_lengths(&mut self, point: &Iterate, direction: &Direction, damping: f64) -> (f64, f64) {
         let layout = self.task.layout;
         let enough = 1.0 / damping;
         let [s_work, z_work] = &mut self.steps;

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::dense;
 use super::halves::both;
-use super::layout::{Layout, Point};
+use super::layout::{Iterate, Layout};
 
 /// Factors of a point's matrices, block by block.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl Factors {
 
     /// Factors a point. `false` when S or Z is not positive definite.
     #[must_use]
-    pub fn update(&mut self, layout: &Layout, point: &Point, threads: usize) -> bool {
+    pub fn update(&mut self, layout: &Layout, point: &Iterate, threads: usize) -> bool {
         self.s_root.copy_from_slice(&point.s);
         self.z_root.copy_from_slice(&point.z);
         let (before, after) = layout.blocks.split_at(layout.middle);

@@ -216,11 +216,11 @@ impl Layout {
 
     /// The point of the balanced problem that belongs to values and duals of the problem; its slack is
     /// computed from the values.
-    pub fn point(&self, values: &[f64], duals: &[Vec<f64>]) -> Point {
+    pub fn point(&self, values: &[f64], duals: &[Vec<f64>]) -> Iterate {
         let cost_unit = self.objective_unit / self.constant_unit;
         let kept = self.unknown_source.iter().zip(&self.unknown_unit);
         let y = kept.map(|(&source, unit)| values[source] / (unit * self.constant_unit));
-        let mut point = Point {
+        let mut point = Iterate {
             y: y.collect(),
             s: vec![0.0; self.length],
             z: vec![0.0; self.length],
@@ -361,7 +361,7 @@ fn negative_direction(cone: &lmi::Cone) -> Option<Vec<f64>> {
 
 /// Unknowns y, slack matrices S (of the inequalities), multiplier matrices Z, packed.
 #[derive(Debug, Clone)]
-pub struct Point {
+pub struct Iterate {
     /// Unknowns.
     pub y: Vec<f64>,
     /// Slack.

@@ -25,7 +25,7 @@ use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
 use crate::lmi::{svec_index, Semidefinite};
-use exit::{End, Measures, Outcome, Task};
+use exit::{Measures, SolveTask, SolverExit, Termination};
 use interior_point::ITERATIONS;
 use layout::{zero_duals, Layout};
 use start::{cold_start, feasible_start};
@@ -124,7 +124,7 @@ impl Structured {
                 relative_gap: measures.relative_gap,
             }),
         };
-        let task = Task {
+        let task = SolveTask {
             layout: &layout,
             problem,
             relative_gap: accuracy.relative_gap,
@@ -135,8 +135,13 @@ impl Structured {
             observer: &watch,
         };
         let mut outcome = self.warm_or_cold(&task);
-        if layout.unbounded_unknown && matches!(outcome.end, End::Solved | End::Reduced(_)) {
-            outcome.end = End::Unbounded;
+        if layout.unbounded_unknown
+            && matches!(
+                outcome.termination,
+                Termination::Solved | Termination::Reduced(_)
+            )
+        {
+            outcome.termination = Termination::Unbounded;
         }
         let [schur, linear, rest] = outcome.seconds;
         let timings = Timings {
@@ -147,13 +152,16 @@ impl Structured {
         Ok((solution(problem, &layout, outcome, begin), timings))
     }
 
-    fn warm_or_cold(&self, task: &Task<'_>) -> Outcome {
+    fn warm_or_cold(&self, task: &SolveTask<'_>) -> SolverExit {
         let Some(memory) = &self.memory else {
             return cold(task, None);
         };
         let shape = warm::shape(task.problem);
-        let keep = |outcome: &Outcome, trail: Option<Trail>| {
-            let solved = matches!(outcome.end, End::Solved | End::Reduced(_));
+        let keep = |outcome: &SolverExit, trail: Option<Trail>| {
+            let solved = matches!(
+                outcome.termination,
+                Termination::Solved | Termination::Reduced(_)
+            );
             if let Some(trail) = trail.filter(|_| solved) {
                 memory.keep(shape, trail);
             }
@@ -163,14 +171,14 @@ impl Structured {
             .and_then(|trail| trail.start(task.layout));
         let mut spent = 0;
         if let Some((start, before)) = known {
-            let short = Task {
+            let short = SolveTask {
                 iterations: WARM_ITERATIONS,
                 ..*task
             };
             let mut trail = (!self.frozen).then_some(before);
             let outcome = interior_point::solve(&short, start, trail.as_mut());
-            match outcome.end {
-                End::Unbounded | End::Stalled(_) => spent = outcome.iterations,
+            match outcome.termination {
+                Termination::Unbounded | Termination::Stalled(_) => spent = outcome.iterations,
                 _ => {
                     keep(&outcome, trail);
                     return outcome;
@@ -190,21 +198,21 @@ const MANY_CONES: usize = 128;
 
 /// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then by way
 /// of the smallest shift.
-fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
+fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
     let start = cold_start(task.layout, 1.0);
     let outcome = interior_point::solve(task, start, trail.as_deref_mut());
-    if !matches!(outcome.end, End::Stalled(_)) {
+    if !matches!(outcome.termination, Termination::Stalled(_)) {
         return outcome;
     }
     if !outcome.feasible && !task.cautious {
         let start = cold_start(task.layout, 1.0);
-        let cautious = Task {
+        let cautious = SolveTask {
             cautious: true,
             ..*task
         };
         let mut second = interior_point::solve(&cautious, start, trail.as_deref_mut());
         second.iterations += outcome.iterations;
-        if !matches!(second.end, End::Stalled(_)) {
+        if !matches!(second.termination, Termination::Stalled(_)) {
             return second;
         }
     }
@@ -212,14 +220,16 @@ fn cold(task: &Task<'_>, mut trail: Option<&mut Trail>) -> Outcome {
         true => None,
         false => by_smallest_shift(task, &outcome, trail.as_deref_mut()),
     };
-    if let Some(answer) = shifted.filter(|answer| !matches!(answer.end, End::Stalled(_))) {
+    if let Some(answer) =
+        shifted.filter(|answer| !matches!(answer.termination, Termination::Stalled(_)))
+    {
         return answer;
     }
     let start = cold_start(task.layout, LARGER_START);
     let mut second = interior_point::solve(task, start, trail);
     second.iterations += outcome.iterations;
-    match second.end {
-        End::Stalled(_) if outcome.feasible => outcome,
+    match second.termination {
+        Termination::Stalled(_) if outcome.feasible => outcome,
         _ => second,
     }
 }
@@ -270,14 +280,14 @@ fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
 /// Solves for the smallest t with `S + t I >= 0`, which always has an interior. Its multipliers prove infeasibility, or
 /// its unknowns are a feasible start.
 fn by_smallest_shift(
-    task: &Task<'_>,
-    stalled: &Outcome,
+    task: &SolveTask<'_>,
+    stalled: &SolverExit,
     trail: Option<&mut Trail>,
-) -> Option<Outcome> {
+) -> Option<SolverExit> {
     let layout = task.layout;
     let shifted = layout.smallest_shift();
     let found = interior_point::solve(
-        &Task {
+        &SolveTask {
             layout: &shifted,
             relative_gap: 1e-4,
             objective_unit: 1e-6,
@@ -287,16 +297,16 @@ fn by_smallest_shift(
         None,
     );
     let iterations = stalled.iterations + found.iterations;
-    let mut outcome = Outcome {
+    let mut outcome = SolverExit {
         iterations,
         ..stalled.clone()
     };
-    if found.end == End::Cancelled {
-        outcome.end = End::Cancelled;
+    if found.termination == Termination::Cancelled {
+        outcome.termination = Termination::Cancelled;
         return Some(outcome);
     }
     if let Some(ray) = ray::accepted(layout, &found.point.z[..layout.length]) {
-        outcome.end = End::Infeasible;
+        outcome.termination = Termination::Infeasible;
         outcome.point.z = ray;
         return Some(outcome);
     }
@@ -336,14 +346,19 @@ fn contradicted(
     }
 }
 
-fn solution(problem: &Semidefinite, layout: &Layout, outcome: Outcome, begin: Instant) -> Solution {
-    let (status, text) = match outcome.end {
-        End::Solved => (Status::Solved, "Solved".to_string()),
-        End::Reduced(why) => (Status::Inaccurate, format!("ReducedAccuracy: {why}")),
-        End::Infeasible => (Status::Infeasible, "Infeasible".to_string()),
-        End::Unbounded => (Status::Unbounded, "Unbounded".to_string()),
-        End::Stalled(why) => (Status::Failed, format!("Stalled: {why}")),
-        End::Cancelled => (Status::Cancelled, "Cancelled".to_string()),
+fn solution(
+    problem: &Semidefinite,
+    layout: &Layout,
+    outcome: SolverExit,
+    begin: Instant,
+) -> Solution {
+    let (status, text) = match outcome.termination {
+        Termination::Solved => (Status::Solved, "Solved".to_string()),
+        Termination::Reduced(why) => (Status::Inaccurate, format!("ReducedAccuracy: {why}")),
+        Termination::Infeasible => (Status::Infeasible, "Infeasible".to_string()),
+        Termination::Unbounded => (Status::Unbounded, "Unbounded".to_string()),
+        Termination::Stalled(why) => (Status::Failed, format!("Stalled: {why}")),
+        Termination::Cancelled => (Status::Cancelled, "Cancelled".to_string()),
     };
     let objective = match status {
         Status::Infeasible | Status::Unbounded => f64::NAN,

@@ -2,9 +2,9 @@
 //!
 //! Fujisawa, Kojima and Nakata ("Exploiting sparsity in primal-dual interior-point methods for semidefinite programming",
 //! Mathematical Programming 79:235-253, 1997) choose for each unknown between a dense product (their F1, F2) and a
-//! sum over pairs of entries (F3). The dense way here forms `V = U + U'`, `U = Z A_j S^-1`, as a sum of a few outer
+//! sum over pairs of entries (F3). The dense method here forms `V = U + U'`, `U = Z A_j S^-1`, as a sum of a few outer
 //! products, and only in the rows that later unknowns ask for, so that it is F1 for dense and cheap for sparse
-//! coefficients. Small blocks with many unknowns go by way of a Kronecker product instead.
+//! coefficients. Small blocks with many unknowns go by method of a Kronecker product instead.
 
 use super::block::{Block, Place};
 use super::dense;
@@ -21,7 +21,7 @@ const WORTH_A_THREAD: usize = 150_000;
 /// How each unknown of each block is treated, found once for a problem.
 #[derive(Debug, Clone)]
 pub struct SchurPlan {
-    blocks: Vec<Way>,
+    blocks: Vec<BlockMethod>,
     /// Blocks of each part. Parts are summed separately, whatever the number of threads.
     parts: Vec<std::ops::Range<usize>>,
 }
@@ -41,19 +41,19 @@ struct PartWork {
 
 /// How one block is treated.
 #[derive(Debug, Clone)]
-enum Way {
+enum BlockMethod {
     Products(BlockPlan),
     Kronecker(KroneckerPlan),
 }
 
-impl Way {
-    /// The cheaper way and its cost in multiplications.
+impl BlockMethod {
+    /// The cheaper method and its cost in multiplications.
     fn new(block: &Block) -> (Self, usize) {
         let products = BlockPlan::new(block);
         let cost = products.cost;
         match KroneckerPlan::new(block).filter(|(_, other)| *other < cost) {
-            None => (Way::Products(products), cost),
-            Some((plan, cost)) => (Way::Kronecker(plan), cost),
+            None => (BlockMethod::Products(products), cost),
+            Some((plan, cost)) => (BlockMethod::Kronecker(plan), cost),
         }
     }
 }
@@ -90,8 +90,8 @@ struct BlockPlan {
 impl SchurPlan {
     /// The plan for a problem.
     pub fn new(layout: &Layout) -> Self {
-        let ways = layout.blocks.iter().map(Way::new);
-        let (blocks, costs): (Vec<Way>, Vec<usize>) = ways.unzip();
+        let methods = layout.blocks.iter().map(BlockMethod::new);
+        let (blocks, costs): (Vec<BlockMethod>, Vec<usize>) = methods.unzip();
         let total: usize = costs.iter().sum();
         let mut parts = Vec::new();
         if total < WORTH_A_THREAD {
@@ -129,15 +129,15 @@ impl SchurPlan {
             dense::vectorised(
                 #[inline(always)]
                 || {
-                    for (way, block) in plans.iter().zip(blocks) {
+                    for (method, block) in plans.iter().zip(blocks) {
                         let range = block.range();
                         let (z, s_inverse) = (&z[range.clone()], &s_inverse[range]);
-                        match way {
-                            Way::Kronecker(plan) => {
+                        match method {
+                            BlockMethod::Kronecker(plan) => {
                                 let sums = &mut work.sums;
                                 plan.add(&block.unknowns, z, s_inverse, m, sums, out);
                             }
-                            Way::Products(plan) => {
+                            BlockMethod::Products(plan) => {
                                 let products = &mut work.products;
                                 plan.add(block, z, s_inverse, m, products, out);
                             }
@@ -425,13 +425,13 @@ mod tests {
         out
     }
 
-    /// Lower triangle of M by each way that this block can be treated.
+    /// Lower triangle of M by each method that this block can be treated.
     fn by_each_way(layout: &Layout, z: &[f64], inverse: &[f64]) -> Vec<Vec<f64>> {
         let m = layout.cost.len();
         let (kronecker, _) = KroneckerPlan::new(&layout.blocks[0]).expect("a small block");
-        let of = |way: Way| {
+        let of = |method: BlockMethod| {
             let plan = SchurPlan {
-                blocks: vec![way],
+                blocks: vec![method],
                 parts: std::iter::once(0..1).collect(),
             };
             let (mut matrix, mut work) = (Vec::new(), SchurWork::default());
@@ -442,11 +442,11 @@ mod tests {
             let places = (0..m).flat_map(|j| (j..m).map(move |i| (i, j)));
             places.map(|(i, j)| matrix[j * m + i]).collect()
         };
-        let ways = [
-            Way::Products(BlockPlan::new(&layout.blocks[0])),
-            Way::Kronecker(kronecker),
+        let methods = [
+            BlockMethod::Products(BlockPlan::new(&layout.blocks[0])),
+            BlockMethod::Kronecker(kronecker),
         ];
-        ways.map(|way| lower(of(way))).to_vec()
+        methods.map(|method| lower(of(method))).to_vec()
     }
 
     proptest! {

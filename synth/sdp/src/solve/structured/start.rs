@@ -2,7 +2,7 @@
 
 use super::dense::dot;
 use super::iterate::Factors;
-use super::layout::{Layout, Point};
+use super::layout::{Iterate, Layout};
 
 /// The start's slack and multipliers, relative to the size of the data.
 const START_SLACK: f64 = 1.0;
@@ -11,7 +11,7 @@ const START_MULTIPLIER: f64 = 0.1;
 
 /// Multiples of the identity by the size of the data, in the manner of CSDP (Borchers 1999); `scale` makes them
 /// larger.
-pub fn cold_start(layout: &Layout, scale: f64) -> Point {
+pub fn cold_start(layout: &Layout, scale: f64) -> Iterate {
     let norms = layout.coefficient_norms();
     let sides = layout.blocks.iter().map(|block| block.side);
     let n = sides.max().unwrap_or(1) as f64;
@@ -25,7 +25,7 @@ pub fn cold_start(layout: &Layout, scale: f64) -> Point {
         .iter()
         .fold(layout.constant_norm(), |max, &norm| max.max(norm));
     let slack = scale * START_SLACK * (1.0 + largest.max(layout.constant_norm()));
-    let mut point = Point {
+    let mut point = Iterate {
         y: vec![0.0; layout.cost.len()],
         s: vec![0.0; layout.length],
         z: vec![0.0; layout.length],
@@ -42,8 +42,8 @@ pub fn cold_start(layout: &Layout, scale: f64) -> Point {
 
 /// A start from unknowns that satisfy the inequalities strictly, on the central path as far as its equations
 /// allow: Z is the multiple of S^-1 that meets `<A_i, Z> = c_i` best.
-pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Point> {
-    let mut point = Point {
+pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Iterate> {
+    let mut point = Iterate {
         y: y.to_vec(),
         s: vec![0.0; layout.length],
         z: vec![0.0; layout.length],

@@ -7,7 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::dense;
-use super::layout::{Layout, Point};
+use super::layout::{Iterate, Layout};
 use crate::lmi::Semidefinite;
 
 /// Kinds of problems remembered.
@@ -38,7 +38,7 @@ struct Known {
 
 impl Trail {
     /// Keeps a point that is nearer to the solution than the last one.
-    pub fn record(&mut self, layout: &Layout, problem: &Semidefinite, point: &Point) {
+    pub fn record(&mut self, layout: &Layout, problem: &Semidefinite, point: &Iterate) {
         let complementarity = dense::dot(&point.s, &point.z);
         let near = |last: f64| complementarity > KEPT * last;
         if self.complementarity.is_some_and(near) {
@@ -53,7 +53,7 @@ impl Trail {
 
     /// A point that is a good start for a problem of the same shape while the next one is not, and the part of the
     /// trail before it.
-    pub fn start(&self, layout: &Layout) -> Option<(Point, Trail)> {
+    pub fn start(&self, layout: &Layout) -> Option<(Iterate, Trail)> {
         let mut found = None;
         let (mut low, mut high) = (0, self.points.len());
         while low < high {
@@ -82,7 +82,7 @@ impl Trail {
 }
 
 /// Whether S and Z are positive definite, near the central path, and Z nearly meets its equations.
-fn is_central(layout: &Layout, point: &Point) -> bool {
+fn is_central(layout: &Layout, point: &Iterate) -> bool {
     let complementarity = dense::dot(&point.s, &point.z);
     let mean = complementarity / layout.order as f64;
     if !(mean > 0.0 && mean.is_finite()) {

@@ -16,7 +16,7 @@ use crate::model::{Model, Objective};
 
 /// A model, its file's text and the form of its problem.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Subject<'a> {
+pub(crate) struct DesignRequest<'a> {
     pub model: &'a Model,
     pub model_text: &'a str,
     /// The task in SI units: the model's, or another with given gains.
@@ -24,7 +24,7 @@ pub(crate) struct Subject<'a> {
     /// The given gains that the answer is about (SI units, m x n each); none where gains are sought.
     pub given: &'a [DMatrix<f64>],
     /// The part of them, and of the model's vertices, that the task has.
-    pub part: Part<'a>,
+    pub part: ConditionSubset<'a>,
     /// The text of the file that the gains come from.
     pub gains_text: Option<&'a str>,
     pub form: Form,
@@ -32,37 +32,37 @@ pub(crate) struct Subject<'a> {
 
 /// Which of the given gains and of the model's vertices a task has, in its order.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Part<'a> {
+pub(crate) struct ConditionSubset<'a> {
     /// Indices of gains, from 0.
     pub gains: &'a [usize],
     /// Indices of vertices, from 0; `None`: all of them.
     pub vertices: Option<&'a [usize]>,
 }
 
-impl Part<'_> {
+impl ConditionSubset<'_> {
     /// One gain, all vertices.
-    pub const FIRST: Part<'static> = Part {
+    pub const FIRST: ConditionSubset<'static> = ConditionSubset {
         gains: &[0],
         vertices: None,
     };
 }
 
-impl<'a> Subject<'a> {
+impl<'a> DesignRequest<'a> {
     /// A model whose gains are sought.
     pub fn of_model(model: &'a Model, model_text: &'a str, task: &'a Task, form: Form) -> Self {
-        Subject {
+        DesignRequest {
             model,
             model_text,
             task,
             given: &[],
-            part: Part::FIRST,
+            part: ConditionSubset::FIRST,
             gains_text: None,
             form,
         }
     }
 }
 
-impl Subject<'_> {
+impl DesignRequest<'_> {
     /// Puts a design file together and checks what a reader of its text would get.
     pub fn design(
         &self,

@@ -3,12 +3,12 @@
 use nalgebra::DMatrix;
 
 use super::weights::{DeadZoneMoments, HeldMoments, Moments};
-use verified::matrix::{Matrix, SymmetricBlocks};
+use verified::matrix::{Matrix, SymmetricBlockMatrix};
 use verified::scalar::Scalar;
 
 /// All moments of (18) that occur in it, at one end of the interval: `xv` is E[x v'] and so on.
 /// k is the sample x(t_k^l), w the held state, p the dead zone.
-pub(super) struct End<S> {
+pub(super) struct EndMoments<S> {
     pub xx: Matrix<S>,
     pub xv: Matrix<S>,
     pub vv: Matrix<S>,
@@ -25,7 +25,7 @@ pub(super) struct End<S> {
     pub driven: Matrix<S>,
 }
 
-impl<S: Scalar> End<S> {
+impl<S: Scalar> EndMoments<S> {
     /// The numbers of the file; `vk` is 0 where they leave it out.
     pub fn new(vertices: &[Matrix<S>], moments: &Moments) -> Self {
         let n = moments.sample.nrows();
@@ -38,7 +38,7 @@ impl<S: Scalar> End<S> {
             driven = driven.plus(&xv.times(&vertices[weight.vertex]));
         }
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
-        End {
+        EndMoments {
             xx: sum.block(0, 0, n, n),
             xv: sum.block(0, n, n, n),
             vv: sum.block(n, n, n, n),
@@ -129,7 +129,7 @@ impl<S: Scalar> End<S> {
     /// The cliques that both ends have; `place` is `r=1` or `r=2` and the gain.
     pub fn tell(&self, place: &str, tell: &mut impl FnMut(String, Matrix<S>)) {
         let (n, d) = (self.xx.nrows(), self.tt.nrows());
-        let mut root = SymmetricBlocks::new(&[n, n, n]);
+        let mut root = SymmetricBlockMatrix::new(&[n, n, n]);
         root.set(0, 0, &self.xx);
         root.set(0, 1, &self.xv);
         root.set(0, 2, &self.xk);
@@ -137,7 +137,7 @@ impl<S: Scalar> End<S> {
         root.set(1, 2, &self.vk);
         root.set(2, 2, &self.kk);
         tell(format!("decrease {place} root"), root.finish());
-        let mut disturbance = SymmetricBlocks::new(&[n, d]);
+        let mut disturbance = SymmetricBlockMatrix::new(&[n, d]);
         disturbance.set(0, 0, &self.vv);
         disturbance.set(0, 1, &self.vt);
         disturbance.set(1, 1, &self.tt);
@@ -146,7 +146,7 @@ impl<S: Scalar> End<S> {
             disturbance.finish(),
         );
         if let Some([vw, kw, ww]) = &self.held {
-            let mut held = SymmetricBlocks::new(&[n, n, n]);
+            let mut held = SymmetricBlockMatrix::new(&[n, n, n]);
             held.set(0, 0, &self.vv);
             held.set(0, 1, &self.vk);
             held.set(0, 2, vw);
@@ -157,7 +157,7 @@ impl<S: Scalar> End<S> {
         }
         if let Some([vp, wp, pp]) = &self.dead_zone {
             let ww = self.held.as_ref().map_or(&self.kk, |[_, _, ww]| ww);
-            let mut zone = SymmetricBlocks::new(&[pp.nrows(), n, n]);
+            let mut zone = SymmetricBlockMatrix::new(&[pp.nrows(), n, n]);
             zone.set(0, 0, pp);
             zone.set(0, 1, &vp.transposed());
             zone.set(0, 2, &wp.transposed());

@@ -7,17 +7,17 @@ use crate::programs::Cancelled;
 use sdp::solve::{Observer, Progress};
 
 /// Shows the search's own progress in the place of its solvers'.
-pub struct Watch {
+pub struct SearchProgress {
     observer: Option<Observer>,
     cancelled: Arc<AtomicBool>,
     shown: Arc<Mutex<Progress>>,
     solves: AtomicU32,
 }
 
-impl Watch {
+impl SearchProgress {
     /// A watch for an observer, which is called between a solver's iterations.
     pub fn new(observer: Option<Observer>) -> Self {
-        Watch {
+        SearchProgress {
             observer,
             cancelled: Arc::default(),
             shown: Arc::new(Mutex::new(Progress {
