@@ -8,10 +8,14 @@ use crate::certify::infeasible::{
     DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
     VertexWeight, Weights,
 };
-use crate::conditions::xu2020::{condition_name, gain_suffix, SamplingEnd, DEAD_ZONE_UNIT};
+use crate::conditions::xu2020::{
+    condition_name, gain_suffix, terms, Basis, SamplingEnd, Signal, DEAD_ZONE_UNIT,
+};
 use crate::conditions::Task;
 use crate::model::Model;
 use crate::programs::{Assembled, ConditionSubset};
+use crate::reduce::cliques::{elimination, members};
+use crate::reduce::vertex_slack::ELIMINATED;
 use crate::scaling::Scaling;
 use sdp::lmi::svec_index;
 
@@ -45,44 +49,7 @@ impl<'a> Duals<'a> {
     }
 }
 
-/// The quantities that (18) is stated in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Quantity {
-    State,
-    Multiplied,
-    Sample,
-    Held,
-    DeadZone,
-    Disturbance,
-    Integral,
-}
-
-use Quantity::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
-
-/// The cliques of (18) and their quantities, in the order of their rows. Not split, all are in the root.
-const CLIQUES: [(&str, &[Quantity]); 7] = [
-    ("root", &[State, Multiplied, Sample]),
-    ("disturbance", &[Disturbance, Multiplied]),
-    ("held state", &[Held, Multiplied, Sample]),
-    ("dead zone", &[DeadZone, Multiplied, Held]),
-    ("integral", &[Integral, State, Sample]),
-    (
-        "root",
-        &[State, Multiplied, Sample, Held, DeadZone, Disturbance],
-    ),
-    (
-        "root",
-        &[
-            State,
-            Multiplied,
-            Sample,
-            Held,
-            DeadZone,
-            Disturbance,
-            Integral,
-        ],
-    ),
-];
+use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
 
 /// Where the dual solution came from.
 pub struct Source<'a> {
@@ -150,7 +117,7 @@ impl Source<'_> {
         if rule == 0 && divisible && determinable {
             end.multiplied_sample = None;
         }
-        let at = |a, b| self.moment(duals, SamplingEnd::End, &suffix, a, b);
+        let at = |a, b| self.moment(duals, (SamplingEnd::End, &suffix), (a, b));
         let n = self.task.system.states();
         let inputs = (0..self.task.system.inputs()).map(|input| {
             let dual = duals.get(&format!("anti-windup input {}{suffix}", input + 1))?;
@@ -177,7 +144,7 @@ impl Source<'_> {
     }
 
     fn moments(&self, duals: &Duals, interval: SamplingEnd, suffix: &str) -> Option<Moments> {
-        let at = |a, b| self.moment(duals, interval, suffix, a, b);
+        let at = |a, b| self.moment(duals, (interval, suffix), (a, b));
         let vertices = (0..self.task.system.vertices.len()).filter_map(|vertex| {
             let dual = duals.get(&(condition_name(interval, vertex) + suffix))?;
             let moments = self.pair(dual);
@@ -211,19 +178,27 @@ impl Source<'_> {
         })
     }
 
-    /// Second moments of two quantities, SI, from a clique that has both.
+    /// The cliques of (18) at one end with their signals in the order of their rows, those of the split form and
+    /// the one of the whole form; the root first.
+    fn cliques(&self, interval: SamplingEnd) -> Vec<(&'static str, Vec<Signal>)> {
+        let design = &self.assembled.design;
+        let basis = Basis::reduced(self.task, interval, design);
+        let splits = elimination(&basis, &terms(self.task, interval, design), &ELIMINATED);
+        let split = members(&basis, &splits).into_iter().rev();
+        split.chain(members(&basis, &[])).collect()
+    }
+
+    /// Second moments of two signals, SI, from a clique that has both.
     fn moment(
         &self,
         duals: &Duals,
-        interval: SamplingEnd,
-        suffix: &str,
-        row: Quantity,
-        column: Quantity,
+        (interval, suffix): (SamplingEnd, &str),
+        (row, column): (Signal, Signal),
     ) -> Option<DMatrix<f64>> {
-        CLIQUES.iter().find_map(|(name, quantities)| {
-            let sizes = quantities.iter().map(|&of| (of, self.units(of).len()));
-            let place = |wanted: Quantity| {
-                quantities.contains(&wanted).then(|| {
+        self.cliques(interval).iter().find_map(|(name, signals)| {
+            let sizes = signals.iter().map(|&of| (of, self.units(of).len()));
+            let place = |wanted: Signal| {
+                signals.contains(&wanted).then(|| {
                     let before = sizes.clone().take_while(|(of, _)| *of != wanted);
                     before.map(|(_, size)| size).sum::<usize>()
                 })
@@ -240,12 +215,11 @@ impl Source<'_> {
         })
     }
 
-    /// What turns each entry of a quantity's solver coordinate into SI units.
-    fn units(&self, quantity: Quantity) -> Vec<f64> {
+    /// What turns each entry of a signal's solver coordinate into SI units.
+    fn units(&self, signal: Signal) -> Vec<f64> {
         let system = &self.task.system;
         let state = self.scaling.state.iter().map(|unit| 1.0 / unit);
-        match quantity {
-            State | Multiplied | Sample | Held => state.collect(),
+        match signal {
             // The solver's coordinate is the root of this factor times the proof's.
             Integral => {
                 let root = self.integral_factor().sqrt();
@@ -257,6 +231,7 @@ impl Source<'_> {
                 inputs.map(|unit| DEAD_ZONE_UNIT / unit).collect()
             }
             Disturbance => vec![self.scaling.disturbance; system.disturbance.ncols()],
+            _ => state.collect(),
         }
     }
 

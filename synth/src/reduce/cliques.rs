@@ -5,6 +5,7 @@
 //! Rodman 1988). Blocks are split off one after the other; what a split-off clique hands to the rest
 //! is a free symmetric matrix on its separator.
 
+use crate::conditions::xu2020::{Basis, Signal, Term};
 use sdp::lmi::{Affine, SymmetricBlocks, Unknowns};
 
 /// Splits one block off: `residual` meets only the blocks of `separator`.
@@ -16,6 +17,46 @@ pub struct Split {
     pub residual: Vec<usize>,
     /// The blocks it shares with the rest.
     pub separator: Vec<usize>,
+}
+
+/// The splits that eliminate signals of (18) one after the other, read off its pattern: the separator of each is what
+/// it still meets, and what is handed to the separator couples all of it.
+pub fn elimination(basis: &Basis, terms: &[Term], order: &[Signal]) -> Vec<Split> {
+    let mut meets = basis.pattern(terms);
+    let mut remaining: Vec<bool> = basis.sizes().iter().map(|size| *size > 0).collect();
+    let mut out = Vec::new();
+    for signal in order {
+        let Some(block) = basis.block(*signal).filter(|block| remaining[*block]) else {
+            continue;
+        };
+        remaining[block] = false;
+        let neighbour = |other: &usize| remaining[*other] && meets[block][*other];
+        let separator: Vec<usize> = (0..remaining.len()).filter(neighbour).collect();
+        for &a in &separator {
+            separator.iter().for_each(|&b| meets[a][b] = true);
+        }
+        out.push(Split {
+            name: signal.clique(),
+            residual: vec![block],
+            separator,
+        });
+    }
+    out
+}
+
+/// Each clique's name with its signals, in the order of the rows of [`split`]'s matrices; the root last.
+pub fn members(basis: &Basis, splits: &[Split]) -> Vec<(&'static str, Vec<Signal>)> {
+    let signals = basis.signals();
+    let named = |blocks: &[usize]| blocks.iter().map(|block| signals[*block]).collect();
+    let split_off = |block: &usize| splits.iter().any(|split| split.residual.contains(block));
+    let root: Vec<usize> = (0..signals.len())
+        .filter(|block| !split_off(block))
+        .collect();
+    let cliques = splits.iter().map(|split| {
+        let blocks = [split.residual.as_slice(), &split.separator].concat();
+        (split.name, named(&blocks))
+    });
+    cliques.chain([("root", named(&root))]).collect()
 }
 
 /// Why a matrix cannot be split in the order asked for.

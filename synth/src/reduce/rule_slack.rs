@@ -8,40 +8,35 @@
 
 use nalgebra::DMatrix;
 
-use super::cliques::{self, Split};
-use super::vertex_slack::{
-    block_sizes, coordinates, margin_weight, DEAD_ZONE, DISTURBANCE, HELD, INTEGRAL, MULTIPLIED,
-    SAMPLE, STATE,
-};
+use super::cliques;
 use crate::conditions::xu2020::{
-    condition_name, decrease_form, DesignUnknowns, SamplingEnd, Strictness, DEAD_ZONE_UNIT,
+    condition_name, terms, Basis, DesignUnknowns, SamplingEnd, Signal, Strictness, DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
 use sdp::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
-fn splits(interval: SamplingEnd) -> Vec<Split> {
-    let mut out = vec![Split {
-        name: "disturbance",
-        residual: vec![DISTURBANCE],
-        separator: vec![MULTIPLIED],
-    }];
-    if interval == SamplingEnd::End {
-        out.push(Split {
-            name: "integral",
-            residual: vec![INTEGRAL],
-            separator: vec![STATE, SAMPLE],
-        });
-    }
-    out
-}
+/// The signals that are eliminated: those that Z_r does not couple.
+const ELIMINATED: [Signal; 2] = [Signal::Disturbance, Signal::Integral];
 
-/// Rows of the reduced coordinates, block after block.
-fn select(sizes: &[usize], blocks: &[usize]) -> DMatrix<f64> {
-    let total: usize = sizes.iter().sum();
+/// The signals that Z_r acts on.
+const COUPLED: [Signal; 4] = [
+    Signal::State,
+    Signal::Multiplied,
+    Signal::Held,
+    Signal::DeadZone,
+];
+
+/// The rows of the reduced coordinates of some signals, block after block.
+fn select(basis: &Basis, signals: &[Signal]) -> DMatrix<f64> {
+    let sizes = basis.sizes();
+    let blocks: Vec<usize> = signals
+        .iter()
+        .filter_map(|signal| basis.block(*signal))
+        .collect();
     let height: usize = blocks.iter().map(|&block| sizes[block]).sum();
-    let mut out = DMatrix::zeros(height, total);
+    let mut out = DMatrix::zeros(height, basis.side());
     let mut row = 0;
-    for &block in blocks {
+    for block in blocks {
         let offset: usize = sizes[..block].iter().sum();
         for k in 0..sizes[block] {
             out[(row + k, offset + k)] = 1.0;
@@ -76,25 +71,23 @@ pub fn conditions(
     let mut out = Vec::new();
     for interval in SamplingEnd::BOTH {
         let r = interval.index();
-        let sizes = block_sizes(task, design, interval);
-        let zone = sizes[DEAD_ZONE];
-        let at = coordinates(task, design, interval);
-        let place = select(&sizes, &[STATE, MULTIPLIED, HELD, DEAD_ZONE]);
+        let free = design.without_gain();
+        let basis = Basis::reduced(task, interval, &free);
+        let zone = basis
+            .block(Signal::DeadZone)
+            .map_or(0, |block| basis.sizes()[block]);
+        let place = select(&basis, &COUPLED);
         let slack = unknowns.symmetric(&format!("Z{r}"), place.nrows());
-        let mut lhs = decrease_form(task, interval, &design.without_gain(), &at);
+        let common = terms(task, interval, &free);
+        let mut lhs = basis.form(&common);
         lhs += &slack.congruence(&place);
         if let Some(mismatch) = design.mismatch.get(r - 1) {
-            let mut seen = DMatrix::zeros(mismatch.common.nrows(), place.ncols());
-            let (m, n) = (task.system.inputs(), task.system.states());
-            let command = task.system.input.transpose() * &at.multiplied;
-            seen.rows_mut(0, m).copy_from(&command);
-            let zone_rows = select(&sizes, &[DEAD_ZONE]);
-            seen.rows_mut(m, zone).copy_from(&zone_rows);
-            seen.rows_mut(m + zone, n).copy_from(&at.held);
-            lhs += &mismatch.total(task).congruence(&seen);
+            let total = mismatch.total(task);
+            lhs += &total.congruence(&basis.mismatch_rows(task));
         }
-        let strict = strictness.positive_against("", -lhs, &margin_weight(&at, design));
-        let parts = cliques::split(strict.expression(), &sizes, &splits(interval), unknowns)
+        let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
+        let order = cliques::elimination(&basis, &common, &ELIMINATED);
+        let parts = cliques::split(strict.expression(), basis.sizes(), &order, unknowns)
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {
             let name = format!("decrease r={r} clique {clique}");

@@ -9,113 +9,21 @@
 //! eps3 is not 0, because v says what x' is in terms of x, v and x(t_k^l). The slack then acts on these three;
 //! the argument is the same.
 
-use nalgebra::DMatrix;
-
-use super::cliques::{self, Cliques, Split};
+use super::cliques::{self, Cliques};
 use crate::conditions::xu2020::{
-    condition_name, decrease_form, Coordinates, DesignUnknowns, SamplingEnd, Strictness,
-    DEAD_ZONE_UNIT,
+    condition_name, terms, vertex_terms_at, Basis, DesignUnknowns, SamplingEnd, Signal, Strictness,
 };
 use crate::conditions::Task;
-use sdp::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, Unknowns};
 
-// Coordinates of the reduced condition: x, v, x(t_k^l), x(t_k), dead zone, tau, integral.
-pub(super) const STATE: usize = 0;
-pub(super) const MULTIPLIED: usize = 1;
-pub(super) const SAMPLE: usize = 2;
-pub(super) const HELD: usize = 3;
-pub(super) const DEAD_ZONE: usize = 4;
-pub(super) const DISTURBANCE: usize = 5;
-pub(super) const INTEGRAL: usize = 6;
-
-/// The reduced coordinates' block sizes for one end of the interval.
-pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: SamplingEnd) -> Vec<usize> {
-    let system = &task.system;
-    let n = system.states();
-    let m = design
-        .sector
-        .as_ref()
-        .map_or(0, |sector| sector.weight.nrows());
-    let mut sizes = vec![n, n, n, n, m, system.disturbance.ncols()];
-    if interval == SamplingEnd::End {
-        sizes.push(n);
-    }
-    sizes
-}
-
-/// The quantities of (18) in the reduced coordinates: x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
-pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: SamplingEnd) -> Coordinates {
-    let sizes = block_sizes(task, design, interval);
-    let total: usize = sizes.iter().sum();
-    let select = |block: usize| {
-        let offset: usize = sizes[..block].iter().sum();
-        let mut out = DMatrix::zeros(sizes[block], total);
-        out.view_mut((0, offset), (sizes[block], sizes[block]))
-            .fill_with_identity();
-        out
-    };
-    let [e1, e2, e3] = task.specification.multiplier_weights;
-    let (state, multiplied, sample) = (select(STATE), select(MULTIPLIED), select(SAMPLE));
-    let rate = (&multiplied - e1 * &state - e3 * &sample) / e2;
-    Coordinates {
-        rate,
-        held: select(HELD),
-        dead_zone: dead_zone_unit(design) * select(DEAD_ZONE),
-        disturbance: select(DISTURBANCE),
-        integral: match interval {
-            SamplingEnd::Start => DMatrix::zeros(task.system.states(), total),
-            SamplingEnd::End => select(INTEGRAL),
-        },
-        state,
-        multiplied,
-        sample,
-    }
-}
-
-/// Unit of the dead-zone row.
-fn dead_zone_unit(design: &DesignUnknowns) -> f64 {
-    let sector = design.sector.as_ref();
-    sector.map_or(DEAD_ZONE_UNIT, |sector| sector.row_unit)
-}
-
-/// The cliques {v, tau}, {v, w, p} (with sector unknowns), {v, xk, w}, {x, xk, s} (for r = 2) and the
-/// root {x, v, xk}.
-fn splits(design: &DesignUnknowns, interval: SamplingEnd) -> Vec<Split> {
-    let split = |name, residual, separator| Split {
-        name,
-        residual,
-        separator,
-    };
-    let mut out = vec![split("disturbance", vec![DISTURBANCE], vec![MULTIPLIED])];
-    if design.sector.is_some() {
-        out.push(split("dead zone", vec![DEAD_ZONE], vec![MULTIPLIED, HELD]));
-    }
-    out.push(split("held state", vec![HELD], vec![MULTIPLIED, SAMPLE]));
-    if interval == SamplingEnd::End {
-        out.push(split("integral", vec![INTEGRAL], vec![STATE, SAMPLE]));
-    }
-    out
-}
-
-/// The weight of the margin that equals the identity in the coordinates of the full condition.
-pub(super) fn margin_weight(at: &Coordinates, design: &DesignUnknowns) -> DMatrix<f64> {
-    let error = &at.sample - &at.held;
-    let dead_zone = &at.dead_zone / dead_zone_unit(design);
-    [
-        &at.state,
-        &at.rate,
-        &at.sample,
-        &error,
-        &dead_zone,
-        &at.disturbance,
-        &at.integral,
-    ]
-    .iter()
-    .fold(
-        DMatrix::zeros(at.state.ncols(), at.state.ncols()),
-        |sum, map| sum + map.transpose() * *map,
-    )
-}
+/// The signals that are eliminated from the form in the reduced coordinates, in this order: the cliques {tau, v},
+/// {p, v, w} (with sector unknowns), {w, v, xk}, {s, x, xk} (for r = 2) and the root {x, v, xk}.
+pub const ELIMINATED: [Signal; 4] = [
+    Signal::Disturbance,
+    Signal::DeadZone,
+    Signal::Held,
+    Signal::Integral,
+];
 
 /// Blocks that the vertex slack acts on: x and v, and x(t_k^l) where E_i brings it in.
 fn slack_blocks(task: &Task) -> usize {
@@ -126,25 +34,16 @@ fn slack_blocks(task: &Task) -> usize {
     }
 }
 
-/// `Z - M_i >= 0` on the blocks of the slack at one vertex.
-fn vertex_block(task: &Task, vertex: usize, design: &DesignUnknowns, slack: &Affine) -> Affine {
-    let n = task.system.states();
-    let blocks = slack_blocks(task);
-    let mut block = SymmetricBlocks::new(&vec![n; blocks]);
-    let q_at = &design.multiplier * &task.system.vertices[vertex].transpose();
-    block.add(STATE, MULTIPLIED, &q_at);
-    if let Some(descriptor) = task.system.descriptors.get(vertex) {
-        // -2 v' (E_i - I) Qh' x' with x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
-        let [e1, e2, e3] = task.specification.multiplier_weights;
-        let change = descriptor - DMatrix::identity(n, n);
-        let change = 1.0 / e2 * &(&design.multiplier * &change.transpose()); // Qh (E_i - I)' / eps2
-        block.add(STATE, MULTIPLIED, &(e1 * &change));
-        block.add(MULTIPLIED, MULTIPLIED, &-change.symmetrised());
-        if blocks > SAMPLE {
-            block.add(MULTIPLIED, SAMPLE, &(e3 * change.transposed()));
-        }
-    }
-    slack - &block.finish()
+/// `Z - M_i >= 0` on the blocks of the slack, x, v and perhaps x(t_k^l), at one vertex.
+fn vertex_block(
+    task: &Task,
+    vertex: usize,
+    design: &DesignUnknowns,
+    (basis, slack): (&Basis, &Affine),
+) -> Affine {
+    let side = slack.nrows();
+    let term = basis.form(&vertex_terms_at(task, vertex, &design.multiplier));
+    slack - &term.view(0, 0, side, side)
 }
 
 /// (18) for the chosen vertices (indices into the model's), both ends of the interval and the (first)
@@ -162,16 +61,16 @@ pub fn conditions(
     for interval in SamplingEnd::BOTH {
         let r = interval.index();
         let slack = unknowns.symmetric(&format!("Z{r}{suffix}"), slack_blocks(task) * n);
-        let at = coordinates(task, design, interval);
-        let mut lhs = decrease_form(task, interval, design, &at);
+        let basis = Basis::reduced(task, interval, design);
+        let common = terms(task, interval, design);
+        let mut lhs = basis.form(&common);
         lhs.add_block(0, 0, &slack);
-        let strict = strictness.positive_against("", -lhs, &margin_weight(&at, design));
-        let sizes = block_sizes(task, design, interval);
+        let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
         let order = match cliques {
-            Cliques::Split => splits(design, interval),
+            Cliques::Split => cliques::elimination(&basis, &common, &ELIMINATED),
             Cliques::Whole => Vec::new(),
         };
-        let parts = cliques::split(strict.expression(), &sizes, &order, unknowns)
+        let parts = cliques::split(strict.expression(), basis.sizes(), &order, unknowns)
             .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
         for (clique, part) in parts {
             out.push(Condition::semidefinite(
@@ -180,7 +79,7 @@ pub fn conditions(
             ));
         }
         for &vertex in chosen {
-            let part = vertex_block(task, vertex, design, &slack);
+            let part = vertex_block(task, vertex, design, (&basis, &slack));
             out.push(Condition::semidefinite(
                 condition_name(interval, vertex) + suffix,
                 part,

@@ -10,6 +10,8 @@ mod expressions;
 mod instants;
 #[path = "support/numbers.rs"]
 mod numbers;
+#[path = "support/printed.rs"]
+mod printed;
 #[path = "support/random.rs"]
 mod random;
 #[path = "support/semidefinite.rs"]

@@ -1,17 +1,17 @@
 //! The reduced decrease condition is exactly equivalent to the full one.
 
 use crate::exact::Stream;
+use crate::printed::printed;
 use crate::random;
 use crate::random::{assert_close, positive_definite, uniform, Point, Sizes};
 use nalgebra::DMatrix;
 use synth::conditions::xu2020::{
-    decrease, decrease_form, SamplingEnd, Sector, Strictness, DEAD_ZONE_UNIT,
+    decrease, decrease_form, Basis, SamplingEnd, Sector, Signal, Strictness, DEAD_ZONE_UNIT,
 };
 use synth::conditions::Task;
 use synth::lmi::{Affine, Condition, Unknowns};
 use synth::model::Model;
 use synth::reduce::cliques::{split, NotChordal, Split};
-use synth::reduce::vertex_slack::{block_sizes, coordinates};
 use synth::reduce::{decrease_conditions, Cliques};
 use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
@@ -24,17 +24,17 @@ fn smallest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
 
 /// T: the rows of the full condition from the reduced coordinates.
 fn transform(task: &Task, point: &Point, interval: SamplingEnd) -> DMatrix<f64> {
-    let at = coordinates(task, &point.design, interval);
+    let at = Basis::reduced(task, interval, &point.design);
     let mut blocks = vec![
-        at.state.clone(),
-        at.rate.clone(),
-        at.sample.clone(),
-        &at.sample - &at.held,
-        &at.dead_zone / DEAD_ZONE_UNIT,
-        at.disturbance.clone(),
+        at.map(Signal::State),
+        at.map(Signal::Rate),
+        at.map(Signal::Sample),
+        at.map(Signal::Sample) - at.map(Signal::Held),
+        at.map(Signal::DeadZone) / DEAD_ZONE_UNIT,
+        at.map(Signal::Disturbance),
     ];
     if interval == SamplingEnd::End {
-        blocks.push(at.integral.clone());
+        blocks.push(at.map(Signal::Integral));
     }
     let rows: Vec<_> = blocks
         .iter()
@@ -56,6 +56,59 @@ fn vertex_term(task: &Task, point: &Point, vertex: usize, side: usize) -> DMatri
 }
 
 #[test]
+fn the_terms_make_the_printed_matrix() {
+    let mut stream = Stream(18);
+    for case in 0..40 {
+        let sizes = Sizes::any(&mut stream);
+        let task = random::model(&mut stream, sizes, false).task();
+        let point = Point::random(&mut stream, &task, SECTORS[case % 2]);
+        let identity = DMatrix::identity(task.system.states(), task.system.states());
+        for interval in SamplingEnd::BOTH {
+            for vertex in &task.system.vertices {
+                let found = decrease(&task, vertex, interval, &point.design);
+                let expected = printed(&task, (vertex, &identity), interval, &point.design);
+                let (found, expected) = (found.value(&point.values), expected.value(&point.values));
+                assert_close(&found, &expected, 1e-14, "printed matrix");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_cliques_read_off_the_terms_are_those_of_the_book() {
+    use synth::conditions::xu2020::terms;
+    use synth::reduce::cliques::{elimination, members};
+    use synth::reduce::vertex_slack::ELIMINATED;
+    use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
+    let mut stream = Stream(9);
+    let sizes = Sizes::any(&mut stream);
+    let task = random::model(&mut stream, sizes, false).task();
+    for sector in SECTORS {
+        let point = Point::random(&mut stream, &task, sector);
+        for interval in SamplingEnd::BOTH {
+            let basis = Basis::reduced(&task, interval, &point.design);
+            let all = terms(&task, interval, &point.design);
+            let found = members(&basis, &elimination(&basis, &all, &ELIMINATED));
+            let mut expected = vec![("disturbance", vec![Disturbance, Multiplied])];
+            if sector == Sector::Unknown {
+                expected.push(("dead zone", vec![DeadZone, Multiplied, Held]));
+            }
+            expected.push(("held state", vec![Held, Multiplied, Sample]));
+            if interval == SamplingEnd::End {
+                expected.push(("integral", vec![Integral, State, Sample]));
+            }
+            let mut root = vec![State, Multiplied, Sample];
+            if sector == Sector::Unsaturated {
+                // Without sector unknowns the dead zone has no rows.
+                root.push(DeadZone);
+            }
+            expected.push(("root", root));
+            assert_eq!(found, expected);
+        }
+    }
+}
+
+#[test]
 fn the_full_matrix_in_the_reduced_coordinates_is_the_common_form_plus_the_vertex_term() {
     let mut stream = Stream(5);
     for case in 0..40 {
@@ -66,7 +119,7 @@ fn the_full_matrix_in_the_reduced_coordinates_is_the_common_form_plus_the_vertex
             let t = transform(&task, &point, interval);
             assert_eq!(t.nrows(), t.ncols());
             assert!(t.clone().try_inverse().is_some(), "a congruence");
-            let at = coordinates(&task, &point.design, interval);
+            let at = Basis::reduced(&task, interval, &point.design);
             let form = decrease_form(&task, interval, &point.design, &at).value(&point.values);
             for vertex in 0..sizes.vertices {
                 let a = &task.system.vertices[vertex];
@@ -209,7 +262,9 @@ fn at_any_point_the_cliques_and_a_vertex_block_add_up_to_the_full_condition_of_t
             }
         }
         for interval in SamplingEnd::BOTH {
-            let sizes_of = block_sizes(&task, &reduced.point.design, interval);
+            let sizes_of = Basis::reduced(&task, interval, &reduced.point.design)
+                .sizes()
+                .to_vec();
             let side = sizes_of.iter().sum();
             let cliques = reduced.cliques(interval);
             assert_eq!(
@@ -252,7 +307,9 @@ const SHARE: f64 = 0.25;
 fn complete(reduced: &mut Reduced, task: &Task, margin: f64) {
     let n = task.system.states();
     for interval in SamplingEnd::BOTH {
-        let sizes = block_sizes(task, &reduced.point.design, interval);
+        let sizes = Basis::reduced(task, interval, &reduced.point.design)
+            .sizes()
+            .to_vec();
         let side: usize = sizes.iter().sum();
         let full =
             |vertex| full_in_reduced_coordinates(task, &reduced.point, interval, vertex, margin);

@@ -10,15 +10,16 @@ mod decrease;
 mod mismatch;
 mod peak_gain;
 mod region;
+mod signals;
 mod start;
 mod unknowns;
 
 pub use anti_windup::gain_suffix;
 pub use containment::coverage;
 pub use decrease::{
-    condition_name, decrease, decrease_form, full_condition, full_matched_condition, vertex_term,
-    vertex_term_at, Coordinates,
+    condition_name, decrease, decrease_form, full_condition, full_matched_condition,
 };
+pub use signals::{terms, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term};
 pub use unknowns::{
     DesignUnknowns, MismatchUnknowns, RuleUnknowns, SamplingEnd, Sector, SectorUnknowns,
     DEAD_ZONE_UNIT,

@@ -187,6 +187,12 @@ impl DesignUnknowns {
         }
     }
 
+    /// Unit of the dead-zone row.
+    pub fn dead_zone_unit(&self) -> f64 {
+        let sector = self.sector.as_ref();
+        sector.map_or(DEAD_ZONE_UNIT, |sector| sector.row_unit)
+    }
+
     /// Number of gains.
     pub fn gain_count(&self) -> usize {
         1 + self.further.len()
