@@ -6,6 +6,7 @@ use synth::model::{FileError, ModelError};
 use synth::solve::SolveError;
 use synth::synthesis::SynthesisError;
 
+use super::answer::Exit;
 use crate::batch::campaign::plan::PlanError;
 use crate::batch::campaign::CampaignError;
 
@@ -50,7 +51,7 @@ pub enum CliError {
     },
     /// Synthesis could not run.
     #[error(transparent)]
-    Synthesis(#[from] synth::synthesis::SynthesisError),
+    Synthesis(#[from] SynthesisError),
     /// Stopped by the user.
     #[error("interrupted; nothing was written")]
     Interrupted,
@@ -74,12 +75,10 @@ pub enum CliError {
 
 impl CliError {
     /// Exit status: 3 when the solver's point cannot be used, 1 otherwise.
-    pub fn exit_status(&self) -> u8 {
+    pub fn exit(&self) -> Exit {
         match self {
-            CliError::Synthesis(synth::synthesis::SynthesisError::Invalid(_)) => {
-                super::answer::EXIT_SOLVER
-            }
-            _ => 1,
+            CliError::Synthesis(SynthesisError::Invalid(_)) => Exit::SolverFailed,
+            _ => Exit::Usage,
         }
     }
 

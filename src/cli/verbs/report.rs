@@ -1,16 +1,16 @@
 //! `steadfast report DIR`
 
 use std::path::{Component, Path, PathBuf};
-use std::process::ExitCode;
 
 use crate::base::files::write;
 use crate::batch::campaign::folder::{
     run_folder, CAMPAIGN_FILE, DESIGN_FILE, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
 };
 use crate::batch::campaign::record::CampaignFile;
-use crate::cli::answer::print;
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::{told, CliError};
 use crate::cli::files;
+use crate::cli::show::written::written;
 use crate::report::pages::campaign;
 use crate::report::pages::campaign::error::CampaignPageError;
 use crate::report::pages::files::rebuild_report;
@@ -27,7 +27,7 @@ pub struct ReportArgs {
 }
 
 /// Builds the report page of a run or of a campaign from its files.
-pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &ReportArgs) -> Result<Answer, CliError> {
     let default = args.folder.join(REPORT_FILE);
     let path = args.output.as_ref().unwrap_or(&default);
     check_paths(&args.folder, path)?;
@@ -41,8 +41,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
         rebuild_report(&args.folder)?
     };
     write(path, &page)?;
-    print(&format!("written: {}", path.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(Answer::text(Exit::Yes, written(path)))
 }
 
 /// Files of a folder that a page must not take the place of.
