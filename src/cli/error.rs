@@ -102,38 +102,38 @@ impl CliError {
             reason: reason.to_string(),
         }
     }
-}
 
-/// A file that has no plan.
-pub(crate) fn unplanned(scenario: &Path, error: PlanError) -> CliError {
-    match error {
-        PlanError::File(problem) => CliError::file(scenario, problem),
-        PlanError::Campaign(error) => told(scenario, error),
-    }
-}
-
-/// What is wrong, with the file that it is about.
-pub(crate) fn told(scenario: &Path, error: CampaignError) -> CliError {
-    let argument = |argument, reason: String| CliError::Argument { argument, reason };
-    match error {
-        CampaignError::Shards(reason) => argument("--shard", reason),
-        CampaignError::Threads(error) => argument("--jobs", error.to_string()),
-        CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
-            CliError::Campaign(error.to_string())
+    /// A campaign that has no plan.
+    pub fn plan(scenario: &Path, problem: PlanError) -> Self {
+        match problem {
+            PlanError::File(problem) => CliError::file(scenario, problem),
+            PlanError::Campaign(problem) => CliError::campaign(scenario, problem),
         }
-        error => CliError::unsuitable(scenario, error),
     }
-}
 
-/// What a search that could not run means to the user.
-pub fn solver_problem(model: &Path, error: SynthesisError) -> CliError {
-    match error {
-        SynthesisError::Cancelled(_) => CliError::Interrupted,
-        // The numbers overflow on the way from the model to the solver.
-        SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
-            let reason = format!("{problem}; the model's numbers are too far apart");
-            CliError::unsuitable(model, reason)
+    /// A campaign that cannot go on, with the file that it is about.
+    pub fn campaign(scenario: &Path, problem: CampaignError) -> Self {
+        let argument = |argument, reason: String| CliError::Argument { argument, reason };
+        match problem {
+            CampaignError::Shards(reason) => argument("--shard", reason),
+            CampaignError::Threads(error) => argument("--jobs", error.to_string()),
+            CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
+                CliError::Campaign(problem.to_string())
+            }
+            other => CliError::unsuitable(scenario, other),
         }
-        other => other.into(),
+    }
+
+    /// A synthesis that could not run, with the file that it is about.
+    pub fn synthesis(model: &Path, problem: SynthesisError) -> Self {
+        match problem {
+            SynthesisError::Cancelled(_) => CliError::Interrupted,
+            // The numbers overflow on the way from the model to the solver.
+            SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
+                let reason = format!("{problem}; the model's numbers are too far apart");
+                CliError::unsuitable(model, reason)
+            }
+            other => other.into(),
+        }
     }
 }

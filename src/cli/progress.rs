@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use synth::solve::{Observer, Progress};
 use synth::synthesis::SynthesisError;
 
-use super::error::{solver_problem, CliError};
+use super::error::CliError;
 
 /// Threads for `--jobs`; 0, one for each processor, when left out.
 pub(crate) fn threads(jobs: Option<u16>) -> usize {
@@ -26,7 +26,7 @@ pub(crate) fn solve<T>(
     run: impl FnOnce(Option<Observer>) -> Result<T, SynthesisError>,
 ) -> Result<T, CliError> {
     let progress = SolverProgress::start(what);
-    run(Some(progress.observer())).map_err(|error| solver_problem(model, error))
+    run(Some(progress.observer())).map_err(|error| CliError::synthesis(model, error))
 }
 
 /// Shows a line on a terminal, nothing otherwise.

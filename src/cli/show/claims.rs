@@ -1,4 +1,4 @@
-//! What a design claims, told alike by every verb that proves one.
+//! What a design claims, the same in every verb that proves one.
 
 use nalgebra::DVector;
 use serde::Serialize;

@@ -118,6 +118,9 @@ pub struct RefutationReport<'a> {
     worst: Option<&'a ConditionMargin>,
     /// Every weight.
     conditions: Vec<&'a ConditionMargin>,
+    /// The file, each of its sets of weights checked, and the designs that are not covered.
+    #[serde(skip)]
+    checked: (&'a InfeasibilityFile, &'a [Refutation], &'a [Limit]),
 }
 
 /// What is proved by an infeasibility certificate.
@@ -134,7 +137,11 @@ enum RefutationVerdict {
 
 impl<'a> RefutationReport<'a> {
     /// From the check of the file's sets of weights, and the designs that they leave open.
-    pub fn new(file: &InfeasibilityFile, checked: &'a [Refutation], limits: &[Limit]) -> Self {
+    pub fn new(
+        file: &'a InfeasibilityFile,
+        checked: &'a [Refutation],
+        limits: &'a [Limit],
+    ) -> Self {
         let conditions: Vec<_> = checked.iter().flat_map(|one| &one.conditions).collect();
         let worst = conditions.iter().copied();
         let bounds = checked.iter().map(|one| one.bound);
@@ -150,6 +157,7 @@ impl<'a> RefutationReport<'a> {
             gains: file.blocking_gains(),
             worst: worst.min_by(|a, b| a.margin.total_cmp(&b.margin)),
             conditions,
+            checked: (file, checked, limits),
         }
     }
 
@@ -159,12 +167,8 @@ impl<'a> RefutationReport<'a> {
     }
 
     /// In words.
-    pub fn lines(
-        &self,
-        path: &Path,
-        file: &InfeasibilityFile,
-        (checked, limits): (&[Refutation], &[Limit]),
-    ) -> Vec<String> {
+    pub fn lines(&self, path: &Path) -> Vec<String> {
+        let (file, checked, limits) = self.checked;
         let title = format!("infeasibility of: {} ({})", file.name, path.display());
         let mut lines = vec![title];
         lines.extend(checked.iter().enumerate().map(|(index, one)| {

@@ -24,7 +24,7 @@ pub struct Solved<'a> {
 }
 
 /// The same as keys.
-#[derive(Debug, Serialize)]
+#[derive(Serialize)]
 pub struct SolutionReport<'a> {
     /// `solved`, `inaccurate`, `infeasible`, `unbounded` or `failed`.
     status: &'static str,
@@ -66,6 +66,9 @@ pub struct SolutionReport<'a> {
     /// How well the numbers solve the program; `None` when infeasible or unbounded.
     #[serde(skip)]
     residuals: Option<Residuals>,
+    /// Where it all comes from.
+    #[serde(skip)]
+    solved: &'a Solved<'a>,
 }
 
 /// Yes when it is solved.
@@ -89,7 +92,7 @@ fn word(status: Status) -> &'static str {
 
 impl<'a> SolutionReport<'a> {
     /// From what a solver returned; the residuals are computed from its numbers.
-    pub fn new(solved: &'a Solved) -> Self {
+    pub fn new(solved: &'a Solved<'a>) -> Self {
         let (problem, solution) = (solved.problem, solved.solution);
         let found = exit(solution.status) != Exit::No;
         let residuals = found.then(|| residuals(problem, solution));
@@ -120,11 +123,12 @@ impl<'a> SolutionReport<'a> {
             linear_seconds: solved.timings.map(|timings| timings.linear),
             excluded_radius: exclusion.map(|exclusion| exclusion.radius.min(f64::MAX)),
             residuals,
+            solved,
         }
     }
 
     /// In words.
-    pub fn lines(&self, solved: &Solved) -> Vec<String> {
+    pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![
             format!(
                 "problem: {} unknowns, {} cones, the widest of side {}",
@@ -139,7 +143,7 @@ impl<'a> SolutionReport<'a> {
                 self.read_seconds
             ),
         ];
-        lines.extend(solved.timings.map(|timings| {
+        lines.extend(self.solved.timings.map(|timings| {
             format!(
                 "time: {:.3} s Schur complement, {:.3} s linear systems, {:.3} s the rest",
                 timings.schur, timings.linear, timings.rest
@@ -147,7 +151,7 @@ impl<'a> SolutionReport<'a> {
         }));
         lines.extend(match &self.residuals {
             Some(residuals) => residual_lines(residuals),
-            None => no_point_lines(solved),
+            None => no_point_lines(self.solved),
         });
         lines
     }

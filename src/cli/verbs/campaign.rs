@@ -11,7 +11,7 @@ use crate::batch::campaign::record::{Results, Shard, State};
 use crate::batch::campaign::CampaignError;
 use crate::cli::answer::{note, Answer};
 use crate::cli::design::{design_of, design_path};
-use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{interrupted, threads, PartsProgress};
 use crate::cli::show::campaign::answer;
@@ -65,11 +65,11 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
         None => None,
     };
     let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
-        .map_err(|error| unplanned(&args.scenario, error))?;
+        .map_err(|error| CliError::plan(&args.scenario, error))?;
     if plan.columns.drawn.is_empty() {
         note("note: the scenario has no dispersions; the runs differ in their noise only");
     }
-    let told = |error| told(&args.scenario, error);
+    let failed = |error| CliError::campaign(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let job = Job::new(
         &plan,
@@ -78,7 +78,7 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
         threads(args.jobs),
         &args.output,
     )
-    .map_err(told)?;
+    .map_err(failed)?;
     let stop = interrupted();
     let state = job.prepare(&text, design_text.as_deref(), &stop);
     let results = state.and_then(|state| make(&job, state, args.keep, stop));
@@ -148,7 +148,7 @@ fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliEr
     };
     match error {
         CampaignError::Interrupted => CliError::Campaign(format!("interrupted{kept}")),
-        error if done == 0 => told(scenario, error),
-        error => CliError::Campaign(format!("{}{kept}", told(scenario, error))),
+        error if done == 0 => CliError::campaign(scenario, error),
+        error => CliError::Campaign(format!("{}{kept}", CliError::campaign(scenario, error))),
     }
 }

@@ -8,7 +8,7 @@ use crate::batch::campaign::folder::{
 };
 use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::{Answer, Exit};
-use crate::cli::error::{told, CliError};
+use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::show::written::written;
 use crate::report::pages::campaign;
@@ -34,7 +34,7 @@ pub fn run(args: &ReportArgs) -> Result<Answer, CliError> {
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
-            CampaignPageError::Campaign(error) => told(&args.folder, error),
+            CampaignPageError::Campaign(error) => CliError::campaign(&args.folder, error),
             other => CliError::unsuitable(&args.folder, other),
         })?
     } else {
@@ -75,7 +75,7 @@ const PAGES: usize = 20;
 
 /// Writes the pages of the worst kept runs of a campaign, those that are not there yet.
 fn pages_of_kept_runs(folder: &Path) -> Result<(), CliError> {
-    let record = CampaignFile::read(folder).map_err(|error| told(folder, error))?;
+    let record = CampaignFile::read(folder).map_err(|error| CliError::campaign(folder, error))?;
     let kept = record
         .results
         .map(|results| results.kept)

@@ -6,7 +6,7 @@ use super::campaign::check_runs;
 use crate::batch::campaign::plan::Plan;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::design_of;
-use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::show::run::lines;
 use crate::cli::show::written::written;
@@ -96,8 +96,8 @@ fn run_of_campaign(
         return wrong("--run-index", reason);
     }
     let plan = Plan::new(text, design, args.seed, runs);
-    let plan = plan.map_err(|error| unplanned(&args.scenario, error))?;
+    let plan = plan.map_err(|error| CliError::plan(&args.scenario, error))?;
     let outcome = plan.alone(run, args.output.is_some());
-    let (_, outcome) = outcome.map_err(|error| told(&args.scenario, error))?;
+    let (_, outcome) = outcome.map_err(|error| CliError::campaign(&args.scenario, error))?;
     Ok(outcome)
 }

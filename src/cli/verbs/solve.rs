@@ -74,9 +74,5 @@ pub fn run(args: &SolveArgs) -> Result<Answer, CliError> {
         read_seconds,
     };
     let report = SolutionReport::new(&found);
-    Ok(Answer::new(
-        exit(solution.status),
-        &report,
-        &report.lines(&found),
-    ))
+    Ok(Answer::new(exit(solution.status), &report, &report.lines()))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use synth::model::{kind_of, Kind};
 
 use crate::cli::answer::{Answer, Exit};
-use crate::cli::error::{solver_problem, CliError};
+use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::show::design::DesignReport;
 use crate::cli::show::infeasibility::{is_proved, RefutationReport};
@@ -59,10 +59,9 @@ fn infeasibility(path: &Path, text: &str) -> Result<Answer, CliError> {
         true => file.limits(&model),
         false => Ok(Vec::new()),
     };
-    let limits = limits.map_err(|error| solver_problem(path, error))?;
+    let limits = limits.map_err(|error| CliError::synthesis(path, error))?;
     let report = RefutationReport::new(&file, &checked, &limits);
-    let lines = report.lines(path, &file, (&checked, &limits));
-    Ok(Answer::new(report.exit(), &report, &lines))
+    Ok(Answer::new(report.exit(), &report, &report.lines(path)))
 }
 
 fn title(name: &str, path: &Path) -> String {
