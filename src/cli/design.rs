@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::answer::note;
 use super::error::CliError;
 use super::files;
 use crate::controllers::ControllerChoice;
@@ -51,16 +52,12 @@ pub(crate) fn read_design(path: &Path) -> Result<Design, CliError> {
 
 /// Says on standard error whether the design is proved, before it is used.
 fn announce(design: &Design) {
-    let verdict = if design.proved() {
-        "PROVED"
-    } else {
-        "NOT PROVED"
+    let verdict = match design.proved() {
+        true => "PROVED",
+        false => "NOT PROVED",
     };
-    match design.report.worst() {
-        Some(worst) => eprintln!(
-            "design '{}': {verdict}, smallest margin {:.3e} ({})",
-            design.file.name, worst.margin, worst.name
-        ),
-        None => eprintln!("design '{}': {verdict}", design.file.name),
-    }
+    let worst = design.report.worst().map_or(String::new(), |worst| {
+        format!(", smallest margin {:.3e} ({})", worst.margin, worst.name)
+    });
+    note(&format!("design '{}': {verdict}{worst}", design.file.name));
 }

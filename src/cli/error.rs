@@ -6,6 +6,7 @@ use synth::model::{FileError, ModelError};
 use synth::solve::SolveError;
 use synth::synthesis::SynthesisError;
 
+use super::answer::Exit;
 use crate::batch::campaign::plan::PlanError;
 use crate::batch::campaign::CampaignError;
 
@@ -50,7 +51,7 @@ pub enum CliError {
     },
     /// Synthesis could not run.
     #[error(transparent)]
-    Synthesis(#[from] synth::synthesis::SynthesisError),
+    Synthesis(#[from] SynthesisError),
     /// Stopped by the user.
     #[error("interrupted; nothing was written")]
     Interrupted,
@@ -74,12 +75,10 @@ pub enum CliError {
 
 impl CliError {
     /// Exit status: 3 when the solver's point cannot be used, 1 otherwise.
-    pub fn exit_status(&self) -> u8 {
+    pub fn exit(&self) -> Exit {
         match self {
-            CliError::Synthesis(synth::synthesis::SynthesisError::Invalid(_)) => {
-                super::answer::EXIT_SOLVER
-            }
-            _ => 1,
+            CliError::Synthesis(SynthesisError::Invalid(_)) => Exit::SolverFailed,
+            _ => Exit::Usage,
         }
     }
 
@@ -103,38 +102,38 @@ impl CliError {
             reason: reason.to_string(),
         }
     }
-}
 
-/// A file that has no plan.
-pub(crate) fn unplanned(scenario: &Path, error: PlanError) -> CliError {
-    match error {
-        PlanError::File(problem) => CliError::file(scenario, problem),
-        PlanError::Campaign(error) => told(scenario, error),
-    }
-}
-
-/// What is wrong, with the file that it is about.
-pub(crate) fn told(scenario: &Path, error: CampaignError) -> CliError {
-    let argument = |argument, reason: String| CliError::Argument { argument, reason };
-    match error {
-        CampaignError::Shards(reason) => argument("--shard", reason),
-        CampaignError::Threads(error) => argument("--jobs", error.to_string()),
-        CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
-            CliError::Campaign(error.to_string())
+    /// A campaign that has no plan.
+    pub fn plan(scenario: &Path, problem: PlanError) -> Self {
+        match problem {
+            PlanError::File(problem) => CliError::file(scenario, problem),
+            PlanError::Campaign(problem) => CliError::campaign(scenario, problem),
         }
-        error => CliError::unsuitable(scenario, error),
     }
-}
 
-/// What a search that could not run means to the user.
-pub fn solver_problem(model: &Path, error: SynthesisError) -> CliError {
-    match error {
-        SynthesisError::Cancelled(_) => CliError::Interrupted,
-        // The numbers overflow on the way from the model to the solver.
-        SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
-            let reason = format!("{problem}; the model's numbers are too far apart");
-            CliError::unsuitable(model, reason)
+    /// A campaign that cannot go on, with the file that it is about.
+    pub fn campaign(scenario: &Path, problem: CampaignError) -> Self {
+        let argument = |argument, reason: String| CliError::Argument { argument, reason };
+        match problem {
+            CampaignError::Shards(reason) => argument("--shard", reason),
+            CampaignError::Threads(error) => argument("--jobs", error.to_string()),
+            CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
+                CliError::Campaign(problem.to_string())
+            }
+            other => CliError::unsuitable(scenario, other),
         }
-        other => other.into(),
+    }
+
+    /// A synthesis that could not run, with the file that it is about.
+    pub fn synthesis(model: &Path, problem: SynthesisError) -> Self {
+        match problem {
+            SynthesisError::Cancelled(_) => CliError::Interrupted,
+            // The numbers overflow on the way from the model to the solver.
+            SynthesisError::Solve(problem @ SolveError::NotFinite { .. }) => {
+                let reason = format!("{problem}; the model's numbers are too far apart");
+                CliError::unsuitable(model, reason)
+            }
+            other => other.into(),
+        }
     }
 }

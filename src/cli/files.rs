@@ -8,6 +8,8 @@ use synth::model::{read_text, Gains, Model};
 use synth::problem::{Problem, ProblemDesignFile};
 
 use super::error::CliError;
+use crate::batch::tune::file::Requirements;
+use crate::scenario::Scenario;
 
 /// A file's text.
 pub fn text(path: &Path) -> Result<String, CliError> {
@@ -40,6 +42,16 @@ pub fn problem_design_of(
 /// An infeasibility certificate with this text, and the checked model inside it.
 pub fn infeasibility_of(path: &Path, text: &str) -> Result<(InfeasibilityFile, Model), CliError> {
     InfeasibilityFile::from_json(text).map_err(|problem| CliError::file(path, problem))
+}
+
+/// The checked content of a scenario file with this text.
+pub fn scenario_of(path: &Path, text: &str) -> Result<Scenario, CliError> {
+    Scenario::from_json(text).map_err(|problem| CliError::file(path, problem))
+}
+
+/// The checked content of a requirements file with this text.
+pub fn requirements_of(path: &Path, text: &str) -> Result<Requirements, CliError> {
+    Requirements::from_json(text).map_err(|problem| CliError::file(path, problem))
 }
 
 /// The checked content of a gains file with this text.

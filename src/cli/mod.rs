@@ -1,4 +1,8 @@
-//! The command line: the verbs, one file each, and how results and errors are printed.
+//! The command line.
+//!
+//! A verb (`verbs`) reads its files, calls the library and returns an `Answer`: an exit status, a report and the same
+//! in words. `show` holds the reports, each fact at one place: a type whose documented fields are the keys of
+//! `--json`, and its wording. `answer` prints, once; whatever else is printed, such as progress, goes to standard error.
 
 mod answer;
 mod design;

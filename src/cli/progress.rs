@@ -1,15 +1,39 @@
 //! Progress of long work on a terminal, and its cancellation by Ctrl-C.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use synth::solve::{Observer, Progress};
+use synth::synthesis::SynthesisError;
+
+use super::error::CliError;
 
 /// Threads for `--jobs`; 0, one for each processor, when left out.
 pub(crate) fn threads(jobs: Option<u16>) -> usize {
     jobs.map_or(0, usize::from)
+}
+
+/// The first words of the progress of a synthesis.
+pub(crate) const ASSEMBLING: &str = "assembling the conditions";
+
+/// Runs a solver for a model file and shows its progress, at first with these words.
+pub(crate) fn solve<T>(
+    model: &Path,
+    what: &str,
+    run: impl FnOnce(Option<Observer>) -> Result<T, SynthesisError>,
+) -> Result<T, CliError> {
+    let progress = SolverProgress::start(what);
+    run(Some(progress.observer())).map_err(|error| CliError::synthesis(model, error))
+}
+
+/// Shows a line on a terminal, nothing otherwise.
+pub(crate) fn ahead(line: &str) {
+    let bar = ProgressBar::new_spinner();
+    bar.println(line);
+    bar.finish_and_clear();
 }
 
 /// A spinner on standard error when that is a terminal, nothing otherwise.

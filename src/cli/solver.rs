@@ -54,13 +54,15 @@ impl SolverArg {
     }
 }
 
-/// Form of the decrease condition.
+/// Form of the decrease condition. Files keep the names of version 0.1.0, which are aliases here.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FormArg {
     /// Small cones, exactly equivalent
-    Reduced,
+    #[value(alias = "reduced")]
+    Chordal,
     /// Few unknowns, exactly equivalent
-    Slack,
+    #[value(alias = "slack")]
+    VertexRelaxed,
     /// Large cones, as published
     Full,
 }
@@ -68,8 +70,8 @@ pub enum FormArg {
 impl From<FormArg> for Form {
     fn from(form: FormArg) -> Self {
         match form {
-            FormArg::Reduced => Form::Reduced,
-            FormArg::Slack => Form::Slack,
+            FormArg::Chordal => Form::Reduced,
+            FormArg::VertexRelaxed => Form::Slack,
             FormArg::Full => Form::Full,
         }
     }

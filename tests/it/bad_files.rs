@@ -144,7 +144,7 @@ fn bad_usage_ends_with_1_and_says_why() {
         ),
         (
             &["synthesize", model, "--form", "short"],
-            "[possible values: reduced, slack, full]",
+            "[possible values: chordal, vertex-relaxed, full]",
         ),
         (&["export", model, "--format", "pdf"], "invalid value 'pdf'"),
         (&["schema", "everything"], "invalid value 'everything'"),

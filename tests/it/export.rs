@@ -87,6 +87,17 @@ fn assert_csdp_agrees(model: &str, design: &Path) {
 }
 
 #[test]
+fn the_forms_have_their_names_of_version_0_1_0_too() {
+    let model = shipped("double-integrator.json");
+    for (name, former) in [("chordal", "reduced"), ("vertex-relaxed", "slack")] {
+        assert_eq!(export(&model, name).text, export(&model, former).text);
+    }
+    let help = steadfast(["export", "--help"]).ends_with(0).stdout;
+    assert!(help.contains("vertex-relaxed"), "{help}");
+    assert!(!help.contains("reduced"), "{help}");
+}
+
+#[test]
 fn csdp_finds_the_gain_of_xu2020_in_both_forms() {
     assert_csdp_agrees("xu2020.json", xu2020_design());
 }

@@ -61,8 +61,8 @@ fn the_thresholds_of_xu2020_are_proved_on_both_sides() {
             let run = feasibility(&model, &["--json", "--no-relaxations"]).ends_with(status);
             let report = run.json();
             assert_eq!(report["verdict"], verdict, "{pointer} = {value}");
-            let margin = number(&report, "/margin");
-            assert_eq!(margin > 0.0, verdict == "infeasible", "{pointer} = {value}");
+            let slack = number(&report, "/slack");
+            assert_eq!(slack > 0.0, verdict == "infeasible", "{pointer} = {value}");
         }
     }
 }
@@ -77,7 +77,7 @@ fn a_feasible_model_gives_a_design_that_verify_proves() {
     assert_eq!(report["verdict"], "feasible");
     assert_eq!(report["bound"], Value::Null);
     assert_eq!(report["blocking"], json!([]));
-    assert!(number(&report, "/margin") < 0.0);
+    assert!(number(&report, "/slack") < 0.0);
     let report = verify(&design, &["--json"]).ends_with(0).json();
     assert_eq!(report["verdict"], "proved");
 }
@@ -90,10 +90,15 @@ fn an_infeasible_model_gives_a_certificate_that_verify_proves() {
     let arguments = ["--json", "--no-relaxations", "-o", path.to_str().unwrap()];
     let report = feasibility(&model, &arguments).ends_with(2).json();
     assert_eq!(report["verdict"], "infeasible");
-    assert!(number(&report, "/margin") > 0.0);
+    assert!(number(&report, "/slack") > 0.0);
     assert!(number(&report, "/bound") >= 1e6);
-    let names = report["blocking"].as_array().expect("names");
-    assert!(!names.is_empty() && names.iter().all(Value::is_string));
+    let blocking = report["blocking"].as_array().expect("conditions");
+    assert!(!blocking.is_empty());
+    for condition in blocking {
+        assert!(condition["name"].is_string(), "{condition}");
+        let share = number(condition, "/share");
+        assert!(share > 0.0 && share <= 1.0, "{condition}");
+    }
 
     let again = verify(&path, &["--json"]).ends_with(0).json();
     assert_eq!(again["verdict"], "proved");

@@ -1,34 +1,43 @@
-//! The results of a campaign, in words and as JSON.
+//! The results of a campaign.
 
 use std::path::Path;
 
-use serde_json::{json, Value};
+use serde::Serialize;
 
-use crate::batch::campaign::record::{Inputs, Results};
-use crate::cli::answer::print;
+use super::written::written;
+use crate::batch::campaign::record::{Inputs, Results, Shard};
+use crate::cli::answer::{Answer, Exit};
 
-/// Prints the results.
-pub(crate) fn tell(results: &Results, inputs: &Inputs, folder: &Path, json: bool) {
-    if json {
-        print(&object(results, inputs, folder).to_string());
-    } else {
-        print(&describe(results, inputs, folder));
-    }
+/// The results, and what they are about.
+#[derive(Debug, Serialize)]
+struct CampaignReport<'a> {
+    /// The results.
+    #[serde(flatten)]
+    results: &'a Results,
+    /// Name of the scenario.
+    scenario: &'a str,
+    /// Seed of the campaign.
+    seed: u64,
+    /// The part of the campaign; null for all of it.
+    shard: Option<Shard>,
+    /// Where the files are.
+    folder: String,
 }
 
-fn object(results: &Results, inputs: &Inputs, folder: &Path) -> Value {
-    let mut object = serde_json::to_value(results).unwrap_or_default();
-    if let Value::Object(keys) = &mut object {
-        keys.insert("scenario".to_string(), json!(inputs.scenario));
-        keys.insert("seed".to_string(), json!(inputs.seed));
-        keys.insert("shard".to_string(), json!(inputs.shard));
-        let folder = folder.to_string_lossy().into_owned();
-        keys.insert("folder".to_string(), json!(folder));
-    }
-    object
+/// Yes where every run met every requirement.
+pub fn answer(results: &Results, inputs: &Inputs, folder: &Path) -> Answer {
+    let report = CampaignReport {
+        results,
+        scenario: &inputs.scenario,
+        seed: inputs.seed,
+        shard: inputs.shard,
+        folder: folder.to_string_lossy().into_owned(),
+    };
+    let exit = Exit::of(results.failures == 0);
+    Answer::new(exit, &report, &lines(results, inputs, folder))
 }
 
-fn describe(results: &Results, inputs: &Inputs, folder: &Path) -> String {
+fn lines(results: &Results, inputs: &Inputs, folder: &Path) -> Vec<String> {
     let interval = &results.pass_rate_interval;
     let percent = |share: f64| 100.0 * share;
     let mut lines = vec![
@@ -75,8 +84,8 @@ fn describe(results: &Results, inputs: &Inputs, folder: &Path) -> String {
             results.not_kept
         ));
     }
-    lines.push(format!("written: {}", folder.display()));
-    lines.join("\n")
+    lines.push(written(folder));
+    lines
 }
 
 fn row(cells: [String; 6]) -> String {

@@ -1,106 +1,129 @@
-//! Whether a design exists, in words.
+//! The answer of `feasibility`.
 
-use synth::certify::infeasible::Limit;
-use synth::feasibility::{Answer, InfeasibilityFile};
+use std::path::Path;
 
-/// The answer's name in reports.
-pub fn verdict(answer: &Answer) -> &'static str {
-    match answer {
-        Answer::Feasible(_) => "feasible",
-        Answer::Infeasible(_) => "infeasible",
-        Answer::Undecided(_) => "undecided",
-    }
+use serde::Serialize;
+use synth::design::SolverRun;
+use synth::feasibility::{Answer, Decision, Relaxation, RelaxedValue};
+
+use super::blocking::{blocking, blocking_lines, slack_line, Blocking};
+use super::infeasibility;
+use crate::cli::answer::Exit;
+
+/// Whether any design exists, and why not.
+#[derive(Debug, Serialize)]
+pub struct FeasibilityReport<'a> {
+    /// `feasible`, `infeasible` (both proved) or `undecided`.
+    verdict: &'static str,
+    /// The smallest slack t in scaled units, the solver's number: above 0 the conditions cannot hold. Null where
+    /// the solver found none.
+    slack: Option<f64>,
+    /// The conditions that carry the dual solution; empty where a design exists.
+    blocking: Vec<Blocking<'a>>,
+    /// No design exists whose multiplier entries (SI units) are at most this; null where none is excluded.
+    bound: Option<f64>,
+    /// What was proved about a part of the designs; null where the answer is about all.
+    shown: Option<String>,
+    /// What relaxing one requirement alone does; null where it was not asked.
+    pub relaxations: Option<Vec<RelaxationReport>>,
+    /// Time of the verdict (s).
+    seconds: f64,
+    /// Time in solvers (s).
+    solve_seconds: f64,
+    /// Each run; its status is the solver's and proves nothing.
+    solver_runs: &'a [SolverRun],
+    /// The verdict in words.
+    #[serde(skip)]
+    headline: String,
 }
 
-/// The bound of proved weights.
-pub fn bound(answer: &Answer) -> Option<f64> {
-    match answer {
-        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => Some(proof.bound),
-        _ => None,
-    }
+/// What relaxing one requirement alone does.
+#[derive(Debug, Serialize)]
+pub struct RelaxationReport {
+    /// The requirement's symbol.
+    requirement: &'static str,
+    /// The first value at which a design is proved; of several limits the first. Null, as the next two, where it
+    /// does not help alone.
+    value: Option<f64>,
+    /// The same relative to the model's.
+    factor: Option<f64>,
+    /// The nearest factor tried at which no design was found.
+    not_at_factor: Option<f64>,
+    /// Solver calls it took.
+    solves: usize,
+    /// The three numbers.
+    #[serde(skip)]
+    feasible: Option<RelaxedValue>,
 }
 
-/// What was proved about a part of the designs, where the whole is undecided.
-pub fn shown(answer: &Answer) -> Option<String> {
-    match answer {
-        Answer::Undecided(Some(proof)) => Some(partial_statement(&proof.file, &proof.limits)),
-        _ => None,
-    }
-}
-
-/// What weights state that do not cover every design.
-pub(crate) fn partial_statement(proof: &InfeasibilityFile, limits: &[Limit]) -> String {
-    let limits: Vec<String> = limits.iter().map(Limit::to_string).collect();
-    let what = match proof.gains.is_empty() {
-        true => "no design satisfies the conditions",
-        false => "for these gains the conditions cannot hold",
-    };
-    format!("{what} {}", limits.join(", and "))
-}
-
-/// The given gains, from 1, that a proved no is about.
-pub fn blocking_gains(answer: &Answer) -> Vec<usize> {
-    match answer {
-        Answer::Infeasible(proof) => proof.file.blocking_gains(),
-        _ => Vec::new(),
-    }
-}
-
-/// What an infeasibility certificate states.
-pub(crate) fn statement(file: &InfeasibilityFile, bound: f64) -> String {
-    let unbounded = bound == f64::MAX;
-    let within = match unbounded {
-        true => String::new(),
-        false => format!(" with multiplier entries up to R = {bound:.3e} (SI units)"),
-    };
-    if file.gains.is_empty() {
-        return format!("no design{within} satisfies the conditions");
-    }
-    let blocking: Vec<String> = file.blocking_gains().iter().map(usize::to_string).collect();
-    let because = match (file.gains.len(), blocking.as_slice()) {
-        (1, _) => String::new(),
-        (_, [one]) => format!(": gain {one} alone rules them out"),
-        (_, several) => format!(": gains {} together rule them out", several.join(", ")),
-    };
-    format!("for these gains the conditions cannot hold{within}{because}")
-}
-
-/// The answer in words.
-pub fn headline(answer: &Answer) -> String {
-    match answer {
-        Answer::Feasible(design) => format!(
-            "FEASIBLE, proved by a design with gamma {:.6} (not the smallest)",
-            design.file.certificate.gamma
-        ),
-        Answer::Infeasible(proof) => format!(
-            "INFEASIBLE, proved: {}",
-            statement(&proof.file, proof.bound)
-        ),
-        Answer::Undecided(None) => {
-            "UNDECIDED: neither a design nor its impossibility could be proved".to_string()
+impl<'a> FeasibilityReport<'a> {
+    /// From the answer, found in this time (s).
+    pub fn new(decision: &'a Decision, seconds: f64) -> Self {
+        let shares: &[_] = match decision.answer {
+            Answer::Feasible(_) => &[],
+            _ => &decision.blocking,
+        };
+        FeasibilityReport {
+            verdict: infeasibility::verdict(&decision.answer),
+            slack: decision.slack,
+            blocking: blocking(shares),
+            bound: infeasibility::bound(&decision.answer),
+            shown: infeasibility::shown(&decision.answer),
+            relaxations: None,
+            seconds,
+            solve_seconds: decision.solve_seconds,
+            solver_runs: &decision.runs,
+            headline: infeasibility::headline(&decision.answer),
         }
-        Answer::Undecided(Some(proof)) => format!(
-            "UNDECIDED: neither a design nor its impossibility could be proved; shown: {}",
-            partial_statement(&proof.file, &proof.limits)
-        ),
+    }
+
+    /// Yes where a design exists.
+    pub fn exit(&self) -> Exit {
+        Exit::of(self.verdict == "feasible")
+    }
+
+    /// The verdict on the model of this file.
+    pub fn headline(&self, model: &Path) -> String {
+        format!("{}: {}", model.display(), self.headline)
+    }
+
+    /// In words; with what became of the file.
+    pub fn lines(&self, model: &Path, written: Option<String>) -> Vec<String> {
+        let mut lines = vec![self.headline(model)];
+        lines.extend(slack_line(self.slack));
+        lines.extend(blocking_lines(&self.blocking));
+        lines.extend(written);
+        if let Some(relaxations) = &self.relaxations {
+            let title = "one requirement relaxed, all others kept:";
+            lines.push(title.to_string());
+            lines.extend(relaxations.iter().map(RelaxationReport::line));
+        }
+        lines
     }
 }
 
-/// The smallest slack in words.
-pub fn slack_line(slack: Option<f64>) -> Option<String> {
-    let slack = slack?;
-    Some(format!(
-        "smallest slack t with which every condition holds: {slack:.4e} (scaled units; the solver's number, not proved)"
-    ))
-}
-
-/// The conditions that block.
-pub fn blocking_lines(blocking: &[(String, f64)]) -> Vec<String> {
-    if blocking.is_empty() {
-        return Vec::new();
+impl RelaxationReport {
+    /// From what was found.
+    pub fn new(relaxation: &Relaxation) -> Self {
+        let feasible = relaxation.feasible;
+        RelaxationReport {
+            requirement: relaxation.requirement.symbol(),
+            value: feasible.map(|found| found.value),
+            factor: feasible.map(|found| found.factor),
+            not_at_factor: feasible.map(|found| found.not_at),
+            solves: relaxation.solves,
+            feasible,
+        }
     }
-    let mut lines = vec!["conditions that block (share of the dual solution):".to_string()];
-    let shares = blocking.iter().take(12);
-    lines.extend(shares.map(|(name, share)| format!("  {:5.1} %  {name}", 100.0 * share)));
-    lines
+
+    fn line(&self) -> String {
+        let symbol = self.requirement;
+        match self.feasible {
+            Some(found) => format!(
+                "  {symbol}: feasible (proved) at {:.5}, {:.4} times the model's; not found at {:.4} times",
+                found.value, found.factor, found.not_at
+            ),
+            None => format!("  {symbol}: does not help alone"),
+        }
+    }
 }

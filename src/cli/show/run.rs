@@ -3,7 +3,8 @@
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
 
-pub(crate) fn describe(summary: &Summary) -> String {
+/// What came of a run.
+pub fn lines(summary: &Summary) -> Vec<String> {
     let mut lines = vec![
         format!("scenario: {}", summary.scenario),
         format!("controller: {}", summary.controller),
@@ -70,7 +71,7 @@ pub(crate) fn describe(summary: &Summary) -> String {
         ));
     }
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
-    lines.join("\n")
+    lines
 }
 
 fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {

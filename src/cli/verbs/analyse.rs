@@ -1,15 +1,15 @@
 //! `steadfast analyse GAINS.json --model MODEL.json`
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use synth::synthesis;
 
-use crate::cli::error::{solver_problem, CliError};
+use super::synthesize::conclude::Conclusion;
+use crate::cli::answer::Answer;
+use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::progress::SolverProgress;
+use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::SolverArg;
-use crate::cli::verbs::synthesize::ending::Ending;
 
 /// Arguments of `analyse`.
 #[derive(clap::Args)]
@@ -27,11 +27,11 @@ pub struct AnalyseArgs {
     solver: SolverArg,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Seeks the best proof for the gains. 0: proved; 2: infeasible or not proved; 3: the solver failed.
-pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
     let gains_text = files::text(&args.gains)?;
     let gains = files::gains_of(&args.gains, &gains_text)?;
     let text = files::text(&args.model)?;
@@ -44,27 +44,26 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         files::check_output(output, &args.model)?;
         files::check_output(output, &args.gains)?;
     }
-    let progress = SolverProgress::start("assembling the conditions");
-    let outcome = synthesis::analyse(
-        &model,
-        &text,
-        &gains.gains,
-        &gains_text,
-        args.solver.form(),
-        args.solver.backend().as_ref(),
-        Some(progress.observer()),
-    );
-    let outcome = outcome.map_err(|error| solver_problem(&args.model, error))?;
-    drop(progress);
-    let ending = Ending {
+    let (form, backend) = (args.solver.form(), args.solver.backend());
+    let outcome = solve(&args.model, ASSEMBLING, |observer| {
+        synthesis::analyse(
+            &model,
+            &text,
+            &gains.gains,
+            &gains_text,
+            form,
+            backend.as_ref(),
+            observer,
+        )
+    })?;
+    let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
-        json: args.json,
-        form: args.solver.form(),
+        form,
         cross_check: None,
         what: "proof for these gains",
         keeps_refutation: true,
     };
-    ending.tell(outcome)
+    conclusion.answer(outcome)
 }

@@ -1,7 +1,6 @@
 //! `steadfast campaign SCENARIO.json --runs N -o DIR`
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
@@ -10,13 +9,12 @@ use crate::batch::campaign::parts::{Job, Watch};
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, Shard, State};
 use crate::batch::campaign::CampaignError;
-use crate::cli::answer::EXIT_NO;
+use crate::cli::answer::{note, Answer};
 use crate::cli::design::{design_of, design_path};
-use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{interrupted, threads, PartsProgress};
-use crate::cli::show::campaign::tell;
-use crate::scenario::Scenario;
+use crate::cli::show::campaign::answer;
 
 /// Most failed runs that are kept when the command line does not say.
 pub(crate) const KEPT: usize = 100;
@@ -50,17 +48,16 @@ pub struct CampaignArgs {
     output: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Makes the runs. 0: every run met every requirement; 2: some did not.
-pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     check_runs(args.runs)?;
     files::check_folder(&args.output)?;
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
     let text = files::text(&args.scenario)?;
-    let scenario =
-        Scenario::from_json(&text).map_err(|error| CliError::file(&args.scenario, error))?;
+    let scenario = files::scenario_of(&args.scenario, &text)?;
     let given = args.design.as_deref();
     let design = design_of(&scenario, &args.scenario, given)?;
     let design_text = match design_path(&scenario, &args.scenario, given) {
@@ -68,11 +65,11 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
         None => None,
     };
     let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
-        .map_err(|error| unplanned(&args.scenario, error))?;
+        .map_err(|error| CliError::plan(&args.scenario, error))?;
     if plan.columns.drawn.is_empty() {
-        eprintln!("note: the scenario has no dispersions; the runs differ in their noise only");
+        note("note: the scenario has no dispersions; the runs differ in their noise only");
     }
-    let told = |error| told(&args.scenario, error);
+    let failed = |error| CliError::campaign(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let job = Job::new(
         &plan,
@@ -81,7 +78,7 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
         threads(args.jobs),
         &args.output,
     )
-    .map_err(told)?;
+    .map_err(failed)?;
     let stop = interrupted();
     let state = job.prepare(&text, design_text.as_deref(), &stop);
     let results = state.and_then(|state| make(&job, state, args.keep, stop));
@@ -89,11 +86,7 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
         let done = job.runs_done().unwrap_or(0);
         stopped(&args.scenario, &job, done, error)
     })?;
-    tell(&results, &job.inputs, &args.output, args.json);
-    Ok(match results.failures {
-        0 => ExitCode::SUCCESS,
-        _ => ExitCode::from(EXIT_NO),
-    })
+    Ok(answer(&results, &job.inputs, &args.output))
 }
 
 fn make(
@@ -155,7 +148,7 @@ fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliEr
     };
     match error {
         CampaignError::Interrupted => CliError::Campaign(format!("interrupted{kept}")),
-        error if done == 0 => told(scenario, error),
-        error => CliError::Campaign(format!("{}{kept}", told(scenario, error))),
+        error if done == 0 => CliError::campaign(scenario, error),
+        error => CliError::Campaign(format!("{}{kept}", CliError::campaign(scenario, error))),
     }
 }

@@ -1,15 +1,15 @@
 //! `steadfast compare SCENARIO.json...`
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::batch::comparison::{compare, Comparison, Contestant, Curves, Task};
-use crate::cli::answer::{print, EXIT_NO};
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::show::written::written;
 use crate::controllers::ControllerChoice;
 use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
 use crate::run::design::Design;
@@ -38,7 +38,7 @@ pub struct CompareArgs {
     output: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// A scenario file as it was read.
@@ -55,7 +55,7 @@ impl Read {
 }
 
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
-pub fn run(args: &CompareArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &CompareArgs) -> Result<Answer, CliError> {
     if let Some(folder) = &args.output {
         crate::cli::files::check_folder(folder)?;
     }
@@ -91,31 +91,23 @@ fn finish(
     args: &CompareArgs,
     comparison: &Comparison,
     curves: &[Curves],
-) -> Result<ExitCode, CliError> {
+) -> Result<Answer, CliError> {
+    let mut runs = comparison.runs.iter();
+    let exit = Exit::of(runs.all(|row| row.verdict == RunVerdict::RequirementsMet));
+    // It holds finite numbers, strings and lists only, so it can always be written.
+    let json = serde_json::to_string(comparison).unwrap_or_default();
+    let mut answer = Answer::file(exit, json, comparison.to_text());
     if let Some(folder) = &args.output {
         write_comparison(folder, comparison, curves)
             .map_err(|error| CliError::unsuitable(folder, error))?;
-        eprintln!("written: {}", folder.join(COMPARISON_PAGE).display());
+        answer = answer.remark(written(&folder.join(COMPARISON_PAGE)));
     }
-    if args.json {
-        // It holds finite numbers, strings and lists only, so it can always be written.
-        print(&serde_json::to_string(comparison).unwrap_or_default());
-    } else {
-        print(&comparison.to_text());
+    for row in &comparison.runs {
+        if row.verdict == RunVerdict::ProofBroken {
+            answer = answer.remark(format!("{}: {}", row.label, row.verdict.sentence()));
+        }
     }
-    let mut runs = comparison.runs.iter();
-    for row in runs
-        .clone()
-        .filter(|row| row.verdict == RunVerdict::ProofBroken)
-    {
-        eprintln!("{}: {}", row.label, row.verdict.sentence());
-    }
-    let met = runs.all(|row| row.verdict == RunVerdict::RequirementsMet);
-    Ok(if met {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(EXIT_NO)
-    })
+    Ok(answer)
 }
 
 fn run_all(

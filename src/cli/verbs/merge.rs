@@ -1,15 +1,14 @@
 //! `steadfast merge DIR1 DIR2 ... -o DIR`
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use super::campaign::KEPT;
 use crate::batch::campaign::merge::merge;
 use crate::batch::campaign::record::CampaignFile;
 use crate::batch::campaign::CampaignError;
-use crate::cli::answer::EXIT_NO;
+use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
-use crate::cli::show::campaign::tell;
+use crate::cli::show::campaign::answer;
 
 /// Arguments of `merge`.
 #[derive(clap::Args)]
@@ -26,17 +25,13 @@ pub struct MergeArgs {
     keep: usize,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Merges shards. 0: every run met every requirement; 2: some did not.
-pub fn run(args: &MergeArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &MergeArgs) -> Result<Answer, CliError> {
     let failed = |error: CampaignError| CliError::Campaign(error.to_string());
     let results = merge(&args.folders, &args.output, args.keep).map_err(failed)?;
     let record = CampaignFile::read(&args.output).map_err(failed)?;
-    tell(&results, &record.inputs, &args.output, args.json);
-    Ok(match results.failures {
-        0 => ExitCode::SUCCESS,
-        _ => ExitCode::from(EXIT_NO),
-    })
+    Ok(answer(&results, &record.inputs, &args.output))
 }

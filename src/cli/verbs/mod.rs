@@ -22,7 +22,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-use super::answer::complain;
+use super::answer::{complain, Exit};
 
 #[derive(Parser)]
 #[command(
@@ -76,39 +76,45 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
-    let outcome = match &cli.verb {
-        Verb::Synthesize(args) => synthesize::run(args),
-        Verb::Feasibility(args) => feasibility::run(args),
-        Verb::Analyse(args) => analyse::run(args),
-        Verb::Verify(args) => verify::run(args),
-        Verb::Simulate(args) => simulate::run(args),
-        Verb::Compare(args) => compare::run(args),
-        Verb::Sweep(args) => sweep::run(args),
-        Verb::Campaign(args) => campaign::run(args),
-        Verb::Merge(args) => merge::run(args),
-        Verb::Tune(args) => tune::run(args),
-        Verb::Report(args) => report::run(args),
-        Verb::Check(args) => check::run(args),
-        Verb::Schema(args) => schema::run(args),
-        Verb::Export(args) => export::run(args),
-        Verb::Solve(args) => solve::run(args),
+    let (answer, json) = match &cli.verb {
+        Verb::Synthesize(args) => (synthesize::run(args), args.json),
+        Verb::Feasibility(args) => (feasibility::run(args), args.json),
+        Verb::Analyse(args) => (analyse::run(args), args.json),
+        Verb::Verify(args) => (verify::run(args), args.json),
+        Verb::Simulate(args) => (simulate::run(args), args.json),
+        Verb::Compare(args) => (compare::run(args), args.json),
+        Verb::Sweep(args) => (sweep::run(args), args.json),
+        Verb::Campaign(args) => (campaign::run(args), args.json),
+        Verb::Merge(args) => (merge::run(args), args.json),
+        Verb::Tune(args) => (tune::run(args), args.json),
+        Verb::Report(args) => (report::run(args), false),
+        Verb::Check(args) => (check::run(args), args.json),
+        Verb::Schema(args) => (schema::run(args), false),
+        Verb::Export(args) => (export::run(args), false),
+        Verb::Solve(args) => (solve::run(args), args.json),
     };
-    outcome.unwrap_or_else(|error| {
-        complain(&error.to_string());
-        ExitCode::from(error.exit_status())
-    })
+    match answer {
+        Ok(answer) => answer.print(json),
+        Err(error) => {
+            complain(&error.to_string());
+            error.exit().into()
+        }
+    }
 }
 
 /// Prints help, or what is wrong with the arguments in one line.
-pub(crate) fn usage(error: &clap::Error) -> ExitCode {
+fn usage(error: &clap::Error) -> ExitCode {
     let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if help || !error.use_stderr() {
         // Printing help can only fail when the stream is closed.
         let _ = error.print();
-        return ExitCode::from(u8::from(error.use_stderr()));
+        return match error.use_stderr() {
+            true => Exit::Usage.into(),
+            false => Exit::Yes.into(),
+        };
     }
     complain(&one_line(&error.to_string()));
-    ExitCode::from(1)
+    Exit::Usage.into()
 }
 
 /// The parser's lines as one sentence.

@@ -1,16 +1,16 @@
 //! `steadfast report DIR`
 
 use std::path::{Component, Path, PathBuf};
-use std::process::ExitCode;
 
 use crate::base::files::write;
 use crate::batch::campaign::folder::{
     run_folder, CAMPAIGN_FILE, DESIGN_FILE, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
 };
 use crate::batch::campaign::record::CampaignFile;
-use crate::cli::answer::print;
-use crate::cli::error::{told, CliError};
+use crate::cli::answer::{Answer, Exit};
+use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::show::written::written;
 use crate::report::pages::campaign;
 use crate::report::pages::campaign::error::CampaignPageError;
 use crate::report::pages::files::rebuild_report;
@@ -27,22 +27,21 @@ pub struct ReportArgs {
 }
 
 /// Builds the report page of a run or of a campaign from its files.
-pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &ReportArgs) -> Result<Answer, CliError> {
     let default = args.folder.join(REPORT_FILE);
     let path = args.output.as_ref().unwrap_or(&default);
     check_paths(&args.folder, path)?;
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
-            CampaignPageError::Campaign(error) => told(&args.folder, error),
+            CampaignPageError::Campaign(error) => CliError::campaign(&args.folder, error),
             other => CliError::unsuitable(&args.folder, other),
         })?
     } else {
         rebuild_report(&args.folder)?
     };
     write(path, &page)?;
-    print(&format!("written: {}", path.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(Answer::text(Exit::Yes, written(path)))
 }
 
 /// Files of a folder that a page must not take the place of.
@@ -76,7 +75,7 @@ const PAGES: usize = 20;
 
 /// Writes the pages of the worst kept runs of a campaign, those that are not there yet.
 fn pages_of_kept_runs(folder: &Path) -> Result<(), CliError> {
-    let record = CampaignFile::read(folder).map_err(|error| told(folder, error))?;
+    let record = CampaignFile::read(folder).map_err(|error| CliError::campaign(folder, error))?;
     let kept = record
         .results
         .map(|results| results.kept)

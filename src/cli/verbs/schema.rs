@@ -1,7 +1,5 @@
 //! `steadfast schema KIND`
 
-use std::process::ExitCode;
-
 use clap::ValueEnum;
 use schemars::schema_for;
 use synth::design::DesignFile;
@@ -10,7 +8,7 @@ use synth::model::{GainsFile, ModelFile};
 use synth::problem::{ProblemDesignFile, ProblemFile};
 
 use crate::batch::tune::file::TuneFile;
-use crate::cli::answer::print;
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::scenario::ScenarioFile;
 
@@ -43,7 +41,7 @@ enum KindArg {
 }
 
 /// Prints the JSON Schema (draft 2020-12) of a kind of file.
-pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &SchemaArgs) -> Result<Answer, CliError> {
     let schema = match args.kind {
         KindArg::Model => schema_for!(ModelFile),
         KindArg::Design => schema_for!(DesignFile),
@@ -55,6 +53,6 @@ pub fn run(args: &SchemaArgs) -> Result<ExitCode, CliError> {
         KindArg::Requirements => schema_for!(TuneFile),
     };
     // A schema is a JSON value already.
-    print(&serde_json::to_string_pretty(&schema).unwrap_or_default());
-    Ok(ExitCode::SUCCESS)
+    let text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    Ok(Answer::text(Exit::Yes, text))
 }

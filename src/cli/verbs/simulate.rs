@@ -1,18 +1,18 @@
 //! `steadfast simulate SCENARIO.json`
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use super::campaign::check_runs;
 use crate::batch::campaign::plan::Plan;
-use crate::cli::answer::{print, EXIT_NO};
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::design_of;
-use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::run::describe;
+use crate::cli::show::run::lines;
+use crate::cli::show::written::written;
 use crate::report::pages::files::write_run;
 use crate::run::design::Design;
-use crate::run::files::summary_text;
+use crate::run::files::{summary_text, REPORT_FILE};
 use crate::run::outcome::Outcome;
 use crate::run::simulate;
 use crate::run::summary::RunVerdict;
@@ -41,14 +41,14 @@ pub struct SimulateArgs {
     output: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
 /// was broken.
-pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &SimulateArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.scenario)?;
-    let scenario = Scenario::from_json(&text).map_err(|e| CliError::file(&args.scenario, e))?;
+    let scenario = files::scenario_of(&args.scenario, &text)?;
     if let Some(folder) = &args.output {
         files::check_folder(folder)?;
     }
@@ -58,26 +58,21 @@ pub fn run(args: &SimulateArgs) -> Result<ExitCode, CliError> {
         None => simulate(&scenario, design.as_ref(), args.output.is_some())
             .map_err(|error| CliError::unsuitable(&args.scenario, error))?,
     };
+    let summary = &outcome.summary;
+    let exit = Exit::of(summary.verdict == RunVerdict::RequirementsMet);
+    let json = summary_text(summary).trim_end().to_string();
+    let mut answer = Answer::file(exit, json, lines(summary).join("\n"));
     if let Some(folder) = &args.output {
         write_run(folder, &outcome)?;
-        eprintln!("written: {}", folder.join("report.html").display());
-    }
-    let summary = &outcome.summary;
-    if args.json {
-        print(summary_text(summary).trim_end());
-    } else {
-        print(&describe(summary));
+        answer = answer.remark(written(&folder.join(REPORT_FILE)));
     }
     if summary.verdict == RunVerdict::ProofBroken {
-        eprintln!("{}", summary.verdict.sentence());
+        answer = answer.remark(summary.verdict.sentence());
     }
-    Ok(match summary.verdict {
-        RunVerdict::RequirementsMet => ExitCode::SUCCESS,
-        _ => ExitCode::from(EXIT_NO),
-    })
+    Ok(answer)
 }
 
-/// The very run that a campaign makes.
+/// The run that a campaign makes.
 fn run_of_campaign(
     args: &SimulateArgs,
     text: &str,
@@ -101,8 +96,8 @@ fn run_of_campaign(
         return wrong("--run-index", reason);
     }
     let plan = Plan::new(text, design, args.seed, runs);
-    let plan = plan.map_err(|error| unplanned(&args.scenario, error))?;
+    let plan = plan.map_err(|error| CliError::plan(&args.scenario, error))?;
     let outcome = plan.alone(run, args.output.is_some());
-    let (_, outcome) = outcome.map_err(|error| told(&args.scenario, error))?;
+    let (_, outcome) = outcome.map_err(|error| CliError::campaign(&args.scenario, error))?;
     Ok(outcome)
 }

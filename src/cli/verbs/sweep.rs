@@ -1,28 +1,25 @@
 //! `steadfast sweep FILE.json --vary key=lo:hi:n`
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-
-use serde_json::json;
+use std::path::PathBuf;
 
 use crate::base::files::create_folder;
 use crate::batch::sweep;
 use crate::batch::sweep::axis::Axis;
-use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
+use crate::batch::sweep::finished::Finished;
 use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::journal::{Identity, Journal, Known};
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::{SweepError, Watch};
-use crate::cli::answer::print;
+use crate::cli::answer::Answer;
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
+use crate::cli::show;
 use crate::cli::solver::SolverArg;
 use crate::report::pages::files::write_sweep;
 use crate::run::check_design;
-use crate::scenario::Scenario;
 
 /// Arguments of `sweep`.
 #[derive(clap::Args)]
@@ -55,11 +52,11 @@ pub struct SweepArgs {
     restart: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Runs every point and writes the table. 0: done, whatever the points' verdicts.
-pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
     files::check_folder(&args.output)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
@@ -86,8 +83,7 @@ pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
     };
     write_sweep(&args.output, &finished)?;
     journal.sort(&identity, &outcomes)?;
-    tell(args, &finished, resumed);
-    Ok(ExitCode::SUCCESS)
+    Ok(show::sweep::answer(&finished, resumed, &args.output))
 }
 
 fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
@@ -99,7 +95,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
                 reason: "a solver goes with a model; this file is a scenario".to_string(),
             });
         }
-        let scenario = Scenario::from_json(text).map_err(failed)?;
+        let scenario = files::scenario_of(&args.file, text)?;
         let design = design_of(&scenario, &args.file, args.design.as_deref())?;
         check_design(&scenario, design.as_ref())
             .map_err(|error| CliError::unsuitable(&args.file, error))?;
@@ -145,36 +141,4 @@ fn swept(
             reason: error.to_string(),
         },
     })
-}
-
-fn tell(args: &SweepArgs, finished: &Finished, resumed: usize) {
-    let grid = finished.grid;
-    let path = args.output.join(CSV_FILE);
-    if args.json {
-        let report = json!({
-            "points": grid.points(),
-            "resumed": resumed,
-            "varied": grid.names(),
-            "verdicts": finished.verdicts(),
-            "table": path_text(&path),
-            "parquet": path_text(&args.output.join(PARQUET_FILE)),
-            "page": path_text(&args.output.join(PAGE_FILE)),
-        });
-        print(&report.to_string());
-        return;
-    }
-    let before = match resumed {
-        0 => String::new(),
-        resumed => format!(" ({resumed} were done before)"),
-    };
-    print(&format!("points: {}{before}", grid.points()));
-    for (verdict, count) in finished.verdicts() {
-        print(&format!("  {verdict}: {count}"));
-    }
-    let others = [PARQUET_FILE, PAGE_FILE, PROVENANCE_FILE].join(", ");
-    print(&format!("written: {}, {others}", path.display()));
-}
-
-fn path_text(path: &Path) -> String {
-    path.to_string_lossy().into_owned()
 }

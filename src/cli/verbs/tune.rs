@@ -1,20 +1,17 @@
 //! `steadfast tune REQUIREMENTS.json -o SCENARIO.json`
 
 use std::path::PathBuf;
-use std::process::ExitCode;
-
-use serde_json::json;
-use synth::model::read_text;
 
 use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::check_possible;
-use crate::batch::tune::report::{RunReport, TuneReport};
 use crate::batch::tune::watch::Watch;
 use crate::batch::tune::{tune, Tuned};
-use crate::cli::answer::{print, EXIT_NO};
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
+use crate::cli::show::tune::lines;
+use crate::cli::show::written::written;
 
 /// Arguments of `tune`.
 #[derive(clap::Args)]
@@ -30,15 +27,14 @@ pub struct TuneArgs {
     jobs: Option<u16>,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Searches, validates and writes the scenario. 0: every requirement is met on every axis tried; 2: one
 /// is missed.
-pub fn run(args: &TuneArgs) -> Result<ExitCode, CliError> {
-    let failed = |error| CliError::file(&args.requirements, error);
-    let text = read_text(&args.requirements).map_err(failed)?;
-    let requirements = Requirements::from_json(&text).map_err(failed)?;
+pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
+    let text = files::text(&args.requirements)?;
+    let requirements = files::requirements_of(&args.requirements, &text)?;
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
     files::check_output(&args.output, &args.requirements)?;
@@ -46,17 +42,13 @@ pub fn run(args: &TuneArgs) -> Result<ExitCode, CliError> {
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";
     files::write(&args.output, &scenario)?;
-    match args.json {
-        true => print(&json!(tuned.report).to_string()),
-        false => {
-            print(&describe(&tuned.report));
-            print(&format!("written: {}", args.output.display()));
-        }
-    }
-    Ok(match tuned.report.met() {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::from(EXIT_NO),
-    })
+    let mut lines = lines(&tuned.report);
+    lines.push(written(&args.output));
+    Ok(Answer::new(
+        Exit::of(tuned.report.met()),
+        &tuned.report,
+        &lines,
+    ))
 }
 
 fn tuned(requirements: &Requirements, jobs: usize) -> Result<Tuned, CliError> {
@@ -70,47 +62,4 @@ fn tuned(requirements: &Requirements, jobs: usize) -> Result<Tuned, CliError> {
     let done = || progress.done();
     let search = || tune(requirements, &Watch { done: &done, stop });
     pool.install(search).map_err(|_| CliError::Interrupted)
-}
-
-fn describe(report: &TuneReport) -> String {
-    let training = match report.training_met {
-        true => "every training run meets the requirements with a margin",
-        false => "some training run does not meet the requirements with a margin",
-    };
-    let mut lines = vec![
-        format!("requirements: {}", report.name),
-        format!(
-            "shortest turn that any controller could make: {:.3} s",
-            report.least_time_s
-        ),
-        format!("candidates tried: {}; {training}", report.candidates),
-        format!(
-            "validation: {} of {} random axes meet every requirement over {} s, with and without the disturbance",
-            report.axes_met, report.axes, report.duration_s
-        ),
-    ];
-    for run in report.runs.iter().filter(|run| !run.met) {
-        lines.push(missed(run));
-    }
-    lines.join("\n")
-}
-
-fn missed(run: &RunReport) -> String {
-    let [x, y, z] = run.axis;
-    let disturbance = if run.disturbed { "with" } else { "without" };
-    let what: Vec<String> = run
-        .missed
-        .iter()
-        .map(|one| {
-            let value = one
-                .value
-                .map_or("none".to_string(), |value| format!("{value:.5}"));
-            format!("{} {}: {value}", one.name, one.limit)
-        })
-        .collect();
-    let what = match what.as_slice() {
-        [] => "the run diverged or could not be made".to_string(),
-        list => list.join("; "),
-    };
-    format!("  missed about [{x:.3}, {y:.3}, {z:.3}] {disturbance} disturbance: {what}")
 }

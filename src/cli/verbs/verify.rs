@@ -1,19 +1,15 @@
 //! `steadfast verify FILE.json`
 
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
 
-use serde_json::json;
-use synth::certify::Verdict;
 use synth::model::{kind_of, Kind};
 
-use super::feasibility;
-use super::synthesize::problem;
-use crate::cli::answer::{exit_code, print};
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::claims::Claims;
-use crate::cli::show::verdict::describe;
+use crate::cli::show::design::DesignReport;
+use crate::cli::show::infeasibility::{is_proved, RefutationReport};
+use crate::cli::show::problem::ProblemReport;
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -22,48 +18,52 @@ pub struct VerifyArgs {
     file: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Proves a design, or that none exists, from a file alone. 0: proved; 2: not proved.
-pub fn run(args: &VerifyArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &VerifyArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
     match kind_of(&text) {
-        Some(Kind::Infeasibility) => feasibility::verify(&args.file, &text, args.json),
-        Some(Kind::ProblemDesign) => problem::verify(&args.file, &text, args.json),
-        _ => design(args, &text),
+        Some(Kind::Infeasibility) => infeasibility(&args.file, &text),
+        Some(Kind::ProblemDesign) => problem(&args.file, &text),
+        _ => design(&args.file, &text),
     }
 }
 
-fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
-    let (design, model) = files::design_of(&args.file, text)?;
-    let report = design
-        .verify(&model)
-        .map_err(|problem| CliError::value(&args.file, problem))?;
-    let claims = Claims::of(&design, &model, report.verdict);
-    if args.json {
-        let mut told = json!({
-            "verdict": report.verdict,
-            "worst": report.worst(),
-            "gamma": claims.number(design.certificate.gamma),
-            "guaranteed_gain": claims.number(design.certificate.guaranteed_gain),
-            "xi": claims.number(design.certificate.xi),
-            "conditions": report.conditions,
-            "not_covered": report.not_covered,
-        });
-        claims.add_to(&mut told);
-        print(&told.to_string());
-    } else {
-        print(&format!(
-            "design: {} ({})",
-            design.name,
-            args.file.display()
-        ));
-        print(&describe(&report, None));
-        if report.verdict == Verdict::Proved {
-            print(&format!("gamma: {}", design.certificate.gamma));
-            claims.lines().iter().for_each(|line| print(line));
-        }
-    }
-    Ok(exit_code(report.verdict))
+fn design(path: &Path, text: &str) -> Result<Answer, CliError> {
+    let (design, model) = files::design_of(path, text)?;
+    let checked = design.verify(&model);
+    let checked = checked.map_err(|problem| CliError::value(path, problem))?;
+    let report = DesignReport::new(&design, &model, &checked);
+    let mut lines = vec![title(&design.name, path)];
+    lines.extend(report.lines());
+    Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
+}
+
+fn problem(path: &Path, text: &str) -> Result<Answer, CliError> {
+    let (design, problem) = files::problem_design_of(path, text)?;
+    let checked = design.verify(&problem);
+    let checked = checked.map_err(|fault| CliError::value(path, fault))?;
+    let report = ProblemReport::verified(&problem, &design, &checked);
+    let mut lines = vec![title(&design.name, path)];
+    lines.extend(report.lines());
+    Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
+}
+
+fn infeasibility(path: &Path, text: &str) -> Result<Answer, CliError> {
+    let (file, model) = files::infeasibility_of(path, text)?;
+    let checked = file.verify(&model);
+    let checked = checked.map_err(|problem| CliError::value(path, problem))?;
+    let limits = match is_proved(&checked) {
+        true => file.limits(&model),
+        false => Ok(Vec::new()),
+    };
+    let limits = limits.map_err(|error| CliError::synthesis(path, error))?;
+    let report = RefutationReport::new(&file, &checked, &limits);
+    Ok(Answer::new(report.exit(), &report, &report.lines(path)))
+}
+
+fn title(name: &str, path: &Path) -> String {
+    format!("design: {name} ({})", path.display())
 }

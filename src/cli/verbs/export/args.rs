@@ -15,7 +15,7 @@ pub struct ExportArgs {
     /// Format to write
     #[arg(long)]
     pub(super) format: FormatArg,
-    /// Form of the decrease condition, for sdpa; a design's own by default, reduced for a model
+    /// Form of the decrease condition, for sdpa; a design's own by default, chordal for a model
     #[arg(long)]
     pub(super) form: Option<FormArg>,
     /// File to write; standard output when left out, for text

@@ -5,17 +5,16 @@ mod data;
 mod sdpa;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use args::{ExportArgs, Exported, FormatArg};
 
-use crate::cli::answer::print;
+use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::run::files::TRAJECTORY_FILE;
 
 /// Writes a file in the format of another program. 2: a design was written that is not proved.
-pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     let source = trajectory_of(&args.file);
     if let Some(output) = &args.output {
         files::check_output(output, source.as_deref().unwrap_or(&args.file))?;
@@ -50,16 +49,20 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode, CliError> {
         },
         (None, format) => data::design(&args.file, format)?,
     };
-    match &args.output {
-        Some(path) => files::write_bytes(path, &exported.bytes)?,
-        None => print(String::from_utf8_lossy(&exported.bytes).trim_end()),
-    }
-    Ok(match exported.not_proved {
-        None => ExitCode::SUCCESS,
-        Some(reason) => {
-            eprintln!("{}: {reason}", args.file.display());
-            ExitCode::from(crate::cli::answer::EXIT_NO)
+    let exit = Exit::of(exported.not_proved.is_none());
+    let answer = match &args.output {
+        Some(path) => {
+            files::write_bytes(path, &exported.bytes)?;
+            Answer::silent(exit)
         }
+        None => {
+            let text = String::from_utf8_lossy(&exported.bytes);
+            Answer::text(exit, text.trim_end().to_string())
+        }
+    };
+    Ok(match exported.not_proved {
+        None => answer,
+        Some(reason) => answer.remark(format!("{}: {reason}", args.file.display())),
     })
 }
 

@@ -18,7 +18,7 @@ pub struct SynthesizeArgs {
     /// What to optimise, in place of the model's own objective
     #[arg(long)]
     pub(super) objective: Option<ObjectiveArg>,
-    /// Form of the decrease condition; by default reduced for clarabel, slack for structured
+    /// Form of the decrease condition; by default chordal for clarabel, vertex-relaxed for structured
     #[arg(long)]
     pub(super) form: Option<FormArg>,
     /// Solver
@@ -29,7 +29,7 @@ pub struct SynthesizeArgs {
     pub(super) cross_check: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
-    pub(super) json: bool,
+    pub(in crate::cli::verbs) json: bool,
 }
 
 impl SynthesizeArgs {

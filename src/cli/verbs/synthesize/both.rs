@@ -1,96 +1,50 @@
-//! Designs with two certificates: `synthesize --objective both`, and what is told of them.
+//! Designs with two certificates: `synthesize --objective both`.
 
-use std::process::ExitCode;
-
-use serde_json::{json, Value};
-use synth::design::SolverRun;
-use synth::synthesis::{synthesize_both, BothOutcome, Outcome, Tried};
+use synth::synthesis::{synthesize_both, BothOutcome, Outcome};
 
 use super::args::SynthesizeArgs;
-use super::ending::{describe_run, Ending};
-use crate::cli::answer::{print, EXIT_NO, EXIT_SOLVER};
-use crate::cli::error::{solver_problem, CliError};
-use crate::cli::progress::SolverProgress;
-use crate::cli::show::feasibility;
+use super::conclude::Conclusion;
+use crate::cli::answer::Answer;
+use crate::cli::error::CliError;
+use crate::cli::progress::{solve, ASSEMBLING};
+use crate::cli::show::no_design::NoDesignReport;
+use crate::cli::show::solver::SolverStatus;
+use crate::cli::show::written::NOTHING;
 
-/// Designs, writes and proves both certificates. 0: proved; 2: none found or not proved; 3: the solver
-/// failed.
+/// Designs, writes and proves both certificates.
 pub fn synthesize(
     args: &SynthesizeArgs,
-    ending: &Ending,
+    conclusion: &Conclusion,
     text: &str,
-) -> Result<ExitCode, CliError> {
+) -> Result<Answer, CliError> {
     if args.cross_check {
         let reason =
             "--cross-check compares designs with one certificate; with --objective both it \
                       has no meaning";
         return Err(CliError::unsuitable(&args.model, reason));
     }
-    let progress = SolverProgress::start("assembling the conditions");
-    let observer = Some(progress.observer());
-    let backend = args.solver.backend_for(ending.form);
-    let found = synthesize_both(ending.model, text, ending.form, backend.as_ref(), observer);
-    drop(progress);
-    match found.map_err(|error| solver_problem(&args.model, error))? {
-        BothOutcome::Solved(design, _) => ending.tell(Outcome::Solved(design)),
+    let (model, form) = (conclusion.model, conclusion.form);
+    let backend = args.solver.backend_for(form);
+    let found = solve(&args.model, ASSEMBLING, |observer| {
+        synthesize_both(model, text, form, backend.as_ref(), observer)
+    })?;
+    match found {
+        BothOutcome::Solved(design, _) => conclusion.answer(Outcome::Solved(design)),
         BothOutcome::None {
             infeasible,
             tried,
             blocking,
             runs,
         } => {
-            tell_none(ending, infeasible, &tried, &blocking, &runs);
-            Ok(ExitCode::from(match infeasible {
-                true => EXIT_NO,
-                false => EXIT_SOLVER,
-            }))
+            let status = match infeasible {
+                true => SolverStatus::Undecided,
+                false => SolverStatus::Failed,
+            };
+            let attempts = tried.len();
+            let report = NoDesignReport::two((model, form), status, attempts, &blocking, &runs);
+            let mut lines = report.lines(&args.model, "design with both certificates");
+            lines.push(NOTHING.to_string());
+            Ok(Answer::new(status.exit_without_design(), &report, &lines))
         }
     }
-}
-
-fn tell_none(
-    ending: &Ending,
-    infeasible: bool,
-    tried: &[Tried],
-    blocking: &[(String, f64)],
-    runs: &[SolverRun],
-) {
-    let status = if infeasible { "undecided" } else { "failed" };
-    if ending.json {
-        let shares = blocking.iter();
-        let shares: Vec<Value> = shares
-            .map(|(name, share)| json!({ "name": name, "share": share }))
-            .collect();
-        let report = json!({
-            "status": status,
-            "verdict": "not_proved",
-            "gamma": null,
-            "guaranteed_gain": null,
-            "xi": null,
-            "form": ending.form.name(),
-            "vertices": ending.model.task().system.vertices.len(),
-            "conditions": [],
-            "certified_angle_deg": null,
-            "outer": null,
-            "feasibility": "undecided",
-            "blocking": shares,
-            "attempts": tried.len(),
-            "solve_seconds": runs.iter().map(|run| run.seconds).sum::<f64>(),
-            "solver_runs": runs,
-        });
-        print(&report.to_string());
-        return;
-    }
-    let model = ending.model_path.display();
-    print(&match infeasible {
-        true => format!(
-            "{model}: UNDECIDED: no design with both certificates was found, and none was proved not to exist"
-        ),
-        false => format!("{model}: the solvers failed numerically"),
-    });
-    runs.iter().for_each(|run| print(&describe_run(run)));
-    for line in feasibility::blocking_lines(blocking) {
-        print(&line);
-    }
-    print("nothing written");
 }

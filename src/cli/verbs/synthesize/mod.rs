@@ -2,25 +2,25 @@
 
 pub mod args;
 pub mod both;
+pub mod conclude;
 pub mod cross_check;
-pub mod ending;
 pub mod problem;
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use synth::model::{kind_of, Kind, Model, Objective};
-use synth::synthesis::{self, Outcome};
+use synth::synthesis;
 
 use args::{ObjectiveArg, SynthesizeArgs};
-use ending::Ending;
+use conclude::Conclusion;
 
-use crate::cli::error::{solver_problem, CliError};
+use crate::cli::answer::Answer;
+use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::progress::SolverProgress;
+use crate::cli::progress::{solve, ASSEMBLING};
 
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
-pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
+pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.model)?;
     if kind_of(&text) == Some(Kind::Problem) {
         return problem::synthesize(args, &text);
@@ -32,20 +32,24 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    let ending = Ending {
+    let form = args.form();
+    let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
-        json: args.json,
-        form: args.form(),
+        form,
         cross_check: args.cross_check.then_some(args.solver),
         what: "design",
         keeps_refutation: false,
     };
-    match model.file.specs.objective {
-        Objective::Both => both::synthesize(args, &ending, &text),
-        Objective::Gain | Objective::Region => ending.tell(solve(args, &model, &text)?),
+    if model.file.specs.objective == Objective::Both {
+        return both::synthesize(args, &conclusion, &text);
     }
+    let backend = args.solver.backend_for(form);
+    let outcome = solve(&args.model, ASSEMBLING, |observer| {
+        synthesis::synthesize(&model, &text, form, backend.as_ref(), observer)
+    })?;
+    conclusion.answer(outcome)
 }
 
 /// The model with the objective of the command line.
@@ -57,13 +61,4 @@ fn with_objective(model: Model, objective: ObjectiveArg, path: &Path) -> Result<
         ObjectiveArg::Both => Objective::Both,
     };
     Model::new(file).map_err(|problem| CliError::value(path, problem))
-}
-
-fn solve(args: &SynthesizeArgs, model: &Model, text: &str) -> Result<Outcome, CliError> {
-    let progress = SolverProgress::start("assembling the conditions");
-    let observer = Some(progress.observer());
-    let form = args.form();
-    let backend = args.solver.backend_for(form);
-    let found = synthesis::synthesize(model, text, form, backend.as_ref(), observer);
-    found.map_err(|error| solver_problem(&args.model, error))
 }

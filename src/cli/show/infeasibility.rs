@@ -1,0 +1,199 @@
+//! Whether a design exists, and what an infeasibility certificate states.
+
+use std::path::Path;
+
+use serde::Serialize;
+use synth::certify::infeasible::{Limit, Refutation};
+use synth::certify::ConditionMargin;
+use synth::feasibility::{Answer, InfeasibilityFile};
+
+use super::verdict::not_proved;
+use crate::cli::answer::Exit;
+
+/// The answer's name in reports.
+pub fn verdict(answer: &Answer) -> &'static str {
+    match answer {
+        Answer::Feasible(_) => "feasible",
+        Answer::Infeasible(_) => "infeasible",
+        Answer::Undecided(_) => "undecided",
+    }
+}
+
+/// The bound of proved weights.
+pub fn bound(answer: &Answer) -> Option<f64> {
+    match answer {
+        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => Some(proof.bound),
+        _ => None,
+    }
+}
+
+/// What was proved about a part of the designs, where the whole is undecided.
+pub fn shown(answer: &Answer) -> Option<String> {
+    match answer {
+        Answer::Undecided(Some(proof)) => Some(partial_statement(&proof.file, &proof.limits)),
+        _ => None,
+    }
+}
+
+/// What weights state that do not cover every design.
+fn partial_statement(proof: &InfeasibilityFile, limits: &[Limit]) -> String {
+    let limits: Vec<String> = limits.iter().map(Limit::to_string).collect();
+    let what = match proof.gains.is_empty() {
+        true => "no design satisfies the conditions",
+        false => "for these gains the conditions cannot hold",
+    };
+    format!("{what} {}", limits.join(", and "))
+}
+
+/// The given gains, from 1, that a proved no is about.
+pub fn blocking_gains(answer: &Answer) -> Vec<usize> {
+    match answer {
+        Answer::Infeasible(proof) => proof.file.blocking_gains(),
+        _ => Vec::new(),
+    }
+}
+
+/// What an infeasibility certificate states.
+fn statement(file: &InfeasibilityFile, bound: f64) -> String {
+    let unbounded = bound == f64::MAX;
+    let within = match unbounded {
+        true => String::new(),
+        false => format!(" with multiplier entries up to R = {bound:.3e} (SI units)"),
+    };
+    if file.gains.is_empty() {
+        return format!("no design{within} satisfies the conditions");
+    }
+    let blocking: Vec<String> = file.blocking_gains().iter().map(usize::to_string).collect();
+    let because = match (file.gains.len(), blocking.as_slice()) {
+        (1, _) => String::new(),
+        (_, [one]) => format!(": gain {one} alone rules them out"),
+        (_, several) => format!(": gains {} together rule them out", several.join(", ")),
+    };
+    format!("for these gains the conditions cannot hold{within}{because}")
+}
+
+/// The answer in words.
+pub fn headline(answer: &Answer) -> String {
+    match answer {
+        Answer::Feasible(design) => format!(
+            "FEASIBLE, proved by a design with gamma {:.6} (not the smallest)",
+            design.file.certificate.gamma
+        ),
+        Answer::Infeasible(proof) => format!(
+            "INFEASIBLE, proved: {}",
+            statement(&proof.file, proof.bound)
+        ),
+        Answer::Undecided(None) => {
+            "UNDECIDED: neither a design nor its impossibility could be proved".to_string()
+        }
+        Answer::Undecided(Some(proof)) => format!(
+            "UNDECIDED: neither a design nor its impossibility could be proved; shown: {}",
+            partial_statement(&proof.file, &proof.limits)
+        ),
+    }
+}
+
+/// The file that proves a no, or a part of one.
+pub fn certificate(answer: &Answer) -> Option<&InfeasibilityFile> {
+    match answer {
+        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => Some(&proof.file),
+        _ => None,
+    }
+}
+
+/// What `verify` finds of an infeasibility certificate.
+#[derive(Debug, Serialize)]
+pub struct RefutationReport<'a> {
+    /// Whether it is proved that no design exists.
+    verdict: RefutationVerdict,
+    /// Always `infeasible`.
+    statement: &'static str,
+    /// No design exists whose multiplier entries (SI units) are at most this.
+    bound: f64,
+    /// The designs that are not covered.
+    limits: Vec<String>,
+    /// The given gains, from 1, that it is about.
+    gains: Vec<usize>,
+    /// The weight with the smallest margin.
+    worst: Option<&'a ConditionMargin>,
+    /// Every weight.
+    conditions: Vec<&'a ConditionMargin>,
+    /// The file, each of its sets of weights checked, and the designs that are not covered.
+    #[serde(skip)]
+    checked: (&'a InfeasibilityFile, &'a [Refutation], &'a [Limit]),
+}
+
+/// What is proved by an infeasibility certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum RefutationVerdict {
+    /// No design exists.
+    Proved,
+    /// A part of the designs does not exist.
+    Undecided,
+    /// Nothing.
+    NotProved,
+}
+
+impl<'a> RefutationReport<'a> {
+    /// From the check of the file's sets of weights, and the designs that they leave open.
+    pub fn new(
+        file: &'a InfeasibilityFile,
+        checked: &'a [Refutation],
+        limits: &'a [Limit],
+    ) -> Self {
+        let conditions: Vec<_> = checked.iter().flat_map(|one| &one.conditions).collect();
+        let worst = conditions.iter().copied();
+        let bounds = checked.iter().map(|one| one.bound);
+        RefutationReport {
+            verdict: match (is_proved(checked), limits) {
+                (true, []) => RefutationVerdict::Proved,
+                (true, _) => RefutationVerdict::Undecided,
+                (false, _) => RefutationVerdict::NotProved,
+            },
+            statement: "infeasible",
+            bound: bounds.fold(f64::MAX, f64::min),
+            limits: limits.iter().map(Limit::to_string).collect(),
+            gains: file.blocking_gains(),
+            worst: worst.min_by(|a, b| a.margin.total_cmp(&b.margin)),
+            conditions,
+            checked: (file, checked, limits),
+        }
+    }
+
+    /// Yes where no design exists.
+    pub fn exit(&self) -> Exit {
+        Exit::of(self.verdict == RefutationVerdict::Proved)
+    }
+
+    /// In words.
+    pub fn lines(&self, path: &Path) -> Vec<String> {
+        let (file, checked, limits) = self.checked;
+        let title = format!("infeasibility of: {} ({})", file.name, path.display());
+        let mut lines = vec![title];
+        lines.extend(checked.iter().enumerate().map(|(index, one)| {
+            format!(
+                "weights {}: constant {:.6e} (must be below 0), {} matrices checked",
+                index + 1,
+                one.constant,
+                one.conditions.len()
+            )
+        }));
+        lines.extend(not_proved(self.conditions.iter().copied()));
+        lines.push(match self.verdict {
+            RefutationVerdict::Proved => {
+                format!("verdict: PROVED, {}", statement(file, self.bound))
+            }
+            RefutationVerdict::Undecided => {
+                format!("verdict: UNDECIDED, {}", partial_statement(file, limits))
+            }
+            RefutationVerdict::NotProved => "verdict: NOT PROVED".to_string(),
+        });
+        lines
+    }
+}
+
+/// Whether every set of weights is proved.
+pub fn is_proved(checked: &[Refutation]) -> bool {
+    checked.iter().all(|one| one.proved)
+}

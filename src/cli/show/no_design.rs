@@ -1,0 +1,198 @@
+//! A synthesis or an analysis without a design.
+
+use std::path::Path;
+
+use serde::Serialize;
+use synth::certify::Verdict;
+use synth::design::SolverRun;
+use synth::feasibility::Decision;
+use synth::model::Model;
+use synth::synthesis::Form;
+
+use super::blocking::{
+    blocking, blocking_lines, search_lines, slack_line, slack_or_none, Blocking,
+};
+use super::infeasibility;
+use super::shortfall::ShortfallReport;
+use super::solver::{SolverReport, SolverStatus};
+
+/// What is known where nothing is proved of any candidate, alike for models and problems.
+#[derive(Debug, Serialize)]
+pub struct FailureReport<'a> {
+    /// What the solvers did.
+    #[serde(flatten)]
+    pub solver: SolverReport<'a>,
+    /// Always `not_proved`.
+    verdict: Verdict,
+    /// Always empty.
+    conditions: [(); 0],
+    /// The conditions that carry the dual solution.
+    pub blocking: Vec<Blocking<'a>>,
+}
+
+impl<'a> FailureReport<'a> {
+    /// From what the solvers did, and the shares of the dual solution.
+    pub fn new(solver: SolverReport<'a>, shares: &'a [(String, f64)]) -> Self {
+        FailureReport {
+            solver,
+            verdict: Verdict::NotProved,
+            conditions: [],
+            blocking: blocking(shares),
+        }
+    }
+}
+
+/// A synthesis or an analysis without a design.
+#[derive(Debug, Serialize)]
+pub struct NoDesignReport<'a> {
+    /// What is known of every failure.
+    #[serde(flatten)]
+    failure: FailureReport<'a>,
+    /// Always null.
+    gamma: (),
+    /// Always null.
+    guaranteed_gain: (),
+    /// Always null.
+    xi: (),
+    /// Always null.
+    certified_angle_deg: (),
+    /// Form of the decrease condition.
+    form: &'static str,
+    /// Vertices of the model.
+    vertices: usize,
+    /// Whether there is any design: the verdict of `feasibility`.
+    feasibility: &'static str,
+    /// What else is known.
+    #[serde(flatten)]
+    detail: Detail<'a>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Detail<'a> {
+    /// Of a design with one certificate.
+    One {
+        /// What was proved about their existence, in words.
+        #[serde(skip)]
+        known: Option<String>,
+        /// How far a search came; null without one.
+        shortfall: Option<ShortfallReport<'a>>,
+        /// What was proved about a part of the designs; null where the answer is about all.
+        shown: Option<String>,
+        /// The bound of proved weights; null without.
+        bound: Option<f64>,
+        /// The given gains, from 1, that a proved no is about.
+        blocking_gains: Vec<usize>,
+        /// The smallest slack; null where the solver found none.
+        slack: Option<f64>,
+    },
+    /// Of a design with two certificates.
+    Two {
+        /// Always null.
+        outer: (),
+        /// Attempts that were made.
+        attempts: usize,
+    },
+}
+
+impl<'a> NoDesignReport<'a> {
+    /// For one certificate.
+    pub fn one(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
+        let solver = SolverReport {
+            status,
+            solve_seconds: decision.solve_seconds,
+            solver_runs: &decision.runs,
+        };
+        let answer = &decision.answer;
+        let detail = Detail::One {
+            known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
+            shortfall: decision.shortfall.as_deref().map(ShortfallReport::new),
+            shown: infeasibility::shown(answer),
+            bound: infeasibility::bound(answer),
+            blocking_gains: infeasibility::blocking_gains(answer),
+            slack: decision.slack,
+        };
+        let failure = FailureReport::new(solver, &decision.blocking);
+        let feasibility = infeasibility::verdict(answer);
+        Self::new(model, form, failure, (feasibility, detail))
+    }
+
+    /// For two certificates.
+    pub fn two(
+        (model, form): (&Model, Form),
+        status: SolverStatus,
+        attempts: usize,
+        shares: &'a [(String, f64)],
+        runs: &'a [SolverRun],
+    ) -> Self {
+        let solver = SolverReport {
+            status,
+            solve_seconds: runs.iter().map(|run| run.seconds).sum(),
+            solver_runs: runs,
+        };
+        let detail = Detail::Two {
+            outer: (),
+            attempts,
+        };
+        let failure = FailureReport::new(solver, shares);
+        Self::new(model, form, failure, ("undecided", detail))
+    }
+
+    fn new(
+        model: &Model,
+        form: Form,
+        failure: FailureReport<'a>,
+        (feasibility, detail): (&'static str, Detail<'a>),
+    ) -> Self {
+        NoDesignReport {
+            failure,
+            gamma: (),
+            guaranteed_gain: (),
+            xi: (),
+            certified_angle_deg: (),
+            form: form.name(),
+            vertices: model.task().system.vertices.len(),
+            feasibility,
+            detail,
+        }
+    }
+
+    /// In words: what was not found for the model of this file.
+    pub fn lines(&self, path: &Path, what: &str) -> Vec<String> {
+        let path = path.display();
+        let blocking = &self.failure.blocking;
+        let solver = &self.failure.solver;
+        let unknown = match solver.status {
+            SolverStatus::Undecided => {
+                format!("UNDECIDED: no {what} was found, and none was proved not to exist")
+            }
+            _ => "the solvers failed numerically".to_string(),
+        };
+        let mut lines = Vec::new();
+        match &self.detail {
+            Detail::One {
+                shortfall: Some(shortfall),
+                ..
+            } => {
+                lines.push(format!("{path}: UNDECIDED: {}", shortfall.reason));
+                lines.extend(shortfall.lines());
+                lines.extend(search_lines(blocking));
+            }
+            Detail::One { known, slack, .. } => {
+                let headline = known.as_ref().unwrap_or(&unknown);
+                lines.push(format!("{path}: {headline}"));
+                lines.extend(match known {
+                    Some(_) => slack_line(*slack),
+                    None => Some(slack_or_none(*slack)),
+                });
+                lines.extend(blocking_lines(blocking));
+            }
+            Detail::Two { .. } => {
+                lines.push(format!("{path}: {unknown}"));
+                lines.extend(solver.lines());
+                lines.extend(blocking_lines(blocking));
+            }
+        }
+        lines
+    }
+}

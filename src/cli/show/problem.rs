@@ -1,0 +1,203 @@
+//! Design problems and their designs.
+
+use serde::Serialize;
+use synth::certify::{Report, Verdict};
+use synth::optimality::Optimality;
+use synth::problem::{Excluded, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized};
+
+use super::blocking::{blocking_lines, slack_or_none};
+use super::no_design::FailureReport;
+use super::solver::{SolverReport, SolverStatus};
+use super::verdict::ProofReport;
+
+/// A problem, and what a feedback guarantees for it.
+#[derive(Debug, Serialize)]
+struct ProblemClaims<'a> {
+    /// Which problem.
+    problem: &'static str,
+    /// The guaranteed number; null where it is not proved.
+    guarantee: Option<f64>,
+    /// What it means.
+    guarantee_meaning: &'static str,
+    /// The feedback; null without one.
+    gain: Option<&'a [Vec<f64>]>,
+    /// Vertices of the plant.
+    vertices: usize,
+}
+
+impl<'a> ProblemClaims<'a> {
+    fn new(problem: &Problem, design: Option<&'a ProblemDesignFile>, verdict: Verdict) -> Self {
+        let proved = design.filter(|_| verdict == Verdict::Proved);
+        ProblemClaims {
+            problem: problem.task.name(),
+            guarantee: proved.map(|design| design.certificate.guarantee),
+            guarantee_meaning: problem.task.guarantee(),
+            gain: design.map(|design| design.controller.gain.as_slice()),
+            vertices: problem.plant.vertices.len(),
+        }
+    }
+
+    fn line(&self) -> Option<String> {
+        let guarantee = self.guarantee?;
+        let meaning = self.guarantee_meaning;
+        Some(format!("guarantee: {guarantee:.6} ({meaning})"))
+    }
+}
+
+/// What is proved of a problem's design.
+#[derive(Debug, Serialize)]
+pub struct ProblemReport<'a> {
+    /// Its proof.
+    #[serde(flatten)]
+    pub proof: ProofReport<'a>,
+    /// What it claims.
+    #[serde(flatten)]
+    claims: ProblemClaims<'a>,
+    /// How it was found; without it where a file is verified.
+    #[serde(flatten)]
+    synthesis: Option<ProblemSynthesis<'a>>,
+}
+
+/// How a problem's design was found.
+#[derive(Debug, Serialize)]
+struct ProblemSynthesis<'a> {
+    /// What the solvers did.
+    #[serde(flatten)]
+    solver: SolverReport<'a>,
+    /// The guarantee beside the best one that a solver reported; null where it is not proved.
+    optimality: Option<Optimality>,
+}
+
+impl<'a> ProblemReport<'a> {
+    /// Of a file, and the outcome of its check.
+    pub fn verified(problem: &Problem, design: &'a ProblemDesignFile, report: &'a Report) -> Self {
+        ProblemReport {
+            proof: ProofReport::new(report),
+            claims: ProblemClaims::new(problem, Some(design), report.verdict),
+            synthesis: None,
+        }
+    }
+
+    /// Of a design that was found, and the outcome of its check.
+    pub fn synthesized(
+        problem: &Problem,
+        found: &'a ProblemSynthesized,
+        report: &'a Report,
+    ) -> Self {
+        let proved = report.verdict == Verdict::Proved;
+        let solver = SolverReport {
+            status: SolverStatus::Solved,
+            solve_seconds: found.solve_seconds,
+            solver_runs: &found.file.provenance.solver_runs,
+        };
+        ProblemReport {
+            synthesis: Some(ProblemSynthesis {
+                solver,
+                optimality: found.optimality.filter(|_| proved),
+            }),
+            ..ProblemReport::verified(problem, &found.file, report)
+        }
+    }
+
+    /// In words.
+    pub fn lines(&self) -> Vec<String> {
+        let guarantee = self.claims.line();
+        let Some(synthesis) = &self.synthesis else {
+            let lines = self.proof.lines(None).into_iter();
+            return lines.chain(guarantee).collect();
+        };
+        let remark = synthesis.optimality.and_then(|own| own.remark());
+        let lines = synthesis.solver.lines().chain(guarantee);
+        lines.chain(self.proof.lines(remark.as_deref())).collect()
+    }
+}
+
+/// A problem without a feedback.
+#[derive(Debug, Serialize)]
+pub struct NoFeedbackReport<'a> {
+    /// What is known of every failure.
+    #[serde(flatten)]
+    failure: FailureReport<'a>,
+    /// The problem.
+    #[serde(flatten)]
+    claims: ProblemClaims<'a>,
+    /// The smallest slack; null where the solver found none.
+    slack: Option<f64>,
+    /// No solution of the scaled problem has all unknowns below this; null where nothing is excluded.
+    excluded_radius: Option<f64>,
+    /// What every condition exceeds in the solutions that are excluded.
+    excluded_margin: Option<f64>,
+    /// Both numbers.
+    #[serde(skip)]
+    excluded: Option<Excluded>,
+}
+
+impl<'a> NoFeedbackReport<'a> {
+    /// From what was found.
+    pub fn new(problem: &Problem, found: &'a ProblemFailure, status: SolverStatus) -> Self {
+        let solver = SolverReport {
+            status,
+            solve_seconds: found.solve_seconds,
+            solver_runs: &found.runs,
+        };
+        let excluded = found.excluded;
+        NoFeedbackReport {
+            failure: FailureReport::new(solver, &found.blocking),
+            claims: ProblemClaims::new(problem, None, Verdict::NotProved),
+            slack: found.slack,
+            excluded_radius: excluded.map(|excluded| excluded.radius.min(f64::MAX)),
+            excluded_margin: excluded.map(|excluded| excluded.margin),
+            excluded,
+        }
+    }
+
+    /// In words.
+    pub fn lines(&self) -> Vec<String> {
+        let solver = &self.failure.solver;
+        let mut lines: Vec<String> = solver.lines().collect();
+        lines.push(match (self.excluded, solver.status) {
+            (Some(excluded), SolverStatus::Infeasible) => {
+                format!("INFEASIBLE, proved {}", no_solution(excluded))
+            }
+            (Some(excluded), _) => format!(
+                "UNDECIDED: no feedback was found; shown {}; solvers returned unknowns up to {:.3e}",
+                no_solution(excluded),
+                excluded.largest_returned
+            ),
+            (None, SolverStatus::Undecided) => {
+                "UNDECIDED: no feedback was found, and none was proved not to exist".to_string()
+            }
+            (None, _) => "the solvers failed numerically".to_string(),
+        });
+        lines.push(slack_or_none(self.slack));
+        lines.extend(blocking_lines(&self.failure.blocking));
+        lines
+    }
+}
+
+/// What a problem asks for.
+pub fn headline(problem: &Problem) -> String {
+    let what = match problem.plant.gain {
+        Some(_) => "analysis of a given feedback",
+        None => "state feedback",
+    };
+    format!(
+        "problem: {}, {} ({what}, {} vertices)",
+        problem.file.name,
+        problem.task.name(),
+        problem.plant.vertices.len()
+    )
+}
+
+/// What is proved about solutions that there are not.
+fn no_solution(excluded: Excluded) -> String {
+    let within = match excluded.radius == f64::INFINITY {
+        true => String::new(),
+        false => format!(" with every scalar unknown below {:.3e}", excluded.radius),
+    };
+    let margin = match excluded.margin == 0.0 {
+        true => String::new(),
+        false => format!(" and a margin of {}", excluded.margin),
+    };
+    format!("for the scaled problem as given to the solver: it has no solution{within}{margin}")
+}
