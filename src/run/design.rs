@@ -9,6 +9,7 @@ use synth::design::{DesignFile, OuterCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
+use crate::base::provenance::sha256_of;
 use crate::plants::rigid_body::RigidBodySystem;
 use crate::plants::takagi_sugeno::TakagiSugenoSystem;
 use crate::plants::{Mixing, RigidBody, System};
@@ -105,19 +106,17 @@ impl Design {
     /// # Errors
     /// A file that is not a valid design.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
-        use sha2::{Digest, Sha256};
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
         let outer = file.outer_certificate(&model)?;
         let report = file.verify(&model)?;
-        let digest = Sha256::digest(text.as_bytes());
         Ok(Self {
             file,
             model,
             outer,
             certificate,
             report,
-            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: sha256_of(text),
         })
     }
 

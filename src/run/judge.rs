@@ -10,6 +10,7 @@ use super::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
 };
+use crate::base::provenance::GENERATOR;
 use crate::controllers::xu2020::XuChoice;
 use crate::plants::System;
 use crate::scenario::Scenario;
@@ -111,7 +112,7 @@ pub(crate) fn summary(
             tail_s: scenario.tail_s,
         },
         provenance: RunProvenance {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             scenario_sha256: scenario.sha256.clone(),
             design_sha256: design.map(|design| design.sha256.clone()),
             random_generator: "chacha8".to_string(),

@@ -25,6 +25,35 @@ pub enum RunVerdict {
 }
 
 impl RunVerdict {
+    /// Every verdict, the worst first.
+    pub const ALL: [RunVerdict; 4] = [
+        RunVerdict::ProofBroken,
+        RunVerdict::Diverged,
+        RunVerdict::RequirementsMissed,
+        RunVerdict::RequirementsMet,
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            RunVerdict::RequirementsMet => "requirements_met",
+            RunVerdict::RequirementsMissed => "requirements_missed",
+            RunVerdict::Diverged => "diverged",
+            RunVerdict::ProofBroken => "proof_broken",
+        }
+    }
+
+    /// The verdict of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|known| known.name() == name)
+    }
+
+    /// Its place among all, the worst first.
+    pub fn severity(self) -> usize {
+        let place = Self::ALL.into_iter().position(|known| known == self);
+        place.unwrap_or(0)
+    }
+
     /// In words.
     pub fn sentence(self) -> &'static str {
         match self {

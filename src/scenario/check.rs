@@ -8,7 +8,7 @@ use super::file::{
     SCENARIO_SCHEMA_VERSION,
 };
 use super::links::check_link;
-use crate::base::digest::sha256_of;
+use crate::base::provenance::sha256_of;
 use crate::base::ranges::require;
 use crate::controllers::registry::check_controller;
 use crate::controllers::ControllerChoice;

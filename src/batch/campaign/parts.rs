@@ -16,6 +16,7 @@ use super::record::{CampaignFile, Inputs, Shard, State, CAMPAIGN_SCHEMA_VERSION}
 use super::table::{Content, TableWriter};
 use super::CampaignError;
 use crate::base::files::create_folder;
+use crate::base::provenance::GENERATOR;
 use crate::scenario::Scenario;
 use crate::sim::integrator::Method;
 use crate::sim::sampling::Instants;
@@ -134,7 +135,7 @@ impl<'a> Job<'a> {
         let parts = Parts::new(plan.runs, &plan.nominal);
         let own = parts.of_shard(shard)?;
         let inputs = Inputs {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             scenario: plan.nominal.name.clone(),
             scenario_sha256: plan.nominal.sha256.clone(),
             design_sha256,

@@ -9,7 +9,7 @@ use super::points::Points;
 use super::row::Row;
 use super::table::Columns;
 use super::CampaignError;
-use crate::base::digest::sha256_of;
+use crate::base::provenance::sha256_of;
 use crate::batch::parameter::Parameter;
 use crate::controllers::wu2018::WuGainsFile;
 use crate::controllers::ControllerFile;

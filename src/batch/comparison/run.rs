@@ -9,6 +9,7 @@ use synth::model::ModelError;
 use super::faults::{standard_faults, StandardFault};
 use super::table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
 use super::task::{limit_difference, ComparisonError, Contestant};
+use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
 use crate::plants::SystemFile;
 use crate::run::outcome::{Outcome, SimulateError};
@@ -107,7 +108,7 @@ pub fn compare(
 fn empty() -> Comparison {
     Comparison {
         schema_version: COMPARISON_SCHEMA_VERSION,
-        generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+        generator: GENERATOR.to_string(),
         task: TaskSummary {
             taken_from: None,
             duration_s: 0.0,

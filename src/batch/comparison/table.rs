@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::base::csv::quoted;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
@@ -182,14 +183,13 @@ fn optional(value: Option<f64>) -> String {
 impl Comparison {
     /// Comma-separated values: one row for each controller, one column for each metric and fault.
     pub fn to_csv(&self) -> String {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut header = vec!["label".to_string(), "verdict".to_string()];
         header.extend(LINES.iter().map(|(name, _)| name.to_string()));
         header.extend(["link_bits".to_string(), "link_bytes".to_string()]);
         header.extend(self.faults.iter().map(|(name, _)| format!("fault_{name}")));
         let mut text = header.join(",") + "\n";
         for row in &self.runs {
-            let mut cells = vec![quoted(&row.label), verdict_name(row.verdict).to_string()];
+            let mut cells = vec![quoted(&row.label), row.verdict.name().to_string()];
             cells.extend(LINES.iter().map(|(_, value)| value(row)));
             let link = |count: fn(&LinkOutcome) -> u64| {
                 row.link
@@ -209,10 +209,7 @@ impl Comparison {
         let mut lines: Vec<Vec<String>> = Vec::new();
         let labels = self.runs.iter().map(|row| row.label.clone());
         lines.push(std::iter::once(String::new()).chain(labels).collect());
-        let verdicts = self
-            .runs
-            .iter()
-            .map(|row| verdict_name(row.verdict).to_string());
+        let verdicts = self.runs.iter().map(|row| row.verdict.name().to_string());
         lines.push(
             std::iter::once("verdict".to_string())
                 .chain(verdicts)
@@ -225,7 +222,7 @@ impl Comparison {
             }
             let cells = self.runs.iter().map(|row| match name {
                 "faults_survived" => format!("{} of {total}", row.faults_survived),
-                _ => short(&value(row)),
+                _ => rounded(&value(row)),
             });
             lines.push(std::iter::once(name.to_string()).chain(cells).collect());
         }
@@ -241,18 +238,8 @@ impl Comparison {
     }
 }
 
-/// The name of a verdict as files have it.
-pub(crate) fn verdict_name(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::RequirementsMet => "requirements_met",
-        RunVerdict::RequirementsMissed => "requirements_missed",
-        RunVerdict::Diverged => "diverged",
-        RunVerdict::ProofBroken => "proof_broken",
-    }
-}
-
 /// A number of a table with five significant digits.
-fn short(text: &str) -> String {
+fn rounded(text: &str) -> String {
     match text.parse::<f64>() {
         _ if text.is_empty() => "none".to_string(),
         Ok(value) if text.contains(['.', 'e']) => crate::base::number::short(value),

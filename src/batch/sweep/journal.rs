@@ -18,6 +18,7 @@ use super::outcome::PointOutcome;
 use super::subject::Subject;
 use crate::base::files as output;
 use crate::base::files::OutputError;
+use crate::base::provenance::{sha256_of, GENERATOR};
 
 /// Name of the journal.
 pub const JOURNAL_FILE: &str = "points.jsonl";
@@ -58,16 +59,14 @@ pub struct AxisRecord {
 impl Identity {
     /// Of a sweep of a file with this text.
     pub fn new(text: &str, subject: &Subject, grid: &Grid) -> Self {
-        use sha2::{Digest, Sha256};
-        let digest = Sha256::digest(text.as_bytes());
         let axes = grid.axes().map(|(name, values)| AxisRecord {
             name: name.to_string(),
             values: values.to_vec(),
         });
         Identity {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             kind: subject.kind().to_string(),
-            file_sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            file_sha256: sha256_of(text),
             design_sha256: subject.design_sha256().map(str::to_string),
             solver: subject.solver(),
             axes: axes.collect(),

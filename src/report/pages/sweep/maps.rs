@@ -3,12 +3,13 @@
 use plotters::style::RGBColor;
 
 use super::figures::{shown, Labels};
-use super::plot::{Cell, Map};
 use super::reasons::Reason;
-use super::scale::number;
+use crate::base::number::label;
 use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
+use crate::report::chart::hexadecimal;
+use crate::report::plot::{Cell, Map};
 
 /// Most choices of the axes beyond two that are drawn.
 pub const CHOICES: usize = 4;
@@ -74,11 +75,7 @@ pub fn slices(grid: &Grid, labels: &Labels) -> (Vec<Slice>, usize) {
         }
         let named = others.iter().map(|&axis| {
             let value = grid.axes().nth(axis).map(|(_, values)| values[first[axis]]);
-            format!(
-                "{} {}",
-                labels.axes[axis],
-                number(value.unwrap_or(f64::NAN))
-            )
+            format!("{} {}", labels.axes[axis], label(value.unwrap_or(f64::NAN)))
         });
         Slice {
             axes,
@@ -225,11 +222,6 @@ impl Range {
 
 /// The shades as a gradient of CSS.
 pub fn gradient() -> String {
-    let colours = SHADES.map(html);
+    let colours = SHADES.map(hexadecimal);
     format!("linear-gradient(to right, {})", colours.join(", "))
-}
-
-/// A colour as in HTML.
-pub fn html(RGBColor(red, green, blue): RGBColor) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }
