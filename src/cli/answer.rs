@@ -11,7 +11,7 @@ pub const EXIT_NO: u8 = 2;
 pub const EXIT_SOLVER: u8 = 3;
 
 /// Prints to standard output. A reader that closed its end has seen enough; any other failure, such as
-/// a full disk, ends the program, because what it was asked for is not there.
+/// a full disk, ends the program, because what was requested is not there.
 pub(crate) fn print(text: &str) {
     let mut out = std::io::stdout().lock();
     let printed = writeln!(out, "{text}").and_then(|()| out.flush());

@@ -106,15 +106,15 @@ impl CliError {
 }
 
 /// A file that has no plan.
-pub(crate) fn unplanned(scenario: &Path, error: PlanError) -> CliError {
+pub(crate) fn plan_error(scenario: &Path, error: PlanError) -> CliError {
     match error {
         PlanError::File(problem) => CliError::file(scenario, problem),
-        PlanError::Campaign(error) => told(scenario, error),
+        PlanError::Campaign(error) => campaign_error(scenario, error),
     }
 }
 
 /// What is wrong, with the file that it is about.
-pub(crate) fn told(scenario: &Path, error: CampaignError) -> CliError {
+pub(crate) fn campaign_error(scenario: &Path, error: CampaignError) -> CliError {
     let argument = |argument, reason: String| CliError::Argument { argument, reason };
     match error {
         CampaignError::Shards(reason) => argument("--shard", reason),

@@ -1,4 +1,4 @@
-//! A design as a list of quantities, with its verdict checked anew.
+//! A design as a list of quantities, with its verdict checked again.
 
 use runtime::local_rules::FuzzySet;
 use synth::certify::{Report, Verdict};
@@ -49,7 +49,7 @@ impl DesignData {
         if let Some(digest) = &made.gains_sha256 {
             data.provenance.push(("gains_sha256", digest.clone()));
         }
-        data.quantities = flown(design);
+        data.quantities = law_quantities(design);
         data.quantities.extend(proof(design));
         data
     }
@@ -175,7 +175,7 @@ fn law(design: &Design) -> Vec<String> {
 }
 
 /// What the flight code needs.
-fn flown(design: &Design) -> Vec<Quantity> {
+fn law_quantities(design: &Design) -> Vec<Quantity> {
     let (controller, specs) = (&design.file.controller, &design.model.file.specs);
     let spacecraft = design.model.plant.inertia().is_some();
     let per_state = match spacecraft {

@@ -9,7 +9,7 @@ use crate::base::number::{tick, tick_of_logarithm};
 
 /// Size of a figure, in pixels.
 const SIZE: (u32, u32) = (960, 340);
-/// Share of the value range left free above and below.
+/// Fraction of the value range left free above and below.
 const HEADROOM: f64 = 0.06;
 
 /// Colour of limits.

@@ -6,7 +6,7 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 
 use crate::base::number::label;
 
-/// Share of the range left free at both ends.
+/// Fraction of the range left free at both ends.
 const HEADROOM: f64 = 0.05;
 /// Ratio of the largest to the smallest value from which on a scale is logarithmic.
 const LOGARITHMIC_FROM: f64 = 30.0;
@@ -74,7 +74,7 @@ impl Scale {
         self.low
     }
 
-    fn share(&self, value: f64) -> f64 {
+    fn fraction(&self, value: f64) -> f64 {
         match self.logarithmic {
             true => (value / self.low).ln() / (self.high / self.low).ln(),
             false => (value - self.low) / (self.high - self.low),
@@ -87,8 +87,8 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        let share = self.share(*value);
-        from + (f64::from(to - from) * share).round() as i32
+        let fraction = self.fraction(*value);
+        from + (f64::from(to - from) * fraction).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {

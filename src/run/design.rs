@@ -14,8 +14,8 @@ use crate::plants::rigid_body::RigidBodySystem;
 use crate::plants::takagi_sugeno::TakagiSugenoSystem;
 use crate::plants::{Mixing, RigidBody, System};
 use crate::scenario::Scenario;
+use crate::sim::embedding;
 use crate::sim::lyapunov::Claims;
-use crate::sim::padding;
 use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 
@@ -285,21 +285,21 @@ fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N>
                     let least: &mut f64 = &mut component_bounds[component];
                     *least = least.min(bound);
                 }
-                None => bounds.push((padding::vector(&row), bound)),
+                None => bounds.push((embedding::vector(&row), bound)),
             }
         } else {
             vector_part_bound = Some(bound);
         }
     }
     Claims {
-        lyapunov: padding::matrix(&certificate.lyapunov),
+        lyapunov: embedding::matrix(&certificate.lyapunov),
         decay_rate: model.file.specs.phi_per_s,
         disturbance_weight: certificate.disturbance_weight,
         disturbance_bound: plant.disturbance_bound,
         bounds,
         component_bounds,
         vector_part_bound,
-        output: (!plant.output.is_identity(0.0)).then(|| padding::matrix(&plant.output)),
+        output: (!plant.output.is_identity(0.0)).then(|| embedding::matrix(&plant.output)),
     }
 }
 

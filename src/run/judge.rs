@@ -14,6 +14,7 @@ use crate::base::provenance::GENERATOR;
 use crate::controllers::xu2020::XuChoice;
 use crate::plants::System;
 use crate::scenario::Scenario;
+use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::closed_loop::End;
 use crate::sim::events::EventCount;
 use crate::sim::integrator::Method;
@@ -21,10 +22,9 @@ use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
 use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 use crate::sim::transmissions::TransmissionBound;
-use crate::sim::usage::Usage;
 
 /// What every kind of plant measures.
-pub(crate) struct Parts<'a> {
+pub(crate) struct Measured<'a> {
     pub system: &'static str,
     pub controller: String,
     pub events: &'a EventCount,
@@ -35,8 +35,8 @@ pub(crate) struct Parts<'a> {
     pub torque_limit: Vec<f64>,
     pub settle_tolerance: f64,
     pub notes: Vec<String>,
-    pub funnel: Option<Usage>,
-    pub threshold: Option<Usage>,
+    pub funnel: Option<BoundUtilisation>,
+    pub threshold: Option<BoundUtilisation>,
     pub end: End,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Parts<'a> {
 pub(crate) fn summary(
     scenario: &Scenario,
     design: Option<&Design>,
-    parts: Parts,
+    parts: Measured,
     certificate: Option<CertificateOutcome>,
 ) -> Summary {
     let events = parts.events;
@@ -223,7 +223,7 @@ impl CertificateOutcome {
     }
 }
 
-/// The inertia that was drawn, in words.
+/// The inertia that was drawn, as text.
 fn drawn_inertia(scenario: &Scenario) -> Option<String> {
     let System::RigidBody(system) = &scenario.system else {
         return None;

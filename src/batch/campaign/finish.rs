@@ -11,7 +11,7 @@ use super::folder::{
     part_file, run_folder, run_folder_name, CAMPAIGN_FILE, FAILED_FOLDER, PARTS_FOLDER,
     PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
 };
-use super::parts::{inputs_text, Job, Watch};
+use super::parts::{inputs_text, Job};
 use super::record::{
     CampaignFile, Inputs, ProfileGrid, RequirementCount, Results, State, CAMPAIGN_SCHEMA_VERSION,
 };
@@ -20,6 +20,7 @@ use super::statistics::{count_missed, metric_quantiles, pass_rate_interval};
 use super::table::{Columns, Content, TableReader, TableWriter};
 use super::CampaignError;
 use crate::base::files::{create_folder, write};
+use crate::batch::watch::Watch;
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 use crate::sim::metrics::metric_name;
@@ -291,7 +292,7 @@ fn keep_runs(job: &Job, runs: &[u64], watch: &Watch) -> Result<(), CampaignError
     remove_others(&all, runs)?;
     job.pool.install(|| {
         runs.par_iter().try_for_each(|&run| {
-            if watch.stop.load(std::sync::atomic::Ordering::Relaxed) {
+            if watch.stopped() {
                 return Err(CampaignError::Interrupted);
             }
             let folder = run_folder(&job.folder, run);

@@ -5,7 +5,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
 
 use rayon::prelude::*;
 use synth::model::write_atomically;
@@ -17,6 +16,7 @@ use super::table::{Content, TableWriter};
 use super::CampaignError;
 use crate::base::files::create_folder;
 use crate::base::provenance::GENERATOR;
+use crate::batch::watch::Watch;
 use crate::scenario::Scenario;
 use crate::sim::integrator::Method;
 use crate::sim::sampling::Instants;
@@ -110,14 +110,6 @@ pub struct Job<'a> {
     pub parts: Parts,
     /// Threads.
     pub pool: rayon::ThreadPool,
-}
-
-/// What a campaign is watched and stopped by.
-pub struct Watch<'a> {
-    /// Called after each run, from several threads.
-    pub done: &'a (dyn Fn() + Sync),
-    /// Set it to stop; parts that are begun are ended.
-    pub stop: Arc<AtomicBool>,
 }
 
 impl<'a> Job<'a> {
@@ -308,7 +300,7 @@ const NAMES: [&str; 10] = [
     "end_run",
 ];
 
-/// The first input that differs, in words.
+/// The first input that differs, as text.
 pub(crate) fn difference(known: &Inputs, asked: &Inputs) -> Option<String> {
     if known == asked {
         return None;

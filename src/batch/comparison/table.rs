@@ -22,7 +22,7 @@ pub struct Comparison {
     /// The standard faults: name and description.
     pub faults: Vec<(String, String)>,
     /// One row for each controller.
-    pub runs: Vec<Row>,
+    pub runs: Vec<ControllerRow>,
 }
 
 /// What is the same for all.
@@ -44,12 +44,12 @@ pub struct TaskSummary {
 
 /// One controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct ControllerRow {
     /// Its name in tables and figures.
     pub label: String,
-    /// The controller in words.
+    /// The controller as text.
     pub controller: String,
-    /// When the sensor is sampled, in words.
+    /// When the sensor is sampled, as text.
     pub sampling: String,
     /// The answer without a standard fault.
     pub verdict: RunVerdict,
@@ -79,7 +79,7 @@ pub struct Row {
     pub shortest_interval_s: Option<f64>,
     /// Mean time between two messages, s.
     pub mean_interval_s: Option<f64>,
-    /// Largest share of the prescribed bounds on the error, for a controller that has them.
+    /// Largest fraction of the prescribed bounds on the error, for a controller that has them.
     pub funnel_ratio: Option<f64>,
     /// Steps at which a claim or a prescribed bound was broken.
     pub violations: u64,
@@ -154,10 +154,10 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
 }
 
 /// Name of a line of the table and its value for a controller.
-type Line = (&'static str, fn(&Row) -> String);
+type MetricRow = (&'static str, fn(&ControllerRow) -> String);
 
 /// The lines of the table, in the order of every output.
-pub(crate) const LINES: [Line; 14] = [
+const LINES: [MetricRow; 14] = [
     ("settle_seconds", |row| optional(row.settle_seconds)),
     ("final_error_deg", |row| optional(row.final_error_deg)),
     ("rms_error_deg", |row| optional(row.rms_error_deg)),

@@ -91,14 +91,14 @@ impl Identity {
 /// First line of the journal.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Header {
+struct FirstRecord {
     sweep: Identity,
 }
 
 /// A line of the journal.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Line {
+struct PointRecord {
     point: usize,
     verdict: String,
     reason: Option<String>,
@@ -290,14 +290,14 @@ impl Journal {
 }
 
 fn header(identity: &Identity) -> String {
-    let header = Header {
+    let header = FirstRecord {
         sweep: identity.clone(),
     };
     json_line(&header)
 }
 
 fn line(index: usize, outcome: &PointOutcome) -> String {
-    json_line(&Line {
+    json_line(&PointRecord {
         point: index,
         verdict: outcome.verdict.clone(),
         reason: outcome.reason.clone(),
@@ -366,13 +366,13 @@ fn read(file: &File, identity: &Identity, grid: &Grid) -> Result<Found, ReadErro
             reason,
         };
         if number == 1 {
-            let header: Header =
+            let header: FirstRecord =
                 serde_json::from_slice(&bytes).map_err(|error| damaged(error.to_string()))?;
             if let Some(difference) = header.sweep.difference(identity) {
                 return Err(ReadError::Other(difference));
             }
         } else {
-            let line: Line =
+            let line: PointRecord =
                 serde_json::from_slice(&bytes).map_err(|error| damaged(error.to_string()))?;
             let place = found.known.get_mut(line.point);
             let place = place

@@ -1,4 +1,4 @@
-//! The results of a campaign, in words and as JSON.
+//! The results of a campaign, as text and as JSON.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::batch::campaign::record::{Inputs, Results};
 use crate::cli::answer::print;
 
 /// Prints the results.
-pub(crate) fn tell(results: &Results, inputs: &Inputs, folder: &Path, json: bool) {
+pub(crate) fn print_results(results: &Results, inputs: &Inputs, folder: &Path, json: bool) {
     if json {
         print(&object(results, inputs, folder).to_string());
     } else {
@@ -30,7 +30,7 @@ fn object(results: &Results, inputs: &Inputs, folder: &Path) -> Value {
 
 fn describe(results: &Results, inputs: &Inputs, folder: &Path) -> String {
     let interval = &results.pass_rate_interval;
-    let percent = |share: f64| 100.0 * share;
+    let percent = |fraction: f64| 100.0 * fraction;
     let mut lines = vec![
         format!("scenario: {}", inputs.scenario),
         format!("runs: {}; failures: {}", results.runs, results.failures),

@@ -1,4 +1,4 @@
-//! What a design claims beside gamma, told alike by every verb that proves one.
+//! What a design claims beside gamma, printed alike by every verb that proves one.
 
 use nalgebra::DVector;
 use serde_json::{json, Value};
@@ -27,7 +27,7 @@ pub fn outer_json(design: &DesignFile, model: &Model) -> Value {
     })
 }
 
-/// The same in words; none for a design with one certificate.
+/// The same as text; none for a design with one certificate.
 pub fn outer_lines(design: &DesignFile, model: &Model) -> Vec<String> {
     let Some(outer) = outer_of(design, model) else {
         return Vec::new();
@@ -68,8 +68,8 @@ fn start_levels(outer: &OuterCertificate) -> Vec<f64> {
         .collect()
 }
 
-/// The claims of a design, in words and as keys of `--json`; null and no words where it is not proved.
-pub struct Claims {
+/// The claims of a design, as text and as keys of `--json`; null and no words where it is not proved.
+pub struct Guarantees {
     proved: bool,
     certified_angle_deg: Option<f64>,
     outer: Value,
@@ -78,12 +78,12 @@ pub struct Claims {
     transmissions: TransmissionBound,
 }
 
-impl Claims {
+impl Guarantees {
     /// From the numbers of a design and the verdict about them.
     pub fn of(design: &DesignFile, model: &Model, verdict: Verdict) -> Self {
         let proved = verdict == Verdict::Proved;
         let part = &design.certificate;
-        Claims {
+        Guarantees {
             proved,
             certified_angle_deg: certified_angle_deg(part.certified_vector_part).filter(|_| proved),
             outer: match proved {

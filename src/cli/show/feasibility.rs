@@ -1,4 +1,4 @@
-//! Whether a design exists, in words.
+//! Whether a design exists, as text.
 
 use synth::certify::infeasible::Limit;
 use synth::feasibility::{Answer, InfeasibilityFile};
@@ -65,7 +65,7 @@ pub(crate) fn statement(file: &InfeasibilityFile, bound: f64) -> String {
     format!("for these gains the conditions cannot hold{within}{because}")
 }
 
-/// The answer in words.
+/// The answer as text.
 pub fn headline(answer: &Answer) -> String {
     match answer {
         Answer::Feasible(design) => format!(
@@ -86,7 +86,7 @@ pub fn headline(answer: &Answer) -> String {
     }
 }
 
-/// The smallest slack in words.
+/// The smallest slack as text.
 pub fn slack_line(slack: Option<f64>) -> Option<String> {
     let slack = slack?;
     Some(format!(
@@ -101,6 +101,6 @@ pub fn blocking_lines(blocking: &[(String, f64)]) -> Vec<String> {
     }
     let mut lines = vec!["conditions that block (share of the dual solution):".to_string()];
     let shares = blocking.iter().take(12);
-    lines.extend(shares.map(|(name, share)| format!("  {:5.1} %  {name}", 100.0 * share)));
+    lines.extend(shares.map(|(name, fraction)| format!("  {:5.1} %  {name}", 100.0 * fraction)));
     lines
 }

@@ -1,4 +1,4 @@
-//! Results in words and as JSON.
+//! Results as text and as JSON.
 
 pub mod campaign;
 pub mod claims;

@@ -1,4 +1,4 @@
-//! What a certified set contains, and why it does not contain more, in words and as JSON.
+//! What a certified set contains, and why it does not contain more, as text and as JSON.
 
 use std::path::Path;
 
@@ -69,7 +69,7 @@ impl Reach {
 /// Conditions named at most.
 const BLOCKING: usize = 6;
 
-/// Why what was asked for was not reached, as JSON.
+/// Why the requested set was not reached, as JSON.
 pub fn shortfall_json(shortfall: &Shortfall) -> Value {
     let limits = shortfall.limits.iter().map(|limit| {
         json!({ "what": limit.what, "value": limit.value, "percent_per_percent": limit.per_cent })
@@ -82,8 +82,8 @@ pub fn shortfall_json(shortfall: &Shortfall) -> Value {
     })
 }
 
-/// The same in words.
-pub fn tell_shortfall(model: &Path, shortfall: &Shortfall, blocking: &[(String, f64)]) {
+/// The same as text.
+pub fn print_shortfall(model: &Path, shortfall: &Shortfall, blocking: &[(String, f64)]) {
     print(&format!(
         "{}: UNDECIDED: {}",
         model.display(),
@@ -101,8 +101,8 @@ pub fn tell_shortfall(model: &Path, shortfall: &Shortfall, blocking: &[(String, 
     if !blocking.is_empty() {
         print("conditions by their share of the dual solution:");
     }
-    for (name, share) in blocking.iter().take(BLOCKING) {
-        print(&format!("  {:4.1} %  {name}", 100.0 * share));
+    for (name, fraction) in blocking.iter().take(BLOCKING) {
+        print(&format!("  {:4.1} %  {name}", 100.0 * fraction));
     }
     print("nothing written");
 }

@@ -1,8 +1,8 @@
-//! The verdict of a proof in words.
+//! The verdict of a proof as text.
 
 use synth::certify::{ConditionMargin, Report, Verdict};
 
-/// The verdict in words, with a remark on its line where there is one. What is not proved claims nothing and ends
+/// The verdict as text, with a remark on its line where there is one. What is not proved claims nothing and ends
 /// with its verdict.
 pub fn describe(report: &Report, remark: Option<&str>) -> String {
     let failed = report.conditions.iter();

@@ -9,7 +9,7 @@ use crate::cli::error::{solver_problem, CliError};
 use crate::cli::files;
 use crate::cli::progress::SolverProgress;
 use crate::cli::solver::SolverArg;
-use crate::cli::verbs::synthesize::ending::Ending;
+use crate::cli::verbs::synthesize::reporting::Reporting;
 
 /// Arguments of `analyse`.
 #[derive(clap::Args)]
@@ -56,7 +56,7 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
     );
     let outcome = outcome.map_err(|error| solver_problem(&args.model, error))?;
     drop(progress);
-    let ending = Ending {
+    let reporting = Reporting {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
@@ -66,5 +66,5 @@ pub fn run(args: &AnalyseArgs) -> Result<ExitCode, CliError> {
         what: "proof for these gains",
         keeps_refutation: true,
     };
-    ending.tell(outcome)
+    reporting.report(outcome)
 }

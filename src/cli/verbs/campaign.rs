@@ -6,16 +6,17 @@ use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
 use crate::batch::campaign::finish::{finish, finish_again};
-use crate::batch::campaign::parts::{Job, Watch};
+use crate::batch::campaign::parts::Job;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, Shard, State};
 use crate::batch::campaign::CampaignError;
+use crate::batch::watch::Watch;
 use crate::cli::answer::EXIT_NO;
 use crate::cli::design::{design_of, design_path};
-use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::error::{campaign_error, plan_error, CliError};
 use crate::cli::files;
 use crate::cli::progress::{interrupted, threads, PartsProgress};
-use crate::cli::show::campaign::tell;
+use crate::cli::show::campaign::print_results;
 use crate::scenario::Scenario;
 
 /// Most failed runs that are kept when the command line does not say.
@@ -68,11 +69,11 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
         None => None,
     };
     let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
-        .map_err(|error| unplanned(&args.scenario, error))?;
+        .map_err(|error| plan_error(&args.scenario, error))?;
     if plan.columns.drawn.is_empty() {
         eprintln!("note: the scenario has no dispersions; the runs differ in their noise only");
     }
-    let told = |error| told(&args.scenario, error);
+    let refused = |error| campaign_error(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let job = Job::new(
         &plan,
@@ -81,7 +82,7 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
         threads(args.jobs),
         &args.output,
     )
-    .map_err(told)?;
+    .map_err(refused)?;
     let stop = interrupted();
     let state = job.prepare(&text, design_text.as_deref(), &stop);
     let results = state.and_then(|state| make(&job, state, args.keep, stop));
@@ -89,7 +90,7 @@ pub fn run(args: &CampaignArgs) -> Result<ExitCode, CliError> {
         let done = job.runs_done().unwrap_or(0);
         stopped(&args.scenario, &job, done, error)
     })?;
-    tell(&results, &job.inputs, &args.output, args.json);
+    print_results(&results, &job.inputs, &args.output, args.json);
     Ok(match results.failures {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::from(EXIT_NO),
@@ -155,7 +156,7 @@ fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliEr
     };
     match error {
         CampaignError::Interrupted => CliError::Campaign(format!("interrupted{kept}")),
-        error if done == 0 => told(scenario, error),
-        error => CliError::Campaign(format!("{}{kept}", told(scenario, error))),
+        error if done == 0 => campaign_error(scenario, error),
+        error => CliError::Campaign(format!("{}{kept}", campaign_error(scenario, error))),
     }
 }

@@ -108,7 +108,7 @@ fn report(decision: &Decision, seconds: f64, relaxed: Option<&[Relaxation]>) -> 
     let blocks = !matches!(decision.answer, Answer::Feasible(_));
     let blocking = decision.blocking.iter().filter(|_| blocks);
     let names: Vec<&String> = blocking.clone().map(|(name, _)| name).collect();
-    let shares: Vec<f64> = blocking.map(|(_, share)| *share).collect();
+    let shares: Vec<f64> = blocking.map(|(_, fraction)| *fraction).collect();
     let relaxations = relaxed.map(|relaxed| relaxed.iter().map(relaxation).collect::<Vec<_>>());
     json!({
         "verdict": verdict(&decision.answer),

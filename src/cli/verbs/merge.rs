@@ -9,7 +9,7 @@ use crate::batch::campaign::record::CampaignFile;
 use crate::batch::campaign::CampaignError;
 use crate::cli::answer::EXIT_NO;
 use crate::cli::error::CliError;
-use crate::cli::show::campaign::tell;
+use crate::cli::show::campaign::print_results;
 
 /// Arguments of `merge`.
 #[derive(clap::Args)]
@@ -34,7 +34,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, CliError> {
     let failed = |error: CampaignError| CliError::Campaign(error.to_string());
     let results = merge(&args.folders, &args.output, args.keep).map_err(failed)?;
     let record = CampaignFile::read(&args.output).map_err(failed)?;
-    tell(&results, &record.inputs, &args.output, args.json);
+    print_results(&results, &record.inputs, &args.output, args.json);
     Ok(match results.failures {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::from(EXIT_NO),

@@ -9,7 +9,7 @@ use crate::batch::campaign::folder::{
 };
 use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::print;
-use crate::cli::error::{told, CliError};
+use crate::cli::error::{campaign_error, CliError};
 use crate::cli::files;
 use crate::report::pages::campaign;
 use crate::report::pages::campaign::error::CampaignPageError;
@@ -34,7 +34,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode, CliError> {
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
-            CampaignPageError::Campaign(error) => told(&args.folder, error),
+            CampaignPageError::Campaign(error) => campaign_error(&args.folder, error),
             other => CliError::unsuitable(&args.folder, other),
         })?
     } else {
@@ -76,7 +76,7 @@ const PAGES: usize = 20;
 
 /// Writes the pages of the worst kept runs of a campaign, those that are not there yet.
 fn pages_of_kept_runs(folder: &Path) -> Result<(), CliError> {
-    let record = CampaignFile::read(folder).map_err(|error| told(folder, error))?;
+    let record = CampaignFile::read(folder).map_err(|error| campaign_error(folder, error))?;
     let kept = record
         .results
         .map(|results| results.kept)

@@ -7,7 +7,7 @@ use super::campaign::check_runs;
 use crate::batch::campaign::plan::Plan;
 use crate::cli::answer::{print, EXIT_NO};
 use crate::cli::design::design_of;
-use crate::cli::error::{told, unplanned, CliError};
+use crate::cli::error::{campaign_error, plan_error, CliError};
 use crate::cli::files;
 use crate::cli::show::run::describe;
 use crate::report::pages::files::write_run;
@@ -101,8 +101,8 @@ fn run_of_campaign(
         return wrong("--run-index", reason);
     }
     let plan = Plan::new(text, design, args.seed, runs);
-    let plan = plan.map_err(|error| unplanned(&args.scenario, error))?;
+    let plan = plan.map_err(|error| plan_error(&args.scenario, error))?;
     let outcome = plan.alone(run, args.output.is_some());
-    let (_, outcome) = outcome.map_err(|error| told(&args.scenario, error))?;
+    let (_, outcome) = outcome.map_err(|error| campaign_error(&args.scenario, error))?;
     Ok(outcome)
 }

@@ -90,7 +90,7 @@ pub fn run(args: &SolveArgs) -> Result<ExitCode, CliError> {
         solution: &solution,
         read_seconds,
     }
-    .tell();
+    .report();
     Ok(match solution.status {
         Status::Solved | Status::Inaccurate => ExitCode::SUCCESS,
         Status::Infeasible | Status::Unbounded => ExitCode::from(EXIT_NO),
@@ -109,7 +109,7 @@ fn word(status: Status) -> &'static str {
 }
 
 impl Told<'_> {
-    fn tell(&self) {
+    fn report(&self) {
         let (solution, residuals) = (self.solution, &self.residuals);
         let found = matches!(
             solution.status,

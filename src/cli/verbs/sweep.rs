@@ -13,7 +13,8 @@ use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::journal::{Identity, Journal, Known};
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
-use crate::batch::sweep::{SweepError, Watch};
+use crate::batch::sweep::SweepError;
+use crate::batch::watch::Watch;
 use crate::cli::answer::print;
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
@@ -86,7 +87,7 @@ pub fn run(args: &SweepArgs) -> Result<ExitCode, CliError> {
     };
     write_sweep(&args.output, &finished)?;
     journal.sort(&identity, &outcomes)?;
-    tell(args, &finished, resumed);
+    print_points(args, &finished, resumed);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -147,7 +148,7 @@ fn swept(
     })
 }
 
-fn tell(args: &SweepArgs, finished: &Finished, resumed: usize) {
+fn print_points(args: &SweepArgs, finished: &Finished, resumed: usize) {
     let grid = finished.grid;
     let path = args.output.join(CSV_FILE);
     if args.json {

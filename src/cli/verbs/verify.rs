@@ -12,7 +12,7 @@ use super::synthesize::problem;
 use crate::cli::answer::{exit_code, print};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::claims::Claims;
+use crate::cli::show::claims::Guarantees;
 use crate::cli::show::verdict::describe;
 
 /// Arguments of `verify`.
@@ -40,9 +40,9 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
     let report = design
         .verify(&model)
         .map_err(|problem| CliError::value(&args.file, problem))?;
-    let claims = Claims::of(&design, &model, report.verdict);
+    let claims = Guarantees::of(&design, &model, report.verdict);
     if args.json {
-        let mut told = json!({
+        let mut object = json!({
             "verdict": report.verdict,
             "worst": report.worst(),
             "gamma": claims.number(design.certificate.gamma),
@@ -51,8 +51,8 @@ fn design(args: &VerifyArgs, text: &str) -> Result<ExitCode, CliError> {
             "conditions": report.conditions,
             "not_covered": report.not_covered,
         });
-        claims.add_to(&mut told);
-        print(&told.to_string());
+        claims.add_to(&mut object);
+        print(&object.to_string());
     } else {
         print(&format!(
             "design: {} ({})",

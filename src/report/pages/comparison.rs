@@ -1,7 +1,7 @@
 //! The page of a comparison: one HTML file with its figures inside.
 
 use crate::base::number::{short, short_or_none};
-use crate::batch::comparison::{Comparison, Curves, Row};
+use crate::batch::comparison::{Comparison, ControllerRow, Curves};
 use crate::report::chart::FigureError;
 use crate::report::figure::Figure;
 use crate::report::html::{
@@ -16,7 +16,7 @@ use crate::sim::metrics::metric_name;
 const TITLE: &str = "Comparison of controllers";
 
 /// A line of the page's table: its name and its value for a controller.
-type MetricLine = (&'static str, fn(&Row) -> String);
+type MetricLine = (&'static str, fn(&ControllerRow) -> String);
 
 const METRICS: [MetricLine; 16] = [
     ("Settled from (s)", |row| short_or_none(row.settle_seconds)),
@@ -75,8 +75,8 @@ pub fn page(comparison: &Comparison, curves: &[Curves]) -> Result<String, Figure
 }
 
 fn header(comparison: &Comparison) -> Header {
-    let broken = |row: &&Row| row.verdict == RunVerdict::ProofBroken;
-    let met = |row: &&Row| row.verdict == RunVerdict::RequirementsMet;
+    let broken = |row: &&ControllerRow| row.verdict == RunVerdict::ProofBroken;
+    let met = |row: &&ControllerRow| row.verdict == RunVerdict::RequirementsMet;
     let total = comparison.runs.len();
     let (class, verdict) = if let Some(row) = comparison.runs.iter().find(broken) {
         let sentence = format!("{}: {}", row.label, row.verdict.sentence());

@@ -1,4 +1,4 @@
-//! Designs with two certificates: `synthesize --objective both`, and what is told of them.
+//! Designs with two certificates: `synthesize --objective both`, and how they are reported.
 
 use std::process::ExitCode;
 
@@ -7,7 +7,7 @@ use synth::design::SolverRun;
 use synth::synthesis::{synthesize_both, BothOutcome, Outcome, Tried};
 
 use super::args::SynthesizeArgs;
-use super::ending::{describe_run, Ending};
+use super::reporting::{describe_run, Reporting};
 use crate::cli::answer::{print, EXIT_NO, EXIT_SOLVER};
 use crate::cli::error::{solver_problem, CliError};
 use crate::cli::progress::SolverProgress;
@@ -17,7 +17,7 @@ use crate::cli::show::feasibility;
 /// failed.
 pub fn synthesize(
     args: &SynthesizeArgs,
-    ending: &Ending,
+    reporting: &Reporting,
     text: &str,
 ) -> Result<ExitCode, CliError> {
     if args.cross_check {
@@ -28,18 +28,24 @@ pub fn synthesize(
     }
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
-    let backend = args.solver.backend_for(ending.form);
-    let found = synthesize_both(ending.model, text, ending.form, backend.as_ref(), observer);
+    let backend = args.solver.backend_for(reporting.form);
+    let found = synthesize_both(
+        reporting.model,
+        text,
+        reporting.form,
+        backend.as_ref(),
+        observer,
+    );
     drop(progress);
     match found.map_err(|error| solver_problem(&args.model, error))? {
-        BothOutcome::Solved(design, _) => ending.tell(Outcome::Solved(design)),
+        BothOutcome::Solved(design, _) => reporting.report(Outcome::Solved(design)),
         BothOutcome::None {
             infeasible,
             tried,
             blocking,
             runs,
         } => {
-            tell_none(ending, infeasible, &tried, &blocking, &runs);
+            print_none(reporting, infeasible, &tried, &blocking, &runs);
             Ok(ExitCode::from(match infeasible {
                 true => EXIT_NO,
                 false => EXIT_SOLVER,
@@ -48,18 +54,18 @@ pub fn synthesize(
     }
 }
 
-fn tell_none(
-    ending: &Ending,
+fn print_none(
+    reporting: &Reporting,
     infeasible: bool,
     tried: &[Tried],
     blocking: &[(String, f64)],
     runs: &[SolverRun],
 ) {
     let status = if infeasible { "undecided" } else { "failed" };
-    if ending.json {
+    if reporting.json {
         let shares = blocking.iter();
         let shares: Vec<Value> = shares
-            .map(|(name, share)| json!({ "name": name, "share": share }))
+            .map(|(name, fraction)| json!({ "name": name, "share": fraction }))
             .collect();
         let report = json!({
             "status": status,
@@ -67,8 +73,8 @@ fn tell_none(
             "gamma": null,
             "guaranteed_gain": null,
             "xi": null,
-            "form": ending.form.name(),
-            "vertices": ending.model.task().system.vertices.len(),
+            "form": reporting.form.name(),
+            "vertices": reporting.model.task().system.vertices.len(),
             "conditions": [],
             "certified_angle_deg": null,
             "outer": null,
@@ -81,7 +87,7 @@ fn tell_none(
         print(&report.to_string());
         return;
     }
-    let model = ending.model_path.display();
+    let model = reporting.model_path.display();
     print(&match infeasible {
         true => format!(
             "{model}: UNDECIDED: no design with both certificates was found, and none was proved not to exist"

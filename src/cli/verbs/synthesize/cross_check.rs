@@ -50,8 +50,8 @@ pub fn json(check: &CrossCheck) -> Value {
     })
 }
 
-/// The comparison in words.
-pub fn tell(check: &CrossCheck) {
+/// The comparison as text.
+pub fn print_lines(check: &CrossCheck) {
     for found in &check.found {
         let gamma = found
             .gamma

@@ -3,8 +3,8 @@
 pub mod args;
 pub mod both;
 pub mod cross_check;
-pub mod ending;
 pub mod problem;
+pub mod reporting;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -13,7 +13,7 @@ use synth::model::{kind_of, Kind, Model, Objective};
 use synth::synthesis::{self, Outcome};
 
 use args::{ObjectiveArg, SynthesizeArgs};
-use ending::Ending;
+use reporting::Reporting;
 
 use crate::cli::error::{solver_problem, CliError};
 use crate::cli::files;
@@ -32,7 +32,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
     if let Some(output) = &args.output {
         files::check_output(output, &args.model)?;
     }
-    let ending = Ending {
+    let reporting = Reporting {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
@@ -43,8 +43,8 @@ pub fn run(args: &SynthesizeArgs) -> Result<ExitCode, CliError> {
         keeps_refutation: false,
     };
     match model.file.specs.objective {
-        Objective::Both => both::synthesize(args, &ending, &text),
-        Objective::Gain | Objective::Region => ending.tell(solve(args, &model, &text)?),
+        Objective::Both => both::synthesize(args, &reporting, &text),
+        Objective::Gain | Objective::Region => reporting.report(solve(args, &model, &text)?),
     }
 }
 

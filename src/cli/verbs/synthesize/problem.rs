@@ -10,7 +10,7 @@ use synth::problem::{
 };
 
 use super::args::SynthesizeArgs;
-use super::ending::{describe_run, print_end};
+use super::reporting::{describe_run, print_written};
 use crate::cli::answer::{exit_code, print, EXIT_NO, EXIT_SOLVER};
 use crate::cli::error::{solver_problem, CliError};
 use crate::cli::files;
@@ -34,15 +34,15 @@ pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<ExitCode, CliErro
     match solve(args, &problem, text)? {
         ProblemOutcome::Solved(design) => finish(args, &problem, *design),
         ProblemOutcome::Infeasible(failure) => {
-            tell_failure(args, &problem, &failure, "infeasible");
+            print_failure(args, &problem, &failure, "infeasible");
             Ok(ExitCode::from(EXIT_NO))
         }
         ProblemOutcome::Undecided(failure) => {
-            tell_failure(args, &problem, &failure, "undecided");
+            print_failure(args, &problem, &failure, "undecided");
             Ok(ExitCode::from(EXIT_NO))
         }
         ProblemOutcome::SolverFailed(failure) => {
-            tell_failure(args, &problem, &failure, "failed");
+            print_failure(args, &problem, &failure, "failed");
             Ok(ExitCode::from(EXIT_SOLVER))
         }
     }
@@ -90,7 +90,7 @@ fn finish(
     }
     let remark = design.optimality.and_then(|optimality| optimality.remark());
     print(&describe(&report, remark.as_deref()));
-    print_end(kept.map(std::path::PathBuf::as_path), report.verdict);
+    print_written(kept.map(std::path::PathBuf::as_path), report.verdict);
     Ok(exit_code(report.verdict))
 }
 
@@ -150,11 +150,12 @@ fn answer(problem: &Problem, design: &ProblemDesignFile, report: &Report) -> Val
     })
 }
 
-fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailure, status: &str) {
+fn print_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailure, status: &str) {
     let runs = &failure.runs;
     if args.json {
-        let share = |(name, share): &(String, f64)| json!({ "name": name, "share": share });
-        let blocking: Vec<Value> = failure.blocking.iter().map(share).collect();
+        let fraction =
+            |(name, fraction): &(String, f64)| json!({ "name": name, "share": fraction });
+        let blocking: Vec<Value> = failure.blocking.iter().map(fraction).collect();
         print(
             &json!({
                 "problem": problem.task.name(),

@@ -146,8 +146,8 @@ fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
         rows.push(("Turned on; off", format!("{on}; {off}")));
-        let share = short(100.0 * summary.on_time_share);
-        rows.push(("Time with a torque (%)", share));
+        let fraction = short(100.0 * summary.on_time_share);
+        rows.push(("Time with a torque (%)", fraction));
     }
     let usages = [
         ("Largest error over its prescribed bound", &summary.funnel),

@@ -38,7 +38,7 @@ impl Labels {
     }
 }
 
-/// A key in words, its unit in brackets.
+/// A key as text, its unit in brackets.
 pub fn labelled(key: &str, unit: &str) -> String {
     let (end, written) = match unit {
         "" => return key.replace('_', " "),

@@ -49,7 +49,7 @@ pub fn verdict_colour(verdict: &str) -> RGBColor {
 pub struct Slice {
     axes: [usize; 2],
     first: Vec<usize>,
-    /// The values of the other axes in words; empty where there are none.
+    /// The values of the other axes as text; empty where there are none.
     pub others: String,
 }
 
@@ -207,12 +207,12 @@ impl Range {
     }
 
     fn shade(&self, value: f64) -> RGBColor {
-        let share = match (self.logarithmic(), self.high > self.low) {
+        let fraction = match (self.logarithmic(), self.high > self.low) {
             (_, false) => 0.5,
             (true, _) => (value / self.low).ln() / (self.high / self.low).ln(),
             (false, _) => (value - self.low) / (self.high - self.low),
         };
-        let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
+        let place = fraction.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
         let below = (place.floor() as usize).min(SHADES.len() - 2);
         let (a, b, part) = (SHADES[below], SHADES[below + 1], place - below as f64);
         let mix = |a: u8, b: u8| (f64::from(a) * (1.0 - part) + f64::from(b) * part).round() as u8;

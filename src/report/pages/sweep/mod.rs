@@ -98,7 +98,7 @@ fn header(sweep: &Finished, labels: &Labels) -> Header {
     }
 }
 
-/// Values in words: all of a few, the ends of many.
+/// Values as text: all of a few, the ends of many.
 fn listed(values: &[f64]) -> String {
     match values {
         [first, .., last] if values.len() > 8 => {
@@ -279,7 +279,7 @@ fn why(sweep: &Finished, labels: &Labels, reasons: &[Reason]) -> Option<Section>
     Some(section.with(&paragraph(&format!("{rest} more are in {CSV_FILE}."))))
 }
 
-/// The values of a point in words.
+/// The values of a point as text.
 fn place(point: &PointOutcome, labels: &Labels) -> String {
     let values = labels.axes.iter().zip(&point.values);
     let values = values.map(|(axis, &value)| format!("{axis} {}", label(value)));

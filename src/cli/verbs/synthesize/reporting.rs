@@ -15,13 +15,13 @@ use super::cross_check;
 use crate::cli::answer::{exit_code, print, EXIT_NO, EXIT_SOLVER};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::claims::Claims;
+use crate::cli::show::claims::Guarantees;
 use crate::cli::show::verdict::describe;
 use crate::cli::show::{feasibility, reach};
 use crate::cli::solver::SolverArg;
 
 /// How a synthesis or an analysis is reported.
-pub struct Ending<'a> {
+pub struct Reporting<'a> {
     /// The model file.
     pub model_path: &'a Path,
     /// Its content.
@@ -32,38 +32,38 @@ pub struct Ending<'a> {
     pub json: bool,
     /// Form of the decrease condition.
     pub form: synthesis::Form,
-    /// The solver used, when the other is to be asked too.
+    /// The solver used, when the other is to be run too.
     pub cross_check: Option<SolverArg>,
-    /// What was sought: a design, or a proof for given gains.
+    /// What was requested: a design, or a proof for given gains.
     pub what: &'static str,
     /// A proof that there is none is written in the place of the design.
     pub keeps_refutation: bool,
 }
 
-impl Ending<'_> {
+impl Reporting<'_> {
     /// Reports the outcome, writes the design if it is proved, and returns the exit status.
-    pub fn tell(&self, outcome: Outcome) -> Result<ExitCode, CliError> {
+    pub fn report(&self, outcome: Outcome) -> Result<ExitCode, CliError> {
         match outcome {
             Outcome::Solved(design) => finish(self, *design),
             Outcome::Infeasible(decision) => {
                 let kept = self.keep_refutation(&decision)?;
-                tell_failure(self, &decision, "infeasible", kept);
+                print_failure(self, &decision, "infeasible", kept);
                 Ok(ExitCode::from(EXIT_NO))
             }
             Outcome::Undecided(decision) => {
                 let kept = self.keep_refutation(&decision)?;
-                tell_failure(self, &decision, "undecided", kept);
+                print_failure(self, &decision, "undecided", kept);
                 Ok(ExitCode::from(EXIT_NO))
             }
             Outcome::SolverFailed(decision) => {
-                tell_failure(self, &decision, "failed", None);
+                print_failure(self, &decision, "failed", None);
                 Ok(ExitCode::from(EXIT_SOLVER))
             }
         }
     }
 }
 
-impl Ending<'_> {
+impl Reporting<'_> {
     /// Writes the certificate of a proved no, where one is wanted.
     fn keep_refutation(&self, decision: &Decision) -> Result<Option<&Path>, CliError> {
         let path = self.output.filter(|_| self.keeps_refutation);
@@ -77,7 +77,7 @@ impl Ending<'_> {
     }
 }
 
-fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
+fn finish(args: &Reporting, design: Synthesized) -> Result<ExitCode, CliError> {
     let model = args.model;
     let mut report = design.report.clone();
     let kept = args.output.filter(|_| report.verdict == Verdict::Proved);
@@ -94,9 +94,9 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     let check = check.transpose()?;
     let part = &design.file.certificate;
     let vertices = model.task().system.vertices.len();
-    let claims = Claims::of(&design.file, model, report.verdict);
+    let claims = Guarantees::of(&design.file, model, report.verdict);
     if args.json {
-        let mut told = json!({
+        let mut object = json!({
             "status": "solved",
             "verdict": report.verdict,
             "gamma": claims.number(part.gamma),
@@ -113,8 +113,8 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
             "solver_runs": design.file.provenance.solver_runs,
             "cross_check": check.as_ref().map(cross_check::json),
         });
-        claims.add_to(&mut told);
-        print(&told.to_string());
+        claims.add_to(&mut object);
+        print(&object.to_string());
         return Ok(exit_code(report.verdict));
     }
     print(&format!(
@@ -125,7 +125,7 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
         print(&describe_run(run));
     }
     if let Some(check) = &check {
-        cross_check::tell(check);
+        cross_check::print_lines(check);
     }
     if report.verdict == Verdict::Proved {
         print(&format!("gamma: {:.6}", part.gamma));
@@ -142,12 +142,12 @@ fn finish(args: &Ending, design: Synthesized) -> Result<ExitCode, CliError> {
     claims.lines().iter().for_each(|line| print(line));
     let remark = design.optimality.and_then(|optimality| optimality.remark());
     print(&describe(&report, remark.as_deref()));
-    print_end(kept, report.verdict);
+    print_written(kept, report.verdict);
     Ok(exit_code(report.verdict))
 }
 
 /// What became of the design.
-pub(crate) fn print_end(kept: Option<&Path>, verdict: Verdict) {
+pub(crate) fn print_written(kept: Option<&Path>, verdict: Verdict) {
     match (kept, verdict) {
         (Some(path), _) => print(&format!("written: {}", path.display())),
         (None, Verdict::NotProved) => print("nothing written"),
@@ -155,11 +155,11 @@ pub(crate) fn print_end(kept: Option<&Path>, verdict: Verdict) {
     }
 }
 
-fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&Path>) {
+fn print_failure(args: &Reporting, decision: &Decision, status: &str, kept: Option<&Path>) {
     let blocking: Vec<Value> = decision
         .blocking
         .iter()
-        .map(|(name, share)| json!({ "name": name, "share": share }))
+        .map(|(name, fraction)| json!({ "name": name, "share": fraction }))
         .collect();
     if args.json {
         print(
@@ -188,7 +188,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
         return;
     }
     if let Some(shortfall) = decision.shortfall.as_deref() {
-        reach::tell_shortfall(args.model_path, shortfall, &decision.blocking);
+        reach::print_shortfall(args.model_path, shortfall, &decision.blocking);
         return;
     }
     print(&headline(args, decision, status));
@@ -209,7 +209,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
     }
 }
 
-/// A solver's run in words.
+/// A solver's run as text.
 pub(crate) fn describe_run(run: &SolverRun) -> String {
     format!(
         "solver: {}, {} at {} vertices: {} after {} iterations, {:.2} s (its own opinion)",
@@ -217,7 +217,7 @@ pub(crate) fn describe_run(run: &SolverRun) -> String {
     )
 }
 
-fn headline(args: &Ending, decision: &Decision, status: &str) -> String {
+fn headline(args: &Reporting, decision: &Decision, status: &str) -> String {
     let model = args.model_path.display();
     match (&decision.answer, status) {
         (Answer::Infeasible(_) | Answer::Undecided(Some(_)), _) => {
