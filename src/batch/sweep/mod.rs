@@ -2,7 +2,7 @@
 //!
 //! An [`axis::Axis`] is one number of the file with its values, a [`grid::Grid`] is their product, a
 //! [`subject::Subject`] turns a point into an [`outcome::PointOutcome`], a [`journal::Journal`] keeps those
-//! that are done, [`table`] makes columns of them and [`page`] figures.
+//! that are done, [`table`] makes columns of them.
 
 pub mod axis;
 pub mod finished;
