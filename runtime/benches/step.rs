@@ -1,4 +1,4 @@
-//! Time of one controller step: `cargo bench -p runtime`.
+//! Time of one controller step: `cargo bench -p steadfast-runtime`.
 
 use std::hint::black_box;
 use std::time::Instant;

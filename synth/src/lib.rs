@@ -13,13 +13,15 @@
 //! | [`fuzzy`] | the plant as a Takagi-Sugeno model: vertices, box, memberships |
 //! | [`scaling`] | changes units by powers of two, and back, exactly |
 //! | [`conditions`] | the published conditions, one file each, as named matrix inequalities |
-//! | [`lmi`] | unknowns and affine matrix expressions, lowered to a semidefinite program; SDPA text |
+//! | [`lmi`] | of steadfast-sdp: unknowns and affine matrix expressions, lowered to a semidefinite program |
 //! | [`reduce`] | makes the decrease condition smaller without losing anything |
-//! | [`solve`] | solvers behind one trait; what they return is a candidate |
+//! | [`solve`] | of steadfast-sdp: solvers behind one trait; what they return is a candidate |
 //! | [`design`] | recovers the numbers of a design and reads and writes its file |
 //! | [`certify`] | proves a file, apart from everything above that made it |
+//! | [`infeasibility`] | the file of a proof that there is no design |
+//! | [`programs`] | the semidefinite programs of a synthesis: stated, solved, recorded, and what may come of them |
+//! | [`feasibility`] | decides, with a proof, whether there is any design |
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
-//! | [`feasibility`] | says, with a proof, whether there is any design |
 //! | [`problem`] | takes other design problems the same way |
 //!
 //! # Example
@@ -57,17 +59,22 @@
 //!
 //! [`synthesis::synthesize`] makes a design of such a model with one of the solvers of [`solve`], and
 //! [`certify::check`] proves it.
+//!
+//! Two crates stand below this one and know no control: `steadfast-sdp` states and solves semidefinite programs,
+//! `steadfast-verified` encloses and proves in floating point.
 
 pub mod certify;
 pub mod conditions;
 pub mod design;
 pub mod feasibility;
 pub mod fuzzy;
-pub mod lmi;
+pub mod infeasibility;
 pub mod model;
 pub mod optimality;
 pub mod problem;
+pub mod programs;
 pub mod reduce;
 pub mod scaling;
-pub mod solve;
 pub mod synthesis;
+
+pub use sdp::{lmi, solve};

@@ -3,25 +3,24 @@
 //! Nothing but the numbers of the file is used. Each condition of Theorem 1 is assembled in interval
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
 
-pub mod definite;
-pub mod exclusion;
+mod certificate;
 pub mod infeasible;
-pub mod interval;
-pub mod matrix;
 pub mod plant;
 pub mod reach;
-pub mod rounding;
-pub mod scalar;
 pub mod theorem1;
 
+pub use sdp::exclusion;
+pub use verified::{definite, interval, matrix, rounding, scalar};
+
 use serde::{Deserialize, Serialize};
+use verified::definite::{prove_positive_definite, IntervalMatrix};
+use verified::interval::Interval;
+use verified::matrix::Matrix;
 
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
-use definite::{prove_positive_definite, IntervalMatrix};
-use interval::Interval;
-use matrix::Matrix;
-use theorem1::{for_each_condition, Certificate, Statement};
+pub use certificate::{Certificate, MismatchSlack, RuleGains};
+use theorem1::{for_each_condition, Statement};
 
 /// The answer of the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

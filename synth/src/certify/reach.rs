@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::interval::{half_angle_sine_squared, Interval};
+use verified::interval::{half_angle_sine_squared, Interval};
 
 /// A start and how far the certified set goes along it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,103 +4,16 @@
 //! over a [`Scalar`], so the check (intervals) and the tests' oracle (exact rationals) read the same
 //! statement.
 
-use nalgebra::{DMatrix, DVector};
+pub use super::certificate::{Certificate, MismatchSlack, RuleGains};
 
-use super::matrix::{Matrix, SymmetricBlocks};
-use super::plant::{inertia_bounds, DescriptorPlant};
-use super::scalar::Scalar;
+use nalgebra::DMatrix;
+
+use super::plant::DescriptorPlant;
 use crate::conditions::xu2020::gain_suffix;
+use crate::fuzzy::inertia_bounds;
 use crate::model::{Mismatch, Model, Plant};
-
-/// The gains of one rule, beyond the first.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RuleGains {
-    /// F_j, m x n.
-    pub gain: DMatrix<f64>,
-    /// N_j, m x n.
-    pub anti_windup: DMatrix<f64>,
-}
-
-/// Slack of the mismatch bound for one end of the sampling interval. Rows: B'Q'v (m), M p (m; left out
-/// where all N_j are equal), x(t_k) (n).
-#[derive(Debug, Clone, PartialEq)]
-pub struct MismatchSlack {
-    /// P_j of every gain, symmetric.
-    pub bounds: Vec<DMatrix<f64>>,
-    /// R, symmetric.
-    pub common: DMatrix<f64>,
-}
-
-/// The numbers of a certificate, exactly as a reader of the file gets them. n states, m inputs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Certificate {
-    /// F, m x n; with several gains the first.
-    pub gain: DMatrix<f64>,
-    /// The other gains; empty for a constant gain.
-    pub further: Vec<RuleGains>,
-    /// Slack for r = 1 and r = 2; empty unless a mismatch above 0 is assumed.
-    pub mismatch: Vec<MismatchSlack>,
-    /// Upsilon, n x n, symmetric.
-    pub trigger_weight: DMatrix<f64>,
-    /// Above 0: the functional of this certificate uses this multiple of Upsilon, which does not
-    /// change the trigger; 1 where there is one certificate.
-    pub trigger_multiple: f64,
-    /// U, n x n, symmetric.
-    pub lyapunov: DMatrix<f64>,
-    /// Y, n x n, symmetric.
-    pub integral_weight: DMatrix<f64>,
-    /// Q, n x n: the multiplier of the plant's equation in descriptor form.
-    pub multiplier: DMatrix<f64>,
-    /// L1, n x n.
-    pub free_state: DMatrix<f64>,
-    /// L2, n x n.
-    pub free_sample: DMatrix<f64>,
-    /// N, m x n.
-    pub anti_windup: DMatrix<f64>,
-    /// Diagonal of M, m entries.
-    pub sector_weight: DVector<f64>,
-    /// xi.
-    pub disturbance_weight: f64,
-    /// gamma.
-    pub gain_bound: f64,
-    /// Claimed bound on sup|y| / sup|tau| from rest; at most gamma.
-    pub guaranteed_gain: f64,
-    /// Claimed radius: every attitude at rest whose error quaternion has a vector part up to this
-    /// norm lies in the certified set. Spacecraft only.
-    pub certified_vector_part: Option<f64>,
-}
-
-impl Certificate {
-    /// Number of gains.
-    pub fn gain_count(&self) -> usize {
-        1 + self.further.len()
-    }
-
-    /// All gains F_j.
-    pub fn gains(&self) -> impl Iterator<Item = &DMatrix<f64>> {
-        std::iter::once(&self.gain).chain(self.further.iter().map(|rule| &rule.gain))
-    }
-
-    /// All anti-windup gains N_j.
-    pub fn anti_windups(&self) -> impl Iterator<Item = &DMatrix<f64>> {
-        std::iter::once(&self.anti_windup).chain(self.further.iter().map(|rule| &rule.anti_windup))
-    }
-
-    /// True when the proof takes rule j of the plant and gain j to have nearly the same weight.
-    /// Otherwise the gains may be weighted in any way at any time.
-    pub fn is_matched(&self, model: &Model) -> bool {
-        matches!(model.file.mismatch, Mismatch::Kappa(_))
-            && self.gain_count() > 1
-            && model.plant.membership_count() == Some(self.gain_count())
-    }
-
-    /// Side of P_j and R: with rows for M p only where the N_j differ.
-    pub fn mismatch_side(&self) -> usize {
-        let (m, n) = self.gain.shape();
-        let equal = self.anti_windups().all(|gain| *gain == self.anti_windup);
-        n + if equal { m } else { 2 * m }
-    }
-}
+use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::scalar::Scalar;
 
 /// A named symmetric matrix that must be positive definite.
 #[derive(Debug, Clone)]
@@ -296,7 +209,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn gain_form(&self, (gain, anti_windup): &(Matrix<S>, Matrix<S>)) -> Matrix<S> {
         let (m, n) = (gain.nrows(), gain.ncols());
         let zone = self.certificate.mismatch_side() - m - n;
-        let mut out = SymmetricBlocks::new(&[m, zone, n]);
+        let mut out = SymmetricBlockMatrix::new(&[m, zone, n]);
         out.set(0, 2, gain);
         if zone > 0 {
             out.set(1, 2, anti_windup);
@@ -377,7 +290,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         if interval == 2 {
             sizes.push(n);
         }
-        let mut out = SymmetricBlocks::new(&sizes);
+        let mut out = SymmetricBlockMatrix::new(&sizes);
         let decay = self.lyapunov.scaled(&self.phi);
         out.set(0, 0, &decay.plus(&l1.symmetrised()));
         out.set(0, 1, &self.lyapunov);
@@ -442,7 +355,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let difference = gain.minus(anti_windup);
             for (input, limit) in self.plant.input_limit.iter().enumerate() {
                 let factor = limit.clone() * limit.clone() / self.level.clone();
-                let mut out = SymmetricBlocks::new(&[self.plant.states(), 1]);
+                let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), 1]);
                 out.set(0, 0, &self.lyapunov.scaled(&factor));
                 out.set(0, 1, &difference.row(input).transposed());
                 out.set(1, 1, &Matrix::identity(1, S::one()));
@@ -467,7 +380,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
 
     fn gain_block(&self, bound: S) -> Matrix<S> {
         let output = &self.plant.output;
-        let mut out = SymmetricBlocks::new(&[self.plant.states(), output.nrows()]);
+        let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), output.nrows()]);
         out.set(0, 0, &self.lyapunov.scaled(&self.phi));
         out.set(0, 1, &output.transposed());
         out.set(1, 1, &Matrix::identity(output.nrows(), bound));
@@ -479,7 +392,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         for bound in &self.plant.region {
             let factor = bound.bound_squared.clone() / self.level.clone();
             let rows = bound.rows.nrows();
-            let mut out = SymmetricBlocks::new(&[self.plant.states(), rows]);
+            let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), rows]);
             out.set(0, 0, &self.lyapunov.scaled(&factor));
             out.set(0, 1, &bound.rows.transposed());
             out.set(1, 1, &Matrix::identity(rows, S::one()));

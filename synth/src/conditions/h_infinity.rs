@@ -9,10 +9,9 @@ use nalgebra::DMatrix;
 use super::state_feedback::{
     power_of_two, DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant,
 };
-use super::xu2020::Strictness;
-use crate::certify::matrix::{self, Matrix};
-use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use verified::matrix::{self, Matrix};
+use verified::scalar::Scalar;
 
 /// `x' = A(t) x + B u + B_w w`, `z = C x + D u + D_w w`: the L2 norm of z is below gamma times that of w,
 /// from rest, for every A(t) in the hull.
@@ -114,7 +113,7 @@ impl DesignProblem for HInfinity {
         let gamma = |side| Matrix::identity(side, proof.guarantee.clone());
         tell("lyapunov positive".into(), proof.lyapunov.clone());
         for (index, a) in proof.vertices.iter().enumerate() {
-            let mut out = matrix::SymmetricBlocks::new(&[n, d, p]);
+            let mut out = matrix::SymmetricBlockMatrix::new(&[n, d, p]);
             let driven = proof.lyapunov.times(&exactly(&self.disturbance));
             out.set(0, 0, &proof.decay(a, &proof.gain, &S::zero()));
             out.set(0, 1, &driven.negated());

@@ -71,7 +71,7 @@ pub struct Task {
     /// The gains.
     pub gains: GainPlan,
     /// Sets to be covered, where a search asks for them.
-    pub coverage: Option<xu2020::Coverage>,
+    pub coverage: Option<Coverage>,
 }
 
 impl Task {
@@ -92,5 +92,28 @@ impl Task {
         let bound = self.system.disturbance_bound;
         let reached = specification.disturbance_weight_max * bound * bound;
         (reached / specification.decay_rate).max(1.0)
+    }
+}
+
+/// What x'Ux <= 1 must cover: ellipsoids {D z, |z| <= 1}, a single column being a state and its negative.
+/// n states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coverage {
+    /// P, n x n, in the units of the task. Near P = Uh^-1 Qh of the sought point nothing is lost.
+    pub linearisation: DMatrix<f64>,
+    /// The D, n x k each, to be covered as they are.
+    pub covered: Vec<DMatrix<f64>>,
+    /// The D to be covered after multiplication by one common scale, which may be maximised.
+    pub grown: Vec<DMatrix<f64>>,
+}
+
+impl Coverage {
+    /// The scalar case P = rho I, which needs no known point.
+    pub fn scalar(states: usize, rho: f64) -> Self {
+        Coverage {
+            linearisation: DMatrix::identity(states, states) * rho,
+            covered: Vec::new(),
+            grown: Vec::new(),
+        }
     }
 }

@@ -9,10 +9,9 @@
 use nalgebra::DMatrix;
 
 use super::state_feedback::{DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant};
-use super::xu2020::Strictness;
-use crate::certify::matrix::Matrix;
-use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition};
+use sdp::lmi::{Affine, Condition, Strictness};
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
 
 /// `|x(t)| <= c e^(-alpha t) |x(0)|` for every A(t) in the hull, with the smallest c that the method
 /// gives.

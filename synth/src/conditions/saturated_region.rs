@@ -9,10 +9,9 @@ use nalgebra::{DMatrix, DVector};
 use super::state_feedback::{
     power_of_two, DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant,
 };
-use super::xu2020::Strictness;
-use crate::certify::matrix::Matrix;
-use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
 
 /// An ellipsoid x'Px <= 1 from which every trajectory of `x' = A(t) x + B sat(F x)` tends to 0, as large
 /// as possible in the sense of a reference set.

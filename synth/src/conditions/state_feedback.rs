@@ -9,10 +9,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::xu2020::Strictness;
-use crate::certify::matrix::{Matrix, SymmetricBlocks};
-use crate::certify::scalar::Scalar;
-use crate::lmi::{Affine, Condition, Unknowns};
+use sdp::lmi::{Affine, Condition, Strictness, Unknowns};
+use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::scalar::Scalar;
 
 /// A problem for a [`VertexPlant`].
 pub trait DesignProblem: Sized {
@@ -231,7 +230,7 @@ impl<S: Scalar> Proof<S> {
     /// `[ P, h' ; h, b^2 ]`, positive definite when |h x| < b wherever x'Px <= 1.
     pub fn within(&self, row: &Matrix<S>, bound: f64) -> Matrix<S> {
         let bound = S::from_f64(bound);
-        let mut out = SymmetricBlocks::new(&[self.lyapunov.nrows(), 1]);
+        let mut out = SymmetricBlockMatrix::new(&[self.lyapunov.nrows(), 1]);
         out.set(0, 0, &self.lyapunov);
         out.set(0, 1, &row.transposed());
         out.set(1, 1, &Matrix::identity(1, bound.clone() * bound));

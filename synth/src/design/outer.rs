@@ -3,10 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CertificateFile, DesignFile};
+use super::certificate::CertificateFile;
 use crate::certify::theorem1::Certificate;
 use crate::certify::{Report, Verdict};
-use crate::model::{check_positive, Model, ModelError};
+use crate::model::Model;
 
 /// What proves the controller on the larger set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -42,26 +42,6 @@ pub struct OuterCertificate {
 
 /// What the names of the outer conditions begin with.
 const OUTER: &str = "outer ";
-
-impl DesignFile {
-    /// The numbers of the outer certificate, where there is one.
-    ///
-    /// # Errors
-    /// Shapes and ranges; a model without `specs.outer`.
-    pub fn outer_certificate(&self, model: &Model) -> Result<Option<OuterCertificate>, ModelError> {
-        let Some(outer) = &self.outer else {
-            return Ok(None);
-        };
-        let model = model.outer().map_err(|error| error.within("model"))?;
-        check_positive("outer.trigger_multiple", outer.trigger_multiple)?;
-        let mut as_plain = self.clone();
-        as_plain.certificate.clone_from(&outer.certificate);
-        let read = as_plain.certificate(&model);
-        let mut certificate = read.map_err(|error| error.within("outer"))?;
-        certificate.trigger_multiple = outer.trigger_multiple;
-        Ok(Some(OuterCertificate { model, certificate }))
-    }
-}
 
 /// The report on two certificates: proved when both are.
 pub(super) fn both(mut inner: Report, outer: &Report) -> Report {

@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::conditions::xu2020::{DesignUnknowns, DEAD_ZONE_UNIT};
-use crate::lmi::Affine;
 use crate::model::{Model, Plant};
 use crate::scaling::Scaling;
+use sdp::lmi::Affine;
 
 /// Why a solver's point is no candidate for a certificate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -8,12 +8,12 @@ use crate::certify::infeasible::{
     DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
     VertexWeight, Weights,
 };
-use crate::conditions::xu2020::{condition_name, gain_suffix, Interval, DEAD_ZONE_UNIT};
+use crate::conditions::xu2020::{condition_name, gain_suffix, SamplingEnd, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
-use crate::lmi::svec_index;
 use crate::model::Model;
+use crate::programs::{Assembled, ConditionSubset};
 use crate::scaling::Scaling;
-use crate::synthesis::{Assembled, Part};
+use sdp::lmi::svec_index;
 
 /// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not left to the balance of the multiplier,
 /// which divides by it.
@@ -96,7 +96,7 @@ pub struct Source<'a> {
     /// The given gains that the weights speak of, in SI units; none where the gain is free.
     pub given: &'a [DMatrix<f64>],
     /// Which of them, and of the model's vertices, the task has.
-    pub part: Part<'a>,
+    pub part: ConditionSubset<'a>,
 }
 
 impl Source<'_> {
@@ -139,8 +139,8 @@ impl Source<'_> {
     /// The weights of one gain of the task.
     fn gain(&self, duals: &Duals, rule: usize) -> Option<GainWeights> {
         let suffix = gain_suffix(self.task.gains.count, rule);
-        let mut start = self.moments(duals, Interval::Start, &suffix)?;
-        let mut end = self.moments(duals, Interval::End, &suffix)?;
+        let mut start = self.moments(duals, SamplingEnd::Start, &suffix)?;
+        let mut end = self.moments(duals, SamplingEnd::End, &suffix)?;
         if self.model.file.specs.nu < self.task.specification.trigger_threshold {
             start.held = None;
             end.held = None;
@@ -150,7 +150,7 @@ impl Source<'_> {
         if rule == 0 && divisible && determinable {
             end.multiplied_sample = None;
         }
-        let at = |a, b| self.moment(duals, Interval::End, &suffix, a, b);
+        let at = |a, b| self.moment(duals, SamplingEnd::End, &suffix, a, b);
         let n = self.task.system.states();
         let inputs = (0..self.task.system.inputs()).map(|input| {
             let dual = duals.get(&format!("anti-windup input {}{suffix}", input + 1))?;
@@ -176,7 +176,7 @@ impl Source<'_> {
         })
     }
 
-    fn moments(&self, duals: &Duals, interval: Interval, suffix: &str) -> Option<Moments> {
+    fn moments(&self, duals: &Duals, interval: SamplingEnd, suffix: &str) -> Option<Moments> {
         let at = |a, b| self.moment(duals, interval, suffix, a, b);
         let vertices = (0..self.task.system.vertices.len()).filter_map(|vertex| {
             let dual = duals.get(&(condition_name(interval, vertex) + suffix))?;
@@ -215,7 +215,7 @@ impl Source<'_> {
     fn moment(
         &self,
         duals: &Duals,
-        interval: Interval,
+        interval: SamplingEnd,
         suffix: &str,
         row: Quantity,
         column: Quantity,

@@ -1,63 +1,21 @@
 //! One solve, one proof. With an uncertain inertia the proof of a no is for the nominal one.
 
 use super::candidate::Source;
-use super::centre::centred;
-use super::file::{InfeasibilityFile, WeightsFile};
-use crate::certify::infeasible::{refute, Limit, Refutation, Weights};
+
+use crate::certify::infeasible::{refute, Refutation, Weights};
 use crate::certify::Verdict;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
-use crate::lmi::Affine;
+use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
-use crate::scaling::Scaling;
-use crate::solve::{Backend, Observer, Solution, Status, Structured};
-use crate::synthesis::{
-    blocking, containment_weights, scaled, Assembled, Form, Goal, Search, Shortfall, Subject,
-    SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
+use crate::programs::{
+    blocking, containment_weights, scaled, Answer, Assembled, Decision, DesignRequest, Form, Goal,
+    Infeasible, Session, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
-
-/// Proved weights, and what they leave open.
-#[derive(Debug, Clone)]
-pub struct Infeasible {
-    /// The file that proves it.
-    pub file: InfeasibilityFile,
-    /// No design exists whose multiplier Qh has all entries (SI units) within this bound; the largest
-    /// double when none is needed.
-    pub bound: f64,
-    /// The designs that are not covered; none in a proof that no design exists.
-    pub limits: Vec<Limit>,
-}
-
-/// The answer.
-#[derive(Debug, Clone)]
-pub enum Answer {
-    /// A design exists: this one is proved. Its gain is not the smallest.
-    Feasible(Box<Synthesized>),
-    /// No design exists: proved.
-    Infeasible(Box<Infeasible>),
-    /// Neither is proved; with what was proved about a part of the designs.
-    Undecided(Option<Box<Infeasible>>),
-}
-
-/// The answer and what is known beside it.
-#[derive(Debug, Clone)]
-pub struct Decision {
-    /// The answer.
-    pub answer: Answer,
-    /// The smallest slack t with which every condition but the gain's holds, in scaled units, where
-    /// the solver found it: an estimate, not proved. Above 0 they cannot hold with the margin of the
-    /// model.
-    pub slack: Option<f64>,
-    /// The conditions with the largest share of the dual solution: those that block, when t is
-    /// above 0.
-    pub blocking: Vec<(String, f64)>,
-    /// What a search reached instead, where there was one.
-    pub shortfall: Option<Box<Shortfall>>,
-    /// Time spent in solvers (s).
-    pub solve_seconds: f64,
-    /// The solver's runs.
-    pub runs: Vec<SolverRun>,
-}
+use crate::scaling::Scaling;
+use sdp::centre::centred;
+use sdp::lmi::Affine;
+use sdp::solve::{Backend, Observer, Solution, Status, Structured};
 
 /// Decides whether a design exists for a model. `model_text` is its file's text.
 pub fn decide(
@@ -66,10 +24,10 @@ pub fn decide(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut search = Search::new(Form::Reduced, backend, observer);
+    let mut search = Session::new(Form::Reduced, backend, observer);
     let task = model.task();
     decide_after(
-        Subject::of_model(model, model_text, &task, Form::Reduced),
+        DesignRequest::of_model(model, model_text, &task, Form::Reduced),
         &mut search,
     )
 }
@@ -83,22 +41,22 @@ pub(super) fn look_for_a_design(
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut searches = [
-        Search::new(Form::Slack, structured, observer.clone()),
-        Search::new(Form::Reduced, backend, observer),
+        Session::new(Form::Slack, structured, observer.clone()),
+        Session::new(Form::Reduced, backend, observer),
     ];
     let task = model.task();
-    settle(
-        Subject::of_model(model, "", &task, Form::Reduced),
+    decide_with(
+        DesignRequest::of_model(model, "", &task, Form::Reduced),
         &mut searches,
-        Sought::Design,
+        DecisionGoal::Design,
         STATE_UNITS.len(),
     )
 }
 
 /// The same after other runs, which are counted.
 pub(crate) fn decide_after(
-    subject: Subject,
-    search: &mut Search,
+    subject: DesignRequest,
+    search: &mut Session,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
     let other = search.alternative();
@@ -113,11 +71,16 @@ pub(crate) fn decide_after(
     {
         searches.push(search.with_backend(Form::Reduced, other));
     }
-    let subject = Subject {
+    let subject = DesignRequest {
         form: Form::Reduced,
         ..subject
     };
-    let found = settle(subject, &mut searches, Sought::Proof, STATE_UNITS.len());
+    let found = decide_with(
+        subject,
+        &mut searches,
+        DecisionGoal::Proof,
+        STATE_UNITS.len(),
+    );
     for other in &mut searches {
         search.runs.append(&mut other.runs);
     }
@@ -134,22 +97,22 @@ pub(crate) fn decide_after(
 /// Looks for weights that refute the subject's gains in its part of the conditions, and for nothing else, in
 /// at most so many state units.
 pub(super) fn refute_part(
-    subject: Subject,
+    subject: DesignRequest,
     most_units: usize,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
-    let mut searches = [Search::new(Form::Slack, &structured, observer)];
-    let subject = Subject {
+    let mut searches = [Session::new(Form::Slack, &structured, observer)];
+    let subject = DesignRequest {
         form: Form::Slack,
         ..subject
     };
-    settle(subject, &mut searches, Sought::Refutation, most_units)
+    decide_with(subject, &mut searches, DecisionGoal::Refutation, most_units)
 }
 
-/// What is sought.
+/// What is goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Sought {
+enum DecisionGoal {
     /// A design, or a proof that there is none.
     Proof,
     /// A design; where the solver says that there is none, nothing more.
@@ -158,29 +121,29 @@ enum Sought {
     Refutation,
 }
 
-struct Found {
+struct SmallestSlack {
     slack: Option<f64>,
     blocking: Vec<(String, f64)>,
 }
 
 /// What one containment weight gave.
-enum End {
+enum AttemptResult {
     Point(Box<Synthesized>),
     Refuted(Box<WeightsFile>, Refutation),
-    /// The solver says that there is none of what is sought, and nobody asked for a proof of that.
+    /// The solver says that there is none of what is goal, and nobody asked for a proof of that.
     Denied,
     Open,
 }
 
 /// Asks one solver after the other, in one state unit after the other (at most so many), until there is an
 /// answer.
-fn settle(
-    subject: Subject,
-    searches: &mut [Search],
-    sought: Sought,
+fn decide_with(
+    subject: DesignRequest,
+    searches: &mut [Session],
+    goal: DecisionGoal,
     most_units: usize,
 ) -> Result<Decision, SynthesisError> {
-    let mut out = Found {
+    let mut out = SmallestSlack {
         slack: None,
         blocking: Vec::new(),
     };
@@ -188,40 +151,40 @@ fn settle(
     let mut design = None;
     let mut open = false;
     let mut units = FIRST_UNITS;
-    let mut ask = Asking {
+    let mut ask = SolverSequence {
         searches,
-        sought,
+        goal,
         most_units,
         out: &mut out,
     };
     for &containment_weight in containment_weights(subject.model) {
         units.containment_weight = containment_weight;
         match ask.in_all_units(subject, &mut units)? {
-            End::Point(found) => {
+            AttemptResult::Point(found) => {
                 design = Some(found);
                 break;
             }
-            End::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
-            End::Denied | End::Open => open = true,
+            AttemptResult::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
+            AttemptResult::Denied | AttemptResult::Open => open = true,
         }
     }
     let contains = !subject.task.specification.must_contain.is_empty();
-    if design.is_none() && contains && sought != Sought::Design {
+    if design.is_none() && contains && goal != DecisionGoal::Design {
         // What cannot hold without containment cannot hold for any rho.
         let mut task = subject.task.clone();
         task.specification.must_contain.clear();
-        let free = Subject {
+        let free = DesignRequest {
             task: &task,
             ..subject
         };
-        ask.sought = Sought::Refutation;
-        if let End::Refuted(weights, refutation) = ask.in_all_units(free, &mut units)? {
+        ask.goal = DecisionGoal::Refutation;
+        if let AttemptResult::Refuted(weights, refutation) = ask.in_all_units(free, &mut units)? {
             refuted = vec![(*weights, refutation)];
             open = false;
         }
     }
     let runs: Vec<SolverRun> = searches.iter().flat_map(|s| s.runs.clone()).collect();
-    let solve_seconds = searches.iter().map(Search::seconds).sum();
+    let solve_seconds = searches.iter().map(Session::seconds).sum();
     let answer = match design {
         Some(mut design) => {
             design.solve_seconds = solve_seconds;
@@ -260,40 +223,40 @@ fn settle(
 }
 
 /// Which solvers are asked for what.
-struct Asking<'a, 'b> {
-    searches: &'a mut [Search<'b>],
-    sought: Sought,
+struct SolverSequence<'a, 'b> {
+    searches: &'a mut [Session<'b>],
+    goal: DecisionGoal,
     most_units: usize,
-    out: &'a mut Found,
+    out: &'a mut SmallestSlack,
 }
 
-impl Asking<'_, '_> {
+impl SolverSequence<'_, '_> {
     /// Asks one solver after the other, in one state unit after the other, until there is an answer.
     fn in_all_units(
         &mut self,
-        subject: Subject,
+        subject: DesignRequest,
         units: &mut ProblemUnits,
-    ) -> Result<End, SynthesisError> {
+    ) -> Result<AttemptResult, SynthesisError> {
         for &state_fraction in STATE_UNITS.iter().take(self.most_units) {
             units.state_fraction = state_fraction;
             for search in self.searches.iter_mut() {
-                let end = attempt(subject, search, *units, self.sought, self.out)?;
-                if !matches!(end, End::Open) {
+                let end = attempt(subject, search, *units, self.goal, self.out)?;
+                if !matches!(end, AttemptResult::Open) {
                     return Ok(end);
                 }
             }
         }
-        Ok(End::Open)
+        Ok(AttemptResult::Open)
     }
 }
 
 fn attempt(
-    subject: Subject,
-    search: &mut Search,
+    subject: DesignRequest,
+    search: &mut Session,
     units: ProblemUnits,
-    sought: Sought,
-    out: &mut Found,
-) -> Result<End, SynthesisError> {
+    goal: DecisionGoal,
+    out: &mut SmallestSlack,
+) -> Result<AttemptResult, SynthesisError> {
     let (scaling, task) = solved_task(subject.task, units);
     let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
     let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
@@ -306,18 +269,18 @@ fn attempt(
     }
     let margin = task.specification.margin;
     if solution.objective < margin {
-        if sought == Sought::Refutation {
-            return Ok(End::Denied);
+        if goal == DecisionGoal::Refutation {
+            return Ok(AttemptResult::Denied);
         }
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
-            return Ok(End::Point(design));
+            return Ok(AttemptResult::Point(design));
         }
     }
-    if usable && sought == Sought::Design {
-        return Ok(End::Denied);
+    if usable && goal == DecisionGoal::Design {
+        return Ok(AttemptResult::Denied);
     }
-    if sought == Sought::Design || !refutable(&task) {
-        return Ok(End::Open);
+    if goal == DecisionGoal::Design || !refutable(&task) {
+        return Ok(AttemptResult::Open);
     }
     if subject.model.plant.has_uncertain_inertia() {
         return refute_nominal(subject, search, units);
@@ -339,12 +302,12 @@ fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
 /// A set of inertias has no design when the nominal one, which belongs to it, has none. Given gains are
 /// left open.
 fn refute_nominal(
-    subject: Subject,
-    search: &mut Search,
+    subject: DesignRequest,
+    search: &mut Session,
     units: ProblemUnits,
-) -> Result<End, SynthesisError> {
+) -> Result<AttemptResult, SynthesisError> {
     if !subject.given.is_empty() {
-        return Ok(End::Open);
+        return Ok(AttemptResult::Open);
     }
     let mut nominal = subject.model.clone();
     nominal.plant = nominal.plant.nominal();
@@ -353,7 +316,7 @@ fn refute_nominal(
     let solved = own.solve(&task, Goal::SmallestSlack);
     search.runs.append(&mut own.runs);
     let (assembled, solution) = solved?;
-    let subject = Subject {
+    let subject = DesignRequest {
         model: &nominal,
         ..subject
     };
@@ -362,16 +325,16 @@ fn refute_nominal(
 
 /// The proof that the dual solution gives, if it gives one.
 fn refuted(
-    subject: Subject,
+    subject: DesignRequest,
     scaling: &Scaling,
     task: &Task,
     assembled: &Assembled,
     solution: &Solution,
-) -> End {
+) -> AttemptResult {
     let margin = task.specification.margin;
     let excess = solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
-        return End::Open;
+        return AttemptResult::Open;
     }
     let problem = assembled.problem.lower();
     for kept in KEPT {
@@ -389,11 +352,11 @@ fn refuted(
         if let Some((file, weights)) = as_read(&source) {
             let refutation = refute(subject.model, &weights);
             if refutation.proved {
-                return End::Refuted(Box::new(file), refutation);
+                return AttemptResult::Refuted(Box::new(file), refutation);
             }
         }
     }
-    End::Open
+    AttemptResult::Open
 }
 
 /// Weights speak of one free gain; or of given gains, in any mixture or each with its own vertex.
@@ -427,7 +390,7 @@ const GAIN_ROOM: f64 = 1e-3;
 
 /// The solver's point as a proved design, with the gain bound it admits.
 fn point(
-    subject: Subject,
+    subject: DesignRequest,
     assembled: &Assembled,
     solution: &Solution,
     scaling: &Scaling,

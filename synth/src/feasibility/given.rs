@@ -5,10 +5,10 @@
 
 use nalgebra::DMatrix;
 
-use super::decide::{refute_part, Answer, Decision};
+use super::decide::refute_part;
 use crate::conditions::{GainPlan, Task};
-use crate::solve::Observer;
-use crate::synthesis::{Part, Subject, SynthesisError};
+use crate::programs::{Answer, ConditionSubset, Decision, DesignRequest, SynthesisError};
+use sdp::solve::Observer;
 
 /// State units that are tried for one gain.
 const UNITS_ALONE: usize = 3;
@@ -20,7 +20,7 @@ const UNITS_TOGETHER: usize = 1;
 /// all together. Gains with a mismatch bound are matched with their own vertices and the rest of their
 /// conditions is left out.
 pub(crate) fn refute_given(
-    subject: Subject,
+    subject: DesignRequest,
     observer: Option<Observer>,
 ) -> Result<Option<Decision>, SynthesisError> {
     let matched = subject.task.gains.matched().is_some();
@@ -28,12 +28,12 @@ pub(crate) fn refute_given(
     let alone = all.iter().map(|gain| {
         let gain = std::slice::from_ref(gain);
         let vertices = matched.then_some(gain);
-        Part {
+        ConditionSubset {
             gains: gain,
             vertices,
         }
     });
-    let together = Part {
+    let together = ConditionSubset {
         gains: &all,
         vertices: None,
     };
@@ -41,7 +41,7 @@ pub(crate) fn refute_given(
     let parts = alone.chain((all.len() > 1).then_some((together, UNITS_TOGETHER)));
     for (part, units) in parts {
         let task = restricted(subject.task, subject.given, part, matched);
-        let restricted = Subject {
+        let restricted = DesignRequest {
             task: &task,
             part,
             ..subject
@@ -55,7 +55,7 @@ pub(crate) fn refute_given(
 }
 
 /// The task of a part.
-fn restricted(task: &Task, given: &[DMatrix<f64>], part: Part, matched: bool) -> Task {
+fn restricted(task: &Task, given: &[DMatrix<f64>], part: ConditionSubset, matched: bool) -> Task {
     let mut out = task.clone();
     let gains = part
         .gains

@@ -6,18 +6,18 @@
 //! [`certify::infeasible`](crate::certify::infeasible) proves.
 
 mod candidate;
-mod centre;
-mod convert;
 mod decide;
-mod file;
 mod given;
 mod relax;
 mod size;
 
-pub use decide::{decide, Answer, Decision, Infeasible};
-pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
+pub use decide::decide;
 pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
 
-pub(crate) use centre::centred;
+pub use crate::infeasibility::{
+    GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION,
+};
+pub use crate::programs::{Answer, Decision, Infeasible};
+
 pub(crate) use decide::decide_after;
 pub(crate) use given::refute_given;

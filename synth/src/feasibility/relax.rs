@@ -1,9 +1,9 @@
 //! Which requirement, relaxed alone, first makes a model feasible, and at what value.
 
-use super::decide::{look_for_a_design, Answer};
+use super::decide::look_for_a_design;
 use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
-use crate::solve::{Backend, Observer, Structured};
-use crate::synthesis::SynthesisError;
+use crate::programs::{Answer, SynthesisError};
+use sdp::solve::{Backend, Observer, Structured};
 
 /// A requirement that can be relaxed alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,18 +1,34 @@
-//! How large the entries of the multiplier become in the points that solvers return.
+//! The designs that an infeasibility certificate does not cover. Where its proof bounds the multiplier, solvers say
+//! how large the multiplier's entries become.
 
 use nalgebra::DMatrix;
 
+use crate::certify::infeasible::{limits, refute, Limit, Refutation};
 use crate::conditions::{GainPlan, Task};
+use crate::infeasibility::InfeasibilityFile;
 use crate::model::Model;
-use crate::solve::{Backend, Clarabel, Structured};
-use crate::synthesis::{scaled, Form, Goal, Search, SynthesisError, FIRST_UNITS};
+use crate::programs::{scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS};
+use sdp::solve::{Backend, Clarabel, Structured};
+
+impl InfeasibilityFile {
+    /// The designs that the file's statement does not cover, where its weights are proved; none: no design
+    /// exists. Where a bound on the multiplier is left, solvers are asked how large its entries become.
+    ///
+    /// # Errors
+    /// Weights that do not fit the model; a problem that a solver refuses.
+    pub fn limits(&self, model: &Model) -> Result<Vec<Limit>, SynthesisError> {
+        let sets = self.weights(model)?;
+        let refutations: Vec<Refutation> = sets.iter().map(|set| refute(model, set)).collect();
+        let given = sets.first().map_or(&[][..], |set| &set.given);
+        limits(model, &sets, &refutations, || {
+            largest_multiplier(model, given)
+        })
+    }
+}
 
 /// The largest entry of Qh (SI units) that a solver returns for the smallest gain and for the smallest slack;
 /// infinite where a solver returns none, or numbers that are not finite.
-pub(super) fn largest_multiplier(
-    model: &Model,
-    given: &[DMatrix<f64>],
-) -> Result<f64, SynthesisError> {
+fn largest_multiplier(model: &Model, given: &[DMatrix<f64>]) -> Result<f64, SynthesisError> {
     let mut task = model.task();
     if !given.is_empty() {
         task.gains = GainPlan {
@@ -27,7 +43,7 @@ pub(super) fn largest_multiplier(
     ];
     let mut largest: f64 = 0.0;
     for (backend, form) in solvers {
-        let mut search = Search::new(form, backend, None);
+        let mut search = Session::new(form, backend, None);
         for goal in [Goal::SmallestGain, Goal::SmallestSlack] {
             largest = largest.max(largest_entry(&task, &mut search, goal)?);
         }
@@ -38,7 +54,7 @@ pub(super) fn largest_multiplier(
     })
 }
 
-fn largest_entry(task: &Task, search: &mut Search, goal: Goal) -> Result<f64, SynthesisError> {
+fn largest_entry(task: &Task, search: &mut Session, goal: Goal) -> Result<f64, SynthesisError> {
     let (scaling, task) = scaled(task, FIRST_UNITS);
     let (assembled, solution) = search.solve(&task, goal)?;
     let units = DMatrix::from_diagonal(&scaling.state);

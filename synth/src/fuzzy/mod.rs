@@ -1,13 +1,16 @@
 //! Takagi-Sugeno (T-S) models: a nonlinear plant as a convex combination of linear vertex systems.
 
 mod exact;
+mod inertia_bounds;
 mod inertia_set;
 mod rules;
 mod vertices;
 
 pub use exact::{ExactSpacecraft, SCHEDULING_VARIABLES, SPACECRAFT_VERTICES};
+pub use inertia_bounds::inertia_bounds;
+pub(crate) use inertia_bounds::{exact_inertia, inertia_vertices};
 pub use inertia_set::{triangle_excess, InertiaUncertainty, INERTIA_ENTRIES};
-pub use rules::{ModelError as RuleModelError, RuleModel};
+pub use rules::{BlendError, RuleModel};
 pub use vertices::VertexSystem;
 
 use nalgebra::{DMatrix, DVector};

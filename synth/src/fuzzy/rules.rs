@@ -27,7 +27,7 @@ pub struct RuleModel {
 
 /// How far a blend of rules is from the rigid spacecraft, at the worst point found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModelError {
+pub struct BlendError {
     /// Norm of the difference of J omega' [N m].
     pub torque_nm: f64,
     /// Norm of the difference of q' [1/s].
@@ -90,14 +90,14 @@ impl RuleModel {
     /// The largest difference found between the blend and the rigid spacecraft over the box; `None`
     /// for other plants. The maximum over a grid, then refined about its worst points: a lower bound
     /// of the worst, not an upper one.
-    pub fn worst_model_error(&self) -> Option<ModelError> {
+    pub fn worst_model_error(&self) -> Option<BlendError> {
         let inertia = self.inertia?;
         let bounds = Vector6::from_iterator(self.system.box_bounds.iter().copied());
         let torque = |x: &Vector6<f64>| self.difference(&inertia, x).map(|both| both.0);
         let attitude = |x: &Vector6<f64>| self.difference(&inertia, x).map(|both| both.1);
         let (torque_nm, torque_at) = largest(&bounds, torque);
         let (attitude_rate_per_s, attitude_at) = largest(&bounds, attitude);
-        Some(ModelError {
+        Some(BlendError {
             torque_nm,
             attitude_rate_per_s,
             torque_at,

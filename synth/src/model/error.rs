@@ -267,3 +267,30 @@ fn readable(value: f64) -> String {
         format!("{value:e}")
     }
 }
+
+/// What a file is, told by keys that only its kind has; `None` when it is none of them.
+pub fn kind_of(text: &str) -> Option<Kind> {
+    let value: serde_json::Value = serde_json::from_str(text).ok()?;
+    let keys = value.as_object()?;
+    let asks = |value: &serde_json::Value| value.get("problem").is_some();
+    if keys.contains_key("infeasibility") {
+        Some(Kind::Infeasibility)
+    } else if keys.contains_key("certificate") {
+        match keys.get("model").is_some_and(asks) {
+            true => Some(Kind::ProblemDesign),
+            false => Some(Kind::Design),
+        }
+    } else if keys.contains_key("duration_s") {
+        Some(Kind::Scenario)
+    } else if asks(&value) {
+        Some(Kind::Problem)
+    } else if keys.contains_key("manoeuvre") {
+        Some(Kind::Requirements)
+    } else if keys.contains_key("specs") {
+        Some(Kind::Model)
+    } else if keys.get("gains").is_some_and(serde_json::Value::is_array) {
+        Some(Kind::Gains)
+    } else {
+        None
+    }
+}

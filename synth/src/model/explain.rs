@@ -5,8 +5,7 @@ use serde::Serialize;
 use serde_json::error::Category;
 use serde_json::Value;
 
-use super::read::kind_of;
-use super::{FileError, Kind};
+use super::error::{kind_of, FileError, Kind};
 
 type LocatedError = serde_path_to_error::Error<serde_json::Error>;
 

@@ -3,9 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::outer::OuterSpecs;
-use super::search::SearchFile;
-
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
 
@@ -335,4 +332,81 @@ fn unit_weights() -> [f64; 3] {
 
 fn default_margin() -> f64 {
     1e-6
+}
+
+/// What the outer certificate of `--objective both` is for: the same controller on a larger box. The
+/// rest (limits, sampling, threshold, multiplier weights) is that of the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OuterSpecs {
+    /// Decay rate phi of the outer functional, above 0 [1/s].
+    pub phi_per_s: f64,
+    /// The outer box: bound on the magnitude of each rate, above 0 [rad/s].
+    pub rate_rad_s: [f64; 3],
+    /// The outer box: smallest scalar part q0 of the error quaternion, in (0, 1].
+    pub q0_min: f64,
+    /// Largest disturbance weight xi of the outer certificate, above 0.
+    pub xi_max: f64,
+    /// States x0 that the outer set must contain, each of 6 entries; at least one.
+    pub must_contain: Vec<Vec<f64>>,
+    /// Size of the inner set over that of the outer one, in (0, 1]; searched when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner_scale: Option<f64>,
+    /// Weight rho of the containment condition in scaled units, above 0; searched when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub containment_weight: Option<f64>,
+}
+
+/// Limits of a search: [lowest, highest] each. What is required of the closed loop (phi, nu) stays as it is
+/// where it is left out; what only the proof needs (the box, eps, xi up to xi_max) is then free.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SearchFile {
+    /// Decay rate phi [1/s]; fixed when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phi_per_s: Option<[f64; 2]>,
+    /// Trigger threshold nu, in (0, 1); fixed when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nu: Option<[f64; 2]>,
+    /// The box of a spacecraft: bound on the rate about each axis [rad/s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_rad_s: Option<[f64; 2]>,
+    /// The box of a spacecraft: smallest scalar part q0, in (0, 1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub q0_min: Option<[f64; 2]>,
+    /// Multiplier weight eps_1, above 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub eps_1: Option<[f64; 2]>,
+    /// Multiplier weight eps_3, above 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub eps_3: Option<[f64; 2]>,
+    /// Largest disturbance weight xi; up to the model's xi_max when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub xi_max: Option<[f64; 2]>,
+    /// Largest gain bound gamma that is accepted, above 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gamma_max: Option<f64>,
+    /// Largest guaranteed gain that is accepted, above 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guaranteed_gain_max: Option<f64>,
+    /// Every attitude at rest up to this angle, in (0, 180), must be in the certified set (deg). Spacecraft only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certified_angle_min_deg: Option<f64>,
+    /// Most rounds, in 1 to 1000; each solves two programs.
+    #[serde(default = "default_rounds")]
+    pub rounds: u32,
+}
+
+impl SearchFile {
+    /// No limits but the usual ones.
+    pub fn unlimited() -> Self {
+        SearchFile {
+            rounds: default_rounds(),
+            ..SearchFile::default()
+        }
+    }
+}
+
+fn default_rounds() -> u32 {
+    40
 }

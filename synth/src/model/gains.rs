@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::validate::{check_count, check_line};
+use super::ranges::{check_count, check_line};
 use super::{check_matrix, parse, FileError, Kind, ModelError};
 
 /// The version this program reads.

@@ -3,13 +3,12 @@
 use nalgebra::Matrix3;
 
 use super::file::InertiaUncertaintyFile;
-use super::validate::{check_not_negative, require};
+use super::ranges::{check_not_negative, require};
 use super::ModelError;
-use crate::certify::definite::{prove_positive_definite, IntervalMatrix};
-use crate::certify::interval::Interval;
-use crate::certify::matrix::Matrix;
-use crate::certify::plant::inertia_bounds;
-use crate::fuzzy::{ExactSpacecraft, InertiaUncertainty, INERTIA_ENTRIES};
+use crate::fuzzy::{inertia_bounds, ExactSpacecraft, InertiaUncertainty, INERTIA_ENTRIES};
+use verified::definite::{prove_positive_definite, IntervalMatrix};
+use verified::interval::Interval;
+use verified::matrix::Matrix;
 
 const FIELD: &str = "plant.exact.inertia_uncertainty";
 

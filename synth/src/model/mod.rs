@@ -6,31 +6,28 @@ mod file;
 mod gains;
 mod inertia;
 mod outer;
+mod ranges;
 mod read;
 mod rules;
 mod search;
 mod validate;
 
-pub use error::{FileError, Kind, ModelError};
+pub use error::{kind_of, FileError, Kind, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound,
-    LocalRuleFile, Mismatch, ModelFile, Objective, PlantFile, PremiseFile, RulesLinear, RulesPlant,
-    RulesSpacecraft, RulesSystem, Specs, ThresholdUpdate, TrapezoidalFile, TriangularFile,
-    VerticesPlant, MODEL_SCHEMA_VERSION,
+    LocalRuleFile, Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear,
+    RulesPlant, RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, TrapezoidalFile,
+    TriangularFile, VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
-pub use outer::OuterSpecs;
+pub use ranges::{
+    check_count, check_line, check_matrix, check_not_negative, check_positive,
+    check_positive_definite, check_symmetric, finite, MAX_BOUNDS, MAX_COLUMNS,
+};
 pub use read::{
-    kind_of, make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,
+    make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,
 };
-pub use search::SearchFile;
-pub use validate::{Model, MAX_SCHEDULED_RULES};
-
-pub use validate::{
-    check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_state_matrices, check_symmetric, finite, MAX_BOUNDS,
-    MAX_COLUMNS,
-};
+pub use validate::{check_bounds, check_state_matrices, Model, MAX_SCHEDULED_RULES};
 
 use nalgebra::{DMatrix, Matrix3};
 

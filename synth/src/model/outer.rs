@@ -1,53 +1,10 @@
 //! The larger set of a design with two certificates.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::error::ModelError;
+use super::file::{ModelFile, Objective, OuterSpecs, PlantFile};
+use super::ranges::{check_count, check_matrix, check_positive, finite, require, MAX_BOUNDS};
 
-use super::file::{ModelFile, Objective, PlantFile};
-use super::validate::{check_count, check_matrix, finite, require, MAX_BOUNDS};
-use super::{check_positive, Model, ModelError};
-
-/// What the outer certificate of `--objective both` is for: the same controller on a larger box. The
-/// rest (limits, sampling, threshold, multiplier weights) is that of the model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct OuterSpecs {
-    /// Decay rate phi of the outer functional, above 0 [1/s].
-    pub phi_per_s: f64,
-    /// The outer box: bound on the magnitude of each rate, above 0 [rad/s].
-    pub rate_rad_s: [f64; 3],
-    /// The outer box: smallest scalar part q0 of the error quaternion, in (0, 1].
-    pub q0_min: f64,
-    /// Largest disturbance weight xi of the outer certificate, above 0.
-    pub xi_max: f64,
-    /// States x0 that the outer set must contain, each of 6 entries; at least one.
-    pub must_contain: Vec<Vec<f64>>,
-    /// Size of the inner set over that of the outer one, in (0, 1]; searched when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub inner_scale: Option<f64>,
-    /// Weight rho of the containment condition in scaled units, above 0; searched when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub containment_weight: Option<f64>,
-}
-
-impl Model {
-    /// The model of the outer certificate: the same plant on the outer box, with the outer decay rate,
-    /// weight bound and start states.
-    ///
-    /// # Errors
-    /// No `specs.outer`, or a plant that is not `exact`.
-    pub fn outer(&self) -> Result<Model, ModelError> {
-        let Some(outer) = &self.file.specs.outer else {
-            let reason =
-                "is missing: a design with two certificates needs the outer one's decay rate, \
-                          box, xi_max and must_contain there";
-            return Err(choice(reason));
-        };
-        Model::new(derived(&self.file, outer)?)
-    }
-}
-
-fn choice(reason: &str) -> ModelError {
+pub(super) fn choice(reason: &str) -> ModelError {
     ModelError::Choice {
         field: "specs.outer".to_string(),
         reason: reason.to_string(),
@@ -55,7 +12,7 @@ fn choice(reason: &str) -> ModelError {
 }
 
 /// The model file with the outer specifications in the place of its own.
-fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile, ModelError> {
+pub(super) fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile, ModelError> {
     let mut out = file.clone();
     let PlantFile::Exact(exact) = &mut out.plant else {
         return Err(choice("needs an 'exact' plant"));

@@ -6,7 +6,7 @@ use runtime::local_rules::FuzzySet;
 use super::file::{
     FuzzySetFile, LocalRuleFile, RulesLinear, RulesPlant, RulesSpacecraft, RulesSystem,
 };
-use super::validate::{
+use super::ranges::{
     check_count, check_inertia, check_matrix, check_not_negative, check_positive, finite, require,
     MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
 };
@@ -14,7 +14,7 @@ use super::ModelError;
 use crate::fuzzy::{ExactSpacecraft, RuleModel, VertexSystem};
 
 /// The matrices that all rules share.
-struct Shared {
+struct SharedMatrices {
     input: DMatrix<f64>,
     disturbance: DMatrix<f64>,
     output: DMatrix<f64>,
@@ -110,7 +110,7 @@ fn check_cover(model: &RuleModel) -> Result<(), ModelError> {
     }
 }
 
-fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<Shared, ModelError> {
+fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<SharedMatrices, ModelError> {
     let field = "plant.rules.system.spacecraft";
     if states != 6 {
         return Err(wrong(
@@ -126,7 +126,7 @@ fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<Shared, ModelErr
     let bound = craft.disturbance_bound_nm;
     check_not_negative(&format!("{field}.disturbance_bound_nm"), bound)?;
     let model = body(&inertia).takagi_sugeno();
-    Ok(Shared {
+    Ok(SharedMatrices {
         input: model.input,
         disturbance: model.disturbance,
         output: model.output,
@@ -152,7 +152,7 @@ fn frozen(inertia: &Matrix3<f64>, place: &Vector4<f64>) -> DMatrix<f64> {
     body(inertia).state_matrix(place)
 }
 
-fn linear_system(linear: &RulesLinear, states: usize) -> Result<Shared, ModelError> {
+fn linear_system(linear: &RulesLinear, states: usize) -> Result<SharedMatrices, ModelError> {
     let field = "plant.rules.system.linear";
     let tall = (Some(states), None);
     let input_field = format!("{field}.input_matrix");
@@ -189,7 +189,7 @@ fn linear_system(linear: &RulesLinear, states: usize) -> Result<Shared, ModelErr
         &format!("{field}.disturbance_bound"),
         linear.disturbance_bound,
     )?;
-    Ok(Shared {
+    Ok(SharedMatrices {
         input,
         disturbance,
         output,

@@ -1,65 +1,8 @@
 //! What a search may vary, as written in a model file.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::file::{GainForm, ModelFile, Objective, PlantFile};
-use super::validate::{check_positive, require};
-use super::ModelError;
-
-/// Limits of a search: [lowest, highest] each. What is required of the closed loop (phi, nu) stays as it is
-/// where it is left out; what only the proof needs (the box, eps, xi up to xi_max) is then free.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SearchFile {
-    /// Decay rate phi [1/s]; fixed when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub phi_per_s: Option<[f64; 2]>,
-    /// Trigger threshold nu, in (0, 1); fixed when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub nu: Option<[f64; 2]>,
-    /// The box of a spacecraft: bound on the rate about each axis [rad/s].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rate_rad_s: Option<[f64; 2]>,
-    /// The box of a spacecraft: smallest scalar part q0, in (0, 1).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub q0_min: Option<[f64; 2]>,
-    /// Multiplier weight eps_1, above 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub eps_1: Option<[f64; 2]>,
-    /// Multiplier weight eps_3, above 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub eps_3: Option<[f64; 2]>,
-    /// Largest disturbance weight xi; up to the model's xi_max when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub xi_max: Option<[f64; 2]>,
-    /// Largest gain bound gamma that is accepted, above 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gamma_max: Option<f64>,
-    /// Largest guaranteed gain that is accepted, above 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub guaranteed_gain_max: Option<f64>,
-    /// Every attitude at rest up to this angle, in (0, 180), must be in the certified set (deg). Spacecraft only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub certified_angle_min_deg: Option<f64>,
-    /// Most rounds, in 1 to 1000; each solves two programs.
-    #[serde(default = "default_rounds")]
-    pub rounds: u32,
-}
-
-impl SearchFile {
-    /// No limits but the usual ones.
-    pub fn unlimited() -> Self {
-        SearchFile {
-            rounds: default_rounds(),
-            ..SearchFile::default()
-        }
-    }
-}
-
-fn default_rounds() -> u32 {
-    40
-}
+use super::error::ModelError;
+use super::file::{GainForm, ModelFile, Objective, PlantFile, SearchFile};
+use super::ranges::{check_positive, require};
 
 /// Checks the limits of a model's search, and that its objective has a meaning.
 pub(super) fn check_search(file: &ModelFile) -> Result<(), ModelError> {

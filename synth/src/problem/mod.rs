@@ -7,25 +7,29 @@
 
 mod checked;
 mod design;
+mod exclusion;
 mod file;
+mod outcome;
+mod program;
 mod run;
 
 pub use checked::Problem;
 pub use design::{FeedbackFile, ProblemDesignFile, ProblemProvenance, ProofFile};
+pub use exclusion::Excluded;
 pub use file::{
     HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile,
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
 };
-pub use run::{
-    first_program, synthesize, Excluded, ProblemFailure, ProblemOutcome, ProblemSynthesized,
-};
+pub use outcome::{ProblemFailure, ProblemOutcome, ProblemSynthesized};
+pub use program::first_program;
+pub use run::synthesize;
 
-use crate::certify::matrix::Matrix;
-use crate::certify::scalar::Scalar;
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::SaturatedRegion;
 use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant};
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
 
 /// Every design problem.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,162 +6,25 @@ use nalgebra::DMatrix;
 
 use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
+use super::exclusion::excluded;
+use super::outcome::{ProblemFailure, ProblemOutcome, ProblemSynthesized};
+use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
 use super::{with_problem, DesignTask};
-use crate::certify::exclusion::exclude;
-use crate::certify::{Report, Verdict};
+use crate::certify::Verdict;
 use crate::conditions::state_feedback::{DesignProblem, Hatted, StateFeedback, Units, VertexPlant};
-use crate::conditions::xu2020::Strictness;
 use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
-use crate::feasibility::centred;
-use crate::lmi::{self, svec_index, Affine, Cone, Semidefinite, Unknowns};
 use crate::optimality::Optimality;
-use crate::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
-use crate::synthesis::{blocking, generator, now, run_solver, sha256_of, Sought, SynthesisError};
-
-/// Margin of every strict inequality in the first solve, in scaled units.
-const MARGIN: f64 = 1e-6;
+use crate::programs::{
+    blocking, generator, now, run_solver, sha256_of, SolveRequest, SynthesisError,
+};
+use sdp::solve::{alternative, Backend, Observer, Solution, Status};
 
 /// How far the exported design stays from the optimum, relative to it: the price of a margin. Tried one
 /// after the other until the design is proved.
 const ROOMS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
-/// Unit of the margin that the second solve maximises.
-const MARGIN_UNIT: f64 = 1e-3;
-
-/// Margin that is asked for where the smallest slack is sought, in scaled units.
-const SLACK_MARGIN: f64 = 1e-2;
-
 /// Share of that margin which the smallest slack takes when the conditions cannot hold.
 const SLACK_SHARE: f64 = 0.5;
-
-/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
-const KEPT: f64 = 0.25;
-
-/// Shares of their mean eigenvalue by which dual matrices are pushed inside their cones.
-const PUSHES: [f64; 4] = [1e-12, 1e-10, 1e-8, 1e-6];
-
-/// A feedback and how it was found.
-#[derive(Debug, Clone)]
-pub struct ProblemSynthesized {
-    /// The file, with its verdict.
-    pub file: ProblemDesignFile,
-    /// The check of the file's numbers.
-    pub report: Report,
-    /// Time spent in solvers (s).
-    pub solve_seconds: f64,
-    /// The guarantee beside the best one that a solver reported.
-    pub optimality: Option<Optimality>,
-}
-
-/// Why there is no feedback.
-#[derive(Debug, Clone)]
-pub struct ProblemFailure {
-    /// The smallest slack with which all conditions hold, in scaled units, where the solver found it.
-    pub slack: Option<f64>,
-    /// What is proved about solutions that there are not; [`Excluded::conclusive`] says whether that is all of them.
-    pub excluded: Option<Excluded>,
-    /// The conditions with the largest share of the dual solution: those that block.
-    pub blocking: Vec<(String, f64)>,
-    /// Time spent in solvers (s).
-    pub solve_seconds: f64,
-    /// The solver's runs.
-    pub runs: Vec<SolverRun>,
-}
-
-/// What synthesis found.
-#[derive(Debug, Clone)]
-pub enum ProblemOutcome {
-    /// A feedback; its report says whether it is proved.
-    Solved(Box<ProblemSynthesized>),
-    /// There is none: proved.
-    Infeasible(ProblemFailure),
-    /// Neither a feedback nor its impossibility is proved.
-    Undecided(ProblemFailure),
-    /// The solvers gave up.
-    SolverFailed(ProblemFailure),
-}
-
-/// Which optimum is sought.
-#[derive(Clone, Copy)]
-enum Goal {
-    SmallestObjective,
-    LargestMargin {
-        objective: f64,
-    },
-    SmallestSlack,
-    /// No optimum: the conditions with this margin.
-    Margin(f64),
-}
-
-impl Goal {
-    fn name(self) -> &'static str {
-        match self {
-            Goal::SmallestObjective => "smallest objective",
-            Goal::LargestMargin { .. } => "largest margin",
-            Goal::SmallestSlack => "smallest slack",
-            Goal::Margin(_) => "margin",
-        }
-    }
-
-    fn accuracy(self) -> Accuracy {
-        let (relative_gap, objective_unit) = match self {
-            Goal::SmallestObjective => (1e-8, 1e-3),
-            Goal::LargestMargin { .. } => (1e-2, 1.0),
-            Goal::SmallestSlack | Goal::Margin(_) => (1e-6, SLACK_MARGIN),
-        };
-        Accuracy {
-            relative_gap,
-            objective_unit,
-        }
-    }
-}
-
-/// A problem for a solver, with handles on its unknowns.
-struct Program {
-    problem: lmi::Problem,
-    hatted: Hatted,
-}
-
-/// States a problem in the units of `plant`.
-fn program<P: DesignProblem>(asked: &P, plant: &VertexPlant, goal: Goal) -> Program {
-    let mut unknowns = Unknowns::new();
-    let mut hatted = Hatted::new::<P>(&mut unknowns, plant);
-    let (strictness, objective) = match goal {
-        Goal::SmallestObjective => (Strictness::fixed(MARGIN), hatted.objective.clone()),
-        Goal::Margin(margin) => (Strictness::fixed(margin), hatted.objective.clone()),
-        Goal::LargestMargin { objective } => {
-            let margin = unknowns.scalar("margin");
-            hatted.objective = Affine::identity(1, objective);
-            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
-        }
-        Goal::SmallestSlack => {
-            let slack = unknowns.scalar("slack");
-            let margin = Affine::identity(1, SLACK_MARGIN) - slack.clone();
-            (Strictness::unknown(margin), slack)
-        }
-    };
-    let conditions = asked.conditions(plant, &hatted, &strictness);
-    Program {
-        problem: lmi::Problem {
-            unknowns,
-            objective,
-            conditions,
-        },
-        hatted,
-    }
-}
-
-/// The first problem that is solved, lowered, in its scaled units.
-pub fn first_program(problem: &Problem) -> Semidefinite {
-    fn lowered<P: DesignProblem>(asked: &P, plant: &VertexPlant) -> Semidefinite {
-        let units = asked.units(plant);
-        let (asked, plant) = (asked.in_units(&units), plant.in_units(&units));
-        program(&asked, &plant, Goal::SmallestObjective)
-            .problem
-            .lower()
-    }
-    with_problem!(&problem.task, asked => lowered(asked, &problem.plant))
-}
 
 /// Undoes the hats: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is not possible.
 fn recover<P: DesignProblem>(
@@ -199,105 +62,7 @@ fn recover<P: DesignProblem>(
     usable.then_some(found)
 }
 
-/// Where the conditions have no solution: proved for the numbers of the scaled problem.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excluded {
-    /// No solution has all scalar unknowns below this in magnitude; infinite when no bound is needed.
-    pub radius: f64,
-    /// What every condition exceeds in such a solution; 0 excludes solutions that are not strict too. Conditions
-    /// without a constant part hold at zero, and only a margin excludes anything.
-    pub margin: f64,
-    /// The largest scalar unknown that any solver returned for the problem or its relaxation, at least 1.
-    pub largest_returned: f64,
-}
-
-/// A radius must exceed what solvers returned by this factor before it counts as no bound at all.
-const RADIUS_FACTOR: f64 = 1e6;
-
-impl Excluded {
-    /// True when the statement needs no bound on the unknowns, or one so far beyond every point that a solver
-    /// returned that it does not matter.
-    pub fn conclusive(&self) -> bool {
-        self.radius == f64::INFINITY || self.radius >= RADIUS_FACTOR * self.largest_returned
-    }
-}
-
-/// Dual weights of the smallest slack as a proof that there is no solution.
-fn excluded<P: DesignProblem>(
-    asked: &P,
-    plant: &VertexPlant,
-    smallest_slack: &Program,
-    solution: &Solution,
-    largest_returned: f64,
-) -> Option<Excluded> {
-    let problem = smallest_slack.problem.lower();
-    let excess = solution.objective - SLACK_MARGIN;
-    let targets = [SLACK_MARGIN + KEPT * excess.max(0.0), SLACK_MARGIN];
-    let centres = targets.map(|target| centred(&problem, &solution.duals, -target));
-    let pushes = PUSHES.iter();
-    let pushed = pushes.map(|&push| pushed(&problem, &solution.duals, push));
-    let carried = targets.map(|target| carried_only(&problem, &solution.duals, -target));
-    let centres = centres.into_iter().chain(carried).flatten();
-    let candidates: Vec<_> = centres.chain(pushed).collect();
-    [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
-        let bare = program(asked, plant, Goal::Margin(margin)).problem.lower();
-        let radii = candidates
-            .iter()
-            .map(|weights| exclude(&bare, weights).radius);
-        let radius = radii.fold(0.0, f64::max);
-        (radius > 0.0).then_some(Excluded {
-            radius,
-            margin,
-            largest_returned,
-        })
-    })
-}
-
-/// The centred weights of the cones that carry the dual solution, zero for all others. A weight that must vanish,
-/// such as that of a bound on the objective, has no middle and would spoil the others'.
-fn carried_only(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Option<Vec<Vec<f64>>> {
-    let trace = |(cone, dual): (&Cone, &Vec<f64>)| -> f64 {
-        (0..cone.side).map(|k| dual[svec_index(k, k)]).sum()
-    };
-    let traces: Vec<f64> = problem.cones.iter().zip(duals).map(trace).collect();
-    let least = NEGLIGIBLE * traces.iter().sum::<f64>();
-    let carries = |index: &usize| traces[*index] > least;
-    let kept: Vec<usize> = (0..traces.len()).filter(carries).collect();
-    let part = Semidefinite {
-        cones: kept
-            .iter()
-            .map(|&index| problem.cones[index].clone())
-            .collect(),
-        ..problem.clone()
-    };
-    let own: Vec<Vec<f64>> = kept.iter().map(|&index| duals[index].clone()).collect();
-    let centred = centred(&part, &own, target)?;
-    let mut out: Vec<Vec<f64>> = duals.iter().map(|dual| vec![0.0; dual.len()]).collect();
-    for (index, weight) in kept.into_iter().zip(centred) {
-        out[index] = weight;
-    }
-    Some(out)
-}
-
-/// The dual matrices with a share of the mean of their eigenvalues added to each.
-fn pushed(problem: &Semidefinite, duals: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
-    let diagonal = |side: usize| (0..side).map(|k| svec_index(k, k));
-    let sides: usize = problem.cones.iter().map(|cone| cone.side).sum();
-    let cones = || problem.cones.iter().zip(duals);
-    let traces = cones().flat_map(|(cone, dual)| diagonal(cone.side).map(|k| dual[k]));
-    let push = share * traces.sum::<f64>() / sides as f64;
-    let one = |(cone, dual): (&Cone, &Vec<f64>)| {
-        let mut out = dual.clone();
-        diagonal(cone.side).for_each(|k| out[k] += push);
-        out
-    };
-    cones().map(one).collect()
-}
-
-/// Cones whose dual matrix has less than this part of all traces carry nothing.
-const NEGLIGIBLE: f64 = 1e-5;
-
-struct Run<'a> {
+struct FeedbackSynthesis<'a> {
     problem: &'a Problem,
     text: &'a str,
     observer: Option<Observer>,
@@ -317,7 +82,7 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<ProblemOutcome, SynthesisError> {
-    let mut run = Run {
+    let mut run = FeedbackSynthesis {
         problem,
         text,
         observer,
@@ -335,12 +100,12 @@ fn usable(solution: &Solution) -> bool {
 }
 
 /// What a solver came to without a proved feedback.
-struct Attempt {
+struct FailedAttempt {
     unproved: Option<Box<ProblemSynthesized>>,
     refused: bool,
 }
 
-impl Run<'_> {
+impl FeedbackSynthesis<'_> {
     fn solve<P: DesignProblem>(
         &mut self,
         asked: &P,
@@ -381,11 +146,12 @@ impl Run<'_> {
         asked: &P,
         units: &Units,
         backend: &dyn Backend,
-    ) -> Result<Result<Box<ProblemSynthesized>, Attempt>, SynthesisError> {
+    ) -> Result<Result<Box<ProblemSynthesized>, FailedAttempt>, SynthesisError> {
         let scaled = asked.in_units(units);
         let given = &self.problem.plant;
         let plant = given.in_units(units);
-        let (program, smallest) = self.run(&scaled, &plant, Goal::SmallestObjective, backend)?;
+        let (program, smallest) =
+            self.run(&scaled, &plant, ProblemGoal::SmallestObjective, backend)?;
         let mut unproved = None;
         if usable(&smallest) && smallest.objective > 0.0 {
             let objective = smallest.objective;
@@ -393,7 +159,7 @@ impl Run<'_> {
             self.note::<P>(best.map(|best| best.guarantee));
             for room in ROOMS {
                 let objective = smallest.objective * (1.0 + room);
-                let goal = Goal::LargestMargin { objective };
+                let goal = ProblemGoal::LargestMargin { objective };
                 let (inside, solution) = self.run(&scaled, &plant, goal, backend)?;
                 let found = recover(asked, given, units, &inside.hatted, &solution, objective);
                 let Some(found) = found else { continue };
@@ -404,7 +170,7 @@ impl Run<'_> {
                 unproved = Some(design);
             }
         }
-        Ok(Err(Attempt {
+        Ok(Err(FailedAttempt {
             unproved,
             refused: smallest.status == Status::Infeasible,
         }))
@@ -434,11 +200,11 @@ impl Run<'_> {
         &mut self,
         asked: &P,
         plant: &VertexPlant,
-        goal: Goal,
+        goal: ProblemGoal,
         backend: &dyn Backend,
     ) -> Result<(Program, Solution), SynthesisError> {
         let program = program(asked, plant, goal);
-        let sought = Sought {
+        let sought = SolveRequest {
             goal: goal.name(),
             vertices: plant.vertices.len(),
             accuracy: goal.accuracy(),
@@ -496,7 +262,7 @@ impl Run<'_> {
         let plant = self.problem.plant.in_units(units);
         let mut found = Vec::new();
         for &backend in solvers {
-            found.push(self.run(&scaled, &plant, Goal::SmallestSlack, backend)?);
+            found.push(self.run(&scaled, &plant, ProblemGoal::SmallestSlack, backend)?);
         }
         let largest = self.largest_returned;
         let excluded = found

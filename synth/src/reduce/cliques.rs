@@ -5,7 +5,7 @@
 //! Rodman 1988). Blocks are split off one after the other; what a split-off clique hands to the rest
 //! is a free symmetric matrix on its separator.
 
-use crate::lmi::{Affine, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, SymmetricBlocks, Unknowns};
 
 /// Splits one block off: `residual` meets only the blocks of `separator`.
 #[derive(Debug, Clone)]
@@ -138,4 +138,13 @@ impl BlockView {
             row += self.sizes[i];
         }
     }
+}
+
+/// Whether the condition with the vertex slack is split into its cliques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cliques {
+    /// Small cones and a free matrix for each separator: for solvers whose work grows with the side of a cone.
+    Split,
+    /// One cone for each end of the interval: for solvers whose work grows with the number of unknowns.
+    Whole,
 }

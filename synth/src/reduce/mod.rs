@@ -14,18 +14,11 @@ pub mod cliques;
 pub mod rule_slack;
 pub mod vertex_slack;
 
+pub use cliques::Cliques;
+
 use crate::conditions::xu2020::{gain_suffix, DesignUnknowns, Strictness};
 use crate::conditions::Task;
-use crate::lmi::{Condition, Unknowns};
-
-/// Whether the condition with the vertex slack is split into its cliques.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cliques {
-    /// Small cones and a free matrix for each separator: for solvers whose work grows with the side of a cone.
-    Split,
-    /// One cone for each end of the interval: for solvers whose work grows with the number of unknowns.
-    Whole,
-}
+use sdp::lmi::{Condition, Unknowns};
 
 /// (18) for the chosen vertices and both ends of the sampling interval, reduced.
 pub fn decrease_conditions(

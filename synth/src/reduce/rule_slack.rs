@@ -14,18 +14,18 @@ use super::vertex_slack::{
     SAMPLE, STATE,
 };
 use crate::conditions::xu2020::{
-    condition_name, decrease_form, DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT,
+    condition_name, decrease_form, DesignUnknowns, SamplingEnd, Strictness, DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
-fn splits(interval: Interval) -> Vec<Split> {
+fn splits(interval: SamplingEnd) -> Vec<Split> {
     let mut out = vec![Split {
         name: "disturbance",
         residual: vec![DISTURBANCE],
         separator: vec![MULTIPLIED],
     }];
-    if interval == Interval::End {
+    if interval == SamplingEnd::End {
         out.push(Split {
             name: "integral",
             residual: vec![INTEGRAL],
@@ -74,7 +74,7 @@ pub fn conditions(
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let mut out = Vec::new();
-    for interval in Interval::BOTH {
+    for interval in SamplingEnd::BOTH {
         let r = interval.index();
         let sizes = block_sizes(task, design, interval);
         let zone = sizes[DEAD_ZONE];

@@ -11,14 +11,13 @@
 
 use nalgebra::DMatrix;
 
-use super::cliques::{self, Split};
-use super::Cliques;
+use super::cliques::{self, Cliques, Split};
 use crate::conditions::xu2020::{
-    condition_name, decrease_form, Coordinates, DesignUnknowns, Interval, Strictness,
+    condition_name, decrease_form, Coordinates, DesignUnknowns, SamplingEnd, Strictness,
     DEAD_ZONE_UNIT,
 };
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
 
 // Coordinates of the reduced condition: x, v, x(t_k^l), x(t_k), dead zone, tau, integral.
 pub(super) const STATE: usize = 0;
@@ -30,7 +29,7 @@ pub(super) const DISTURBANCE: usize = 5;
 pub(super) const INTEGRAL: usize = 6;
 
 /// The reduced coordinates' block sizes for one end of the interval.
-pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: Interval) -> Vec<usize> {
+pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: SamplingEnd) -> Vec<usize> {
     let system = &task.system;
     let n = system.states();
     let m = design
@@ -38,14 +37,14 @@ pub fn block_sizes(task: &Task, design: &DesignUnknowns, interval: Interval) -> 
         .as_ref()
         .map_or(0, |sector| sector.weight.nrows());
     let mut sizes = vec![n, n, n, n, m, system.disturbance.ncols()];
-    if interval == Interval::End {
+    if interval == SamplingEnd::End {
         sizes.push(n);
     }
     sizes
 }
 
 /// The quantities of (18) in the reduced coordinates: x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
-pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: Interval) -> Coordinates {
+pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: SamplingEnd) -> Coordinates {
     let sizes = block_sizes(task, design, interval);
     let total: usize = sizes.iter().sum();
     let select = |block: usize| {
@@ -64,8 +63,8 @@ pub fn coordinates(task: &Task, design: &DesignUnknowns, interval: Interval) -> 
         dead_zone: dead_zone_unit(design) * select(DEAD_ZONE),
         disturbance: select(DISTURBANCE),
         integral: match interval {
-            Interval::Start => DMatrix::zeros(task.system.states(), total),
-            Interval::End => select(INTEGRAL),
+            SamplingEnd::Start => DMatrix::zeros(task.system.states(), total),
+            SamplingEnd::End => select(INTEGRAL),
         },
         state,
         multiplied,
@@ -81,7 +80,7 @@ fn dead_zone_unit(design: &DesignUnknowns) -> f64 {
 
 /// The cliques {v, tau}, {v, w, p} (with sector unknowns), {v, xk, w}, {x, xk, s} (for r = 2) and the
 /// root {x, v, xk}.
-fn splits(design: &DesignUnknowns, interval: Interval) -> Vec<Split> {
+fn splits(design: &DesignUnknowns, interval: SamplingEnd) -> Vec<Split> {
     let split = |name, residual, separator| Split {
         name,
         residual,
@@ -92,7 +91,7 @@ fn splits(design: &DesignUnknowns, interval: Interval) -> Vec<Split> {
         out.push(split("dead zone", vec![DEAD_ZONE], vec![MULTIPLIED, HELD]));
     }
     out.push(split("held state", vec![HELD], vec![MULTIPLIED, SAMPLE]));
-    if interval == Interval::End {
+    if interval == SamplingEnd::End {
         out.push(split("integral", vec![INTEGRAL], vec![STATE, SAMPLE]));
     }
     out
@@ -160,7 +159,7 @@ pub fn conditions(
 ) -> Vec<Condition> {
     let n = task.system.states();
     let mut out = Vec::new();
-    for interval in Interval::BOTH {
+    for interval in SamplingEnd::BOTH {
         let r = interval.index();
         let slack = unknowns.symmetric(&format!("Z{r}{suffix}"), slack_blocks(task) * n);
         let at = coordinates(task, design, interval);

@@ -1,9 +1,9 @@
 //! The same optimum from two solvers.
 
-use super::{assemble, scaled_task, Form, Goal};
 use crate::design::ProblemUnits;
 use crate::model::Model;
-use crate::solve::{Backend, Observer, SolveError, Status};
+use crate::programs::{assemble, scaled_task, Form, Goal};
+use sdp::solve::{Backend, Observer, SolveError, Status};
 
 /// A solver and the form of the problem it is given.
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ pub struct Candidate<'a> {
 
 /// One solver's smallest gain bound.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct SolverOptimum {
     /// Name and version.
     pub solver: String,
     /// Its own word for how it ended.
@@ -31,7 +31,7 @@ pub struct Found {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossCheck {
     /// Each solver's answer.
-    pub found: [Found; 2],
+    pub found: [SolverOptimum; 2],
     /// Distance of the gammas relative to the first; `None` when one is missing.
     pub relative_difference: Option<f64>,
 }
@@ -60,14 +60,14 @@ fn smallest_gain(
     units: ProblemUnits,
     candidate: Candidate<'_>,
     observer: Option<&Observer>,
-) -> Result<Found, SolveError> {
+) -> Result<SolverOptimum, SolveError> {
     let (_, task) = scaled_task(model, units);
     let goal = Goal::SmallestGain;
     let problem = assemble(&task, candidate.form, goal).problem.lower();
     let backend = candidate.backend;
     let solution = backend.solve(&problem, goal.accuracy(&task), observer.cloned())?;
     let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
-    Ok(Found {
+    Ok(SolverOptimum {
         solver: backend.name(),
         status: solution.status_text,
         gamma: usable.then_some(solution.objective),

@@ -2,19 +2,19 @@
 
 use nalgebra::DMatrix;
 
-use super::both::synthesize_both;
-use super::outer;
-use super::search::Search;
-use super::subject::{Part, Subject};
-use super::{Form, Goal};
-use crate::certify::{Report, Verdict};
-use crate::conditions::{GainPlan, Task};
-use crate::design::{recover, DesignFile, ProblemUnits, RecoverError, SolverRun};
-use crate::feasibility::{self, Answer, Decision};
-use crate::model::{Mismatch, Model, ModelError, Objective};
+use super::parameter_search;
+use super::two_certificates::synthesize_both;
+use crate::certify::Verdict;
+use crate::conditions::GainPlan;
+use crate::design::{recover, ProblemUnits, RecoverError};
+use crate::feasibility;
+use crate::model::{Mismatch, Model, Objective};
 use crate::optimality::Optimality;
-use crate::scaling::Scaling;
-use crate::solve::{alternative, Backend, Observer, SolveError, Status};
+use crate::programs::{
+    containment_weights, scaled, Answer, ConditionSubset, DesignRequest, Form, Goal, Outcome,
+    Session, SynthesisError, Synthesized, STATE_UNITS,
+};
+use sdp::solve::{alternative, Backend, Observer, Status};
 
 /// The gain bound of the exported design, relative to the smallest one: the price of a margin.
 const GAIN_ROOM: f64 = 1e-3;
@@ -26,80 +26,8 @@ const WIDER_ROOMS: [f64; 3] = [1e-2, 1e-1, 1.0];
 /// Units in which the larger rooms are tried, the first ones that gave a gain bound.
 const WIDENED_UNITS: usize = 2;
 
-/// State units tried one after the other, as fractions of the region's smallest extent, until a design is
-/// proved. Where the certified set of a design that is not proved asks for another unit, that comes next:
-/// the set may be much smaller than the region.
-pub(crate) const STATE_UNITS: [f64; 7] = [0.5, 1.0, 0.25, 2.0, 0.0625, 0.015625, 0.00390625];
-
 /// Range of the state units that a certified set may ask for.
 const UNIT_RANGE: [f64; 2] = [1.0 / 4096.0, 4.0];
-
-/// Weights rho of the containment condition tried when the model has must-contain states.
-pub(crate) const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
-
-/// The units tried first.
-pub const FIRST_UNITS: ProblemUnits = ProblemUnits {
-    state_fraction: STATE_UNITS[0],
-    containment_weight: CONTAINMENT_WEIGHTS[0],
-};
-
-/// The model's task in the given units.
-pub fn scaled_task(model: &Model, units: ProblemUnits) -> (Scaling, Task) {
-    scaled(&model.task(), units)
-}
-
-pub(crate) fn scaled(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
-    let mut task = task.clone();
-    task.specification.containment_weight = units.containment_weight;
-    let scaling = Scaling::automatic(&task.system, units.state_fraction);
-    let scaled = scaling.apply(&task);
-    (scaling, scaled)
-}
-
-/// A design and how it was found.
-#[derive(Debug, Clone)]
-pub struct Synthesized {
-    /// The file, with its verdict.
-    pub file: DesignFile,
-    /// The check of the file's numbers.
-    pub report: Report,
-    /// Time spent in solvers (s).
-    pub solve_seconds: f64,
-    /// The objective beside the best one that a solver reported.
-    pub optimality: Option<Optimality>,
-}
-
-/// What synthesis found.
-#[derive(Debug, Clone)]
-pub enum Outcome {
-    /// A design; its report says whether it is proved.
-    Solved(Box<Synthesized>),
-    /// No design exists: proved.
-    Infeasible(Decision),
-    /// Neither a design nor its impossibility is proved.
-    Undecided(Decision),
-    /// The solvers gave up on every attempt.
-    SolverFailed(Decision),
-}
-
-/// The observer asked to stop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("cancelled")]
-pub struct Cancelled;
-
-/// Why synthesis could not run at all.
-#[derive(Debug, thiserror::Error)]
-pub enum SynthesisError {
-    /// Stopped by the observer.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The solver refused the problem.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-    /// The recovered numbers are not a valid design file.
-    #[error("the recovered design is not valid: {0}")]
-    Invalid(#[from] ModelError),
-}
 
 /// One attempt's end.
 enum Attempt {
@@ -110,17 +38,9 @@ enum Attempt {
     Stuck,
 }
 
-struct Run<'a> {
-    subject: Subject<'a>,
-    search: Search<'a>,
-}
-
-/// The weights rho of the containment condition to be tried for a model.
-pub(crate) fn containment_weights(model: &Model) -> &'static [f64] {
-    match model.file.specs.must_contain.is_empty() {
-        true => &CONTAINMENT_WEIGHTS[..1],
-        false => &CONTAINMENT_WEIGHTS,
-    }
+struct GainSynthesis<'a> {
+    subject: DesignRequest<'a>,
+    search: Session<'a>,
 }
 
 /// Synthesizes what the model's objective asks for and checks it: one design, the outcome of a search where
@@ -141,15 +61,15 @@ pub fn synthesize(
         let found = synthesize_both(model, model_text, form, backend, observer)?;
         return Ok(found.into());
     }
-    if outer::wanted(model) {
+    if parameter_search::wanted(model) {
         return with_alternative(form, backend, |form, backend| {
-            outer::search(model, model_text, form, backend, observer.clone())
+            parameter_search::search(model, model_text, form, backend, observer.clone())
         });
     }
     let task = model.task();
-    let subject = Subject::of_model(model, model_text, &task, form);
-    let search = Search::new(form, backend, observer);
-    Run { subject, search }.search()
+    let subject = DesignRequest::of_model(model, model_text, &task, form);
+    let search = Session::new(form, backend, observer);
+    GainSynthesis { subject, search }.search()
 }
 
 /// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup
@@ -178,12 +98,12 @@ pub fn analyse(
         given: Some(gains.to_vec()),
     };
     let all: Vec<usize> = (0..gains.len()).collect();
-    let subject = Subject {
+    let subject = DesignRequest {
         model,
         model_text,
         task: &task,
         given: gains,
-        part: Part {
+        part: ConditionSubset {
             gains: &all,
             vertices: None,
         },
@@ -193,8 +113,8 @@ pub fn analyse(
     if let Some(decision) = feasibility::refute_given(subject, observer.clone())? {
         return Ok(Outcome::Infeasible(decision));
     }
-    let search = Search::new(form, backend, observer);
-    Run { subject, search }.search()
+    let search = Session::new(form, backend, observer);
+    GainSynthesis { subject, search }.search()
 }
 
 /// Runs with a solver, and with the other one where it proves nothing. The better of the two outcomes is
@@ -209,70 +129,16 @@ fn with_alternative(
     let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
         return Ok(first);
     };
-    let second = run(form_of(other, form), other)?;
+    let second = run(form.for_backend(other), other)?;
     Ok(match second.rank() > first.rank() {
         true => second.after(&first),
         false => first.after(&second),
     })
 }
 
-/// The form for another solver: the one it is fastest with, unless the published one was asked for.
-pub(super) fn form_of(backend: &dyn Backend, asked: Form) -> Form {
-    match (asked, backend.solver()) {
-        (Form::Full, _) | (_, None) => asked,
-        (_, Some(solver)) => Form::suited_to(solver),
-    }
-}
-
-impl Outcome {
-    /// True for a proved design and for a proof that there is none.
-    pub fn is_proved(&self) -> bool {
-        self.rank() >= 3
-    }
-
-    /// The more is proved, the higher.
-    fn rank(&self) -> u8 {
-        match self {
-            Outcome::Solved(design) if design.report.verdict == Verdict::Proved => 4,
-            Outcome::Infeasible(_) => 3,
-            Outcome::Undecided(_) => 2,
-            Outcome::Solved(_) => 1,
-            Outcome::SolverFailed(_) => 0,
-        }
-    }
-
-    fn runs(&self) -> &[SolverRun] {
-        match self {
-            Outcome::Solved(design) => &design.file.provenance.solver_runs,
-            Outcome::Infeasible(decision)
-            | Outcome::Undecided(decision)
-            | Outcome::SolverFailed(decision) => &decision.runs,
-        }
-    }
-
-    /// The outcome with the runs of another one before its own.
-    fn after(mut self, other: &Outcome) -> Self {
-        let all: Vec<SolverRun> = other.runs().iter().chain(self.runs()).cloned().collect();
-        let seconds = all.iter().map(|run| run.seconds).sum();
-        match &mut self {
-            Outcome::Solved(design) => {
-                design.solve_seconds = seconds;
-                design.file.provenance.solver_runs = all;
-            }
-            Outcome::Infeasible(decision)
-            | Outcome::Undecided(decision)
-            | Outcome::SolverFailed(decision) => {
-                decision.solve_seconds = seconds;
-                decision.runs = all;
-            }
-        }
-        self
-    }
-}
-
 /// What the attempts in all units came to.
 #[derive(Default)]
-struct Found {
+struct Attempts {
     /// The best proved design.
     best: Option<Box<Synthesized>>,
     /// A design that is not proved.
@@ -283,9 +149,9 @@ struct Found {
     infeasible: u32,
 }
 
-impl Found {
+impl Attempts {
     /// Adds what another solver came to.
-    fn extend(&mut self, other: Found) {
+    fn extend(&mut self, other: Attempts) {
         self.best = self.best.take().or(other.best);
         self.unproved = self.unproved.take().or(other.unproved);
         self.bounds.extend(other.bounds);
@@ -299,14 +165,14 @@ impl Found {
     }
 }
 
-impl Run<'_> {
+impl GainSynthesis<'_> {
     fn search(mut self) -> Result<Outcome, SynthesisError> {
         let mut found = self.look()?;
         let other = self.search.alternative();
         if let Some(other) = other.as_deref().filter(|_| found.best.is_none()) {
-            let form = form_of(other, self.subject.form);
-            let mut second = Run {
-                subject: Subject {
+            let form = self.subject.form.for_backend(other);
+            let mut second = GainSynthesis {
+                subject: DesignRequest {
                     form,
                     ..self.subject
                 },
@@ -335,8 +201,8 @@ impl Run<'_> {
     }
 
     /// Looks for a proved design with one solver.
-    fn look(&mut self) -> Result<Found, SynthesisError> {
-        let mut found = Found::default();
+    fn look(&mut self) -> Result<Attempts, SynthesisError> {
+        let mut found = Attempts::default();
         for &containment_weight in containment_weights(self.subject.model) {
             let first = self.unit_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
@@ -348,7 +214,7 @@ impl Run<'_> {
     }
 
     /// Tries larger gain bounds where none was proved with the usual room.
-    fn try_wider_rooms(&mut self, found: &mut Found) -> Result<(), SynthesisError> {
+    fn try_wider_rooms(&mut self, found: &mut Attempts) -> Result<(), SynthesisError> {
         let bounds: Vec<(ProblemUnits, f64)> =
             found.bounds.iter().take(WIDENED_UNITS).copied().collect();
         for room in WIDER_ROOMS {
@@ -376,14 +242,14 @@ impl Run<'_> {
         }
         let mut task = self.subject.task.clone();
         task.gains = GainPlan::constant();
-        let mut constant = Run {
-            subject: Subject {
+        let mut constant = GainSynthesis {
+            subject: DesignRequest {
                 task: &task,
                 ..self.subject
             },
             search: self.search.fresh(self.subject.form),
         };
-        let mut found = Found::default();
+        let mut found = Attempts::default();
         let outcome = constant.try_units(weight, None, &mut found);
         self.search.runs.append(&mut constant.search.runs);
         outcome?;
@@ -396,7 +262,7 @@ impl Run<'_> {
         &mut self,
         containment_weight: f64,
         first: Option<f64>,
-        found: &mut Found,
+        found: &mut Attempts,
     ) -> Result<(), SynthesisError> {
         let mut tried: Vec<f64> = Vec::new();
         let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
@@ -456,9 +322,9 @@ fn better(best: Option<Box<Synthesized>>, other: Box<Synthesized>) -> Box<Synthe
     }
 }
 
-impl Run<'_> {
+impl GainSynthesis<'_> {
     /// A design with the record of all runs so far.
-    fn closed(&self, mut design: Box<Synthesized>, found: &Found) -> Box<Synthesized> {
+    fn closed(&self, mut design: Box<Synthesized>, found: &Attempts) -> Box<Synthesized> {
         let gamma = design.file.certificate.gamma;
         design.optimality = Optimality::of_smallest(gamma, found.best_seen());
         design.solve_seconds = self.search.seconds();

@@ -2,16 +2,14 @@
 
 use nalgebra::DMatrix;
 
-use super::end::End;
-use super::{GainWeights, IntegralCross, Moments, Weights};
-use crate::certify::interval::Interval;
-use crate::certify::matrix::{Matrix, SymmetricBlocks};
+use super::moments::EndMoments;
+use super::weights::{GainWeights, IntegralCross, Moments, Weights};
 use crate::certify::plant::DescriptorPlant;
-use crate::certify::rounding::add_up;
-use crate::certify::scalar::Scalar;
 use crate::certify::theorem1::Statement;
 use crate::conditions::xu2020::gain_suffix;
 use crate::model::Model;
+use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::scalar::Scalar;
 
 /// `sum_k <G_k(y), Z_k>` as a function of the unknowns y: the constant and, where it does not vanish
 /// by construction, half the coefficient matrix of Qh.
@@ -21,14 +19,6 @@ pub struct Balance<S> {
     pub constant: S,
     /// The sum holds `2 <residual, Qh>` beside the constant; `None` when that vanishes exactly.
     pub residual: Option<Matrix<S>>,
-}
-
-impl Matrix<Interval> {
-    /// Upper bound of the sum of the magnitudes of all entries.
-    pub(super) fn magnitude_sum(&self) -> f64 {
-        let entries = (0..self.nrows()).flat_map(|r| (0..self.ncols()).map(move |c| (r, c)));
-        entries.fold(0.0, |sum, (r, c)| add_up(sum, self.at(r, c).magnitude()))
-    }
 }
 
 /// Which level k2 a statement is about.
@@ -96,10 +86,10 @@ impl<S: Scalar> Numbers<S> {
 }
 
 /// The conditions of one gain.
-struct Part<'a, S> {
+struct GainMoments<'a, S> {
     weights: &'a GainWeights,
     /// Both ends of the sampling interval.
-    ends: [End<S>; 2],
+    ends: [EndMoments<S>; 2],
     /// F_j where it is given.
     gain: Option<Matrix<S>>,
     /// E[x s'] and E[x(t_k^l) s'].
@@ -133,7 +123,7 @@ pub fn for_each_statement<S: Scalar>(
     positivity(&numbers, weights, &parts, &mut tell);
     for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
         let unit = Matrix::<S>::exactly(&weight.unit);
-        let mut out = SymmetricBlocks::new(&[numbers.plant.states(), unit.nrows()]);
+        let mut out = SymmetricBlockMatrix::new(&[numbers.plant.states(), unit.nrows()]);
         out.set(0, 0, &Matrix::exactly(&weight.state));
         out.set(0, 1, &Matrix::exactly(&weight.cross));
         out.set(1, 1, &unit);
@@ -154,7 +144,7 @@ fn first_end(weights: &Weights) -> Option<&Moments> {
     weights.gains.first().map(|part| &part.end)
 }
 
-fn parts<'a, S: Scalar>(numbers: &Numbers<S>, weights: &'a Weights) -> Vec<Part<'a, S>> {
+fn parts<'a, S: Scalar>(numbers: &Numbers<S>, weights: &'a Weights) -> Vec<GainMoments<'a, S>> {
     let n = numbers.plant.states();
     let part = |part: &'a GainWeights| {
         let ends = [&part.start, &part.end];
@@ -162,9 +152,9 @@ fn parts<'a, S: Scalar>(numbers: &Numbers<S>, weights: &'a Weights) -> Vec<Part<
             Some(cross) => Matrix::exactly(of(cross)),
             None => Matrix::zeros(n, n),
         };
-        Part {
+        GainMoments {
             weights: part,
-            ends: ends.map(|moments| End::new(&numbers.plant.vertices, moments)),
+            ends: ends.map(|moments| EndMoments::new(&numbers.plant.vertices, moments)),
             gain: weights.given.get(part.gain).map(Matrix::exactly),
             integral: [cross(|cross| &cross.state), cross(|cross| &cross.sample)],
             suffix: gain_suffix(weights.given.len().max(1), part.gain),
@@ -174,9 +164,9 @@ fn parts<'a, S: Scalar>(numbers: &Numbers<S>, weights: &'a Weights) -> Vec<Part<
 }
 
 fn total<S: Scalar>(
-    parts: &[Part<S>],
+    parts: &[GainMoments<S>],
     zero: Matrix<S>,
-    of: impl Fn(&End<S>) -> Matrix<S>,
+    of: impl Fn(&EndMoments<S>) -> Matrix<S>,
 ) -> Matrix<S> {
     let ends = parts.iter().flat_map(|part| &part.ends);
     ends.fold(zero, |sum, end| sum.plus(&of(end)))
@@ -188,7 +178,7 @@ fn total<S: Scalar>(
 fn multiplier_share<S: Scalar>(
     numbers: &Numbers<S>,
     weights: &Weights,
-    parts: &[Part<S>],
+    parts: &[GainMoments<S>],
 ) -> Matrix<S> {
     let outer = outer_multiplier_share(numbers, weights);
     let sum = total(parts, outer, |end| {
@@ -204,7 +194,11 @@ fn multiplier_share<S: Scalar>(
 
 /// E[v x(t_k^l)'] of r = 2 of the first gain such that the coefficient of Qh vanishes, which without it is
 /// `known`: its own part there is -eps3/eps2 E[x(t_k^l) v'].
-fn determine_sample<S: Scalar>(numbers: &Numbers<S>, known: &Matrix<S>, parts: &mut [Part<S>]) {
+fn determine_sample<S: Scalar>(
+    numbers: &Numbers<S>,
+    known: &Matrix<S>,
+    parts: &mut [GainMoments<S>],
+) {
     let [_, e2, e3] = &numbers.eps;
     if let Some(first) = parts.first_mut() {
         let scale = e2.clone() / e3.clone();
@@ -214,7 +208,7 @@ fn determine_sample<S: Scalar>(numbers: &Numbers<S>, known: &Matrix<S>, parts: &
 
 /// The moments of the integral's coordinate s of the first gain, such that the coefficients of L1h and
 /// L2h vanish: sum E[x (x - x_k)'] + k sum E_2[x s'] = 0 and the same with x_k in the place of x.
-fn determine_integral<S: Scalar>(numbers: &Numbers<S>, parts: &mut [Part<S>]) {
+fn determine_integral<S: Scalar>(numbers: &Numbers<S>, parts: &mut [GainMoments<S>]) {
     let n = numbers.plant.states();
     let zero = || Matrix::zeros(n, n);
     let inverse = -(S::one() / numbers.factor.clone());
@@ -244,7 +238,7 @@ fn outer_multiplier_share<S: Scalar>(numbers: &Numbers<S>, weights: &Weights) ->
     sum
 }
 
-impl<S: Scalar> Part<'_, S> {
+impl<S: Scalar> GainMoments<'_, S> {
     /// Every matrix of this gain.
     fn tell(&self, numbers: &Numbers<S>, tell: &mut impl FnMut(String, Matrix<S>)) {
         let suffix = &self.suffix;
@@ -259,7 +253,7 @@ impl<S: Scalar> Part<'_, S> {
         }
         let n = numbers.plant.states();
         let end = &self.ends[1];
-        let mut out = SymmetricBlocks::new(&[n, n, n]);
+        let mut out = SymmetricBlockMatrix::new(&[n, n, n]);
         out.set(0, 0, &end.xx);
         out.set(0, 1, &end.xk);
         out.set(0, 2, &self.integral[0]);
@@ -270,7 +264,7 @@ impl<S: Scalar> Part<'_, S> {
         let cross = self.input_cross(numbers);
         for (input, weight) in self.weights.inputs.iter().enumerate() {
             let unit = S::from_f64(weight.unit);
-            let mut out = SymmetricBlocks::new(&[n, 1]);
+            let mut out = SymmetricBlockMatrix::new(&[n, 1]);
             out.set(0, 0, &Matrix::exactly(&weight.state));
             out.set(0, 1, &cross.row(input).transposed());
             out.set(1, 1, &Matrix::identity(1, unit));
@@ -300,7 +294,7 @@ impl<S: Scalar> Part<'_, S> {
 fn positivity<S: Scalar>(
     numbers: &Numbers<S>,
     weights: &Weights,
-    parts: &[Part<S>],
+    parts: &[GainMoments<S>],
     tell: &mut impl FnMut(String, Matrix<S>),
 ) {
     let n = numbers.plant.states();
@@ -343,7 +337,7 @@ fn positivity<S: Scalar>(
 /// -2 sum (B' E[v p'] + E[p p'])_ss for every input s.
 fn sector_positivity<S: Scalar>(
     numbers: &Numbers<S>,
-    parts: &[Part<S>],
+    parts: &[GainMoments<S>],
     tell: &mut impl FnMut(String, Matrix<S>),
 ) {
     let ends = parts.iter().flat_map(|part| &part.ends);
@@ -365,7 +359,7 @@ fn constant<S: Scalar>(
     model: &Model,
     numbers: &Numbers<S>,
     weights: &Weights,
-    parts: &[Part<S>],
+    parts: &[GainMoments<S>],
 ) -> S {
     let mut sum = S::zero();
     for part in parts {

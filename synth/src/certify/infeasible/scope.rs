@@ -6,9 +6,9 @@
 use std::fmt;
 
 use super::{Level, Refutation, Weights};
-use crate::certify::interval::Interval;
 use crate::certify::plant::DescriptorPlant;
 use crate::model::Model;
+use verified::interval::Interval;
 
 /// A multiplier's bound must exceed what solvers return by this factor before it counts as none.
 const BOUND_FACTOR: f64 = 1e6;

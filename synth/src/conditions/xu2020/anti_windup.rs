@@ -1,8 +1,8 @@
 //! Condition (19): inside the invariant set the sector bound of the dead zone holds.
 
-use super::{DesignUnknowns, Strictness};
+use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Condition, SymmetricBlocks};
+use sdp::lmi::{Condition, Strictness, SymmetricBlocks};
 
 /// `[ ubar_s^2/k2 Uh, (Fh_j - Nh_j)_s' ; *, 1 ] >= 0` for every gain j and input s.
 pub(super) fn anti_windup(

@@ -2,32 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::DesignUnknowns;
+use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition};
-
-/// What x'Ux <= 1 must cover: ellipsoids {D z, |z| <= 1}, a single column being a state and its negative.
-/// n states.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coverage {
-    /// P, n x n, in the units of the task. Near P = Uh^-1 Qh of the sought point nothing is lost.
-    pub linearisation: DMatrix<f64>,
-    /// The D, n x k each, to be covered as they are.
-    pub covered: Vec<DMatrix<f64>>,
-    /// The D to be covered after multiplication by one common scale, which may be maximised.
-    pub grown: Vec<DMatrix<f64>>,
-}
-
-impl Coverage {
-    /// The scalar case P = rho I, which needs no known point.
-    pub fn scalar(states: usize, rho: f64) -> Self {
-        Coverage {
-            linearisation: DMatrix::identity(states, states) * rho,
-            covered: Vec::new(),
-            grown: Vec::new(),
-        }
-    }
-}
+use sdp::lmi::{Affine, Condition};
 
 /// `Qh'P + P'Qh - P'Uh P >= s^2 D D'` with s = 1 for what is covered and `scale_squared` for what is grown.
 ///

@@ -2,32 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, SectorUnknowns, Strictness};
+use super::unknowns::{DesignUnknowns, SamplingEnd, SectorUnknowns};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
-
-/// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
-/// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Interval {
-    /// r = 1: just after a sample, where hbar x'Yx' counts.
-    Start,
-    /// r = 2: just before the next sample, where the integral term counts.
-    End,
-}
-
-impl Interval {
-    /// Both ends.
-    pub const BOTH: [Interval; 2] = [Interval::Start, Interval::End];
-
-    /// The index r of (18).
-    pub fn index(self) -> usize {
-        match self {
-            Interval::Start => 1,
-            Interval::End => 2,
-        }
-    }
-}
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 // Block rows of (18).
 const STATE: usize = 0;
@@ -46,7 +23,7 @@ const INTEGRAL: usize = 6;
 pub fn decrease(
     task: &Task,
     vertex: &DMatrix<f64>,
-    interval: Interval,
+    interval: SamplingEnd,
     unknowns: &DesignUnknowns,
 ) -> Affine {
     let states = vertex.nrows();
@@ -55,7 +32,12 @@ pub fn decrease(
 }
 
 /// [`decrease`] at one of the model's vertices, with that vertex's own E_i.
-fn decrease_at(task: &Task, index: usize, interval: Interval, unknowns: &DesignUnknowns) -> Affine {
+fn decrease_at(
+    task: &Task,
+    index: usize,
+    interval: SamplingEnd,
+    unknowns: &DesignUnknowns,
+) -> Affine {
     let vertex = &task.system.vertices[index];
     match task.system.descriptors.get(index) {
         None => decrease(task, vertex, interval, unknowns),
@@ -70,7 +52,7 @@ fn decrease_at(task: &Task, index: usize, interval: Interval, unknowns: &DesignU
 fn decrease_with_descriptor(
     task: &Task,
     (vertex, descriptor): (&DMatrix<f64>, &DMatrix<f64>),
-    interval: Interval,
+    interval: SamplingEnd,
     unknowns: &DesignUnknowns,
 ) -> Affine {
     let DesignUnknowns {
@@ -97,7 +79,7 @@ fn decrease_with_descriptor(
 
     let m = if unknowns.sector.is_some() { m } else { 0 };
     let mut sizes = vec![n, n, n, n, m, d];
-    if interval == Interval::End {
+    if interval == SamplingEnd::End {
         sizes.push(n);
     }
     let mut out = SymmetricBlocks::new(&sizes);
@@ -147,10 +129,10 @@ fn decrease_with_descriptor(
         out.add(DEAD_ZONE, DEAD_ZONE, &(-2.0 * unit * unit * weight));
     }
     match interval {
-        Interval::Start => {
+        SamplingEnd::Start => {
             out.add(RATE, RATE, &(specification.sampling_interval_max * yh));
         }
-        Interval::End => {
+        SamplingEnd::End => {
             let c = integral_factor(task);
             out.add(STATE, INTEGRAL, &(c * l1h));
             out.add(SAMPLE, INTEGRAL, &(c * l2h));
@@ -171,7 +153,7 @@ fn integral_factor(task: &Task) -> f64 {
 pub fn full_condition(
     task: &Task,
     index: usize,
-    interval: Interval,
+    interval: SamplingEnd,
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Condition {
@@ -184,7 +166,7 @@ pub fn full_condition(
 pub fn full_matched_condition(
     task: &Task,
     index: usize,
-    interval: Interval,
+    interval: SamplingEnd,
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Condition {
@@ -202,12 +184,12 @@ pub fn full_matched_condition(
 fn mismatch_coordinates(
     task: &Task,
     unknowns: &DesignUnknowns,
-    interval: Interval,
+    interval: SamplingEnd,
 ) -> DMatrix<f64> {
     let b = &task.system.input;
     let (n, m, d) = (b.nrows(), b.ncols(), task.system.disturbance.ncols());
     let zone = if unknowns.sector.is_some() { m } else { 0 };
-    let integral = if interval == Interval::End { n } else { 0 };
+    let integral = if interval == SamplingEnd::End { n } else { 0 };
     let mut out = DMatrix::zeros(m + zone + n, 4 * n + zone + d + integral);
     for (block, weight) in task.specification.multiplier_weights.iter().enumerate() {
         let mut view = out.view_mut((0, block * n), (m, n));
@@ -255,7 +237,7 @@ pub fn vertex_term_at(task: &Task, index: usize, multiplier: &DMatrix<f64>) -> D
 }
 
 /// Name of (18) at one vertex, counted from 1 as in the paper.
-pub fn condition_name(interval: Interval, index: usize) -> String {
+pub fn condition_name(interval: SamplingEnd, index: usize) -> String {
     format!("decrease r={} vertex {}", interval.index(), index + 1)
 }
 
@@ -286,7 +268,7 @@ pub struct Coordinates {
 /// the congruence between the coordinates.
 pub fn decrease_form(
     task: &Task,
-    interval: Interval,
+    interval: SamplingEnd,
     unknowns: &DesignUnknowns,
     coordinates: &Coordinates,
 ) -> Affine {
@@ -333,10 +315,10 @@ pub fn decrease_form(
         out += &(p.transpose() * &sector.anti_windup * w).symmetrised();
     }
     match interval {
-        Interval::Start => {
+        SamplingEnd::Start => {
             out += &(specification.sampling_interval_max * yh.congruence(dx));
         }
-        Interval::End => {
+        SamplingEnd::End => {
             out += &(integral_factor(task) * &(&path * z).symmetrised());
             out += &-yh.congruence(z);
         }

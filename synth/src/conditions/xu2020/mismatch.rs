@@ -7,47 +7,9 @@
 //! stating P_j and R on (B'v, p, x(t_k)) only: the N_j do not see the rest of v, and it can be
 //! minimised out of all P_j at once.
 
-use super::{DesignUnknowns, Interval, Strictness, DEAD_ZONE_UNIT};
+use super::unknowns::{DesignUnknowns, SamplingEnd, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks, Unknowns};
-
-/// P_j and R for one end of the sampling interval. Their rows: B'v (m), the dead zone in its unit (m;
-/// none without sector unknowns), x(t_k) (n).
-#[derive(Debug, Clone)]
-pub struct MismatchUnknowns {
-    /// P_j of every gain.
-    pub bounds: Vec<Affine>,
-    /// R.
-    pub common: Affine,
-}
-
-impl MismatchUnknowns {
-    /// The unknowns for both ends of the interval; none where no mismatch is assumed or it is 0.
-    pub(super) fn for_task(unknowns: &mut Unknowns, task: &Task, sector: bool) -> Vec<Self> {
-        if !task.gains.matched().is_some_and(|kappa| kappa > 0.0) {
-            return Vec::new();
-        }
-        let (n, m) = (task.system.states(), task.system.inputs());
-        let side = n + if sector { 2 * m } else { m };
-        let one = |interval: Interval| {
-            let r = interval.index();
-            let names = (1..=task.gains.count).map(|rule| format!("P{r},{rule}"));
-            MismatchUnknowns {
-                bounds: names.map(|name| unknowns.symmetric(&name, side)).collect(),
-                common: unknowns.symmetric(&format!("R{r}"), side),
-            }
-        };
-        Interval::BOTH.map(one).into_iter().collect()
-    }
-
-    /// `kappa sum_j P_j`.
-    pub fn total(&self, task: &Task) -> Affine {
-        let side = self.common.nrows();
-        let kappa = task.gains.matched().unwrap_or(0.0);
-        let sum = |sum: Affine, bound: &Affine| sum + bound.clone();
-        kappa * self.bounds.iter().fold(Affine::zeros(side, side), sum)
-    }
-}
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// N_j on the rows of [`MismatchUnknowns`].
 fn gain_form(unknowns: &DesignUnknowns, rule: usize) -> Affine {
@@ -69,7 +31,7 @@ pub(super) fn bounded(
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let mut out = Vec::new();
-    for (slack, interval) in unknowns.mismatch.iter().zip(Interval::BOTH) {
+    for (slack, interval) in unknowns.mismatch.iter().zip(SamplingEnd::BOTH) {
         for (rule, bound) in slack.bounds.iter().enumerate().take(task.gains.count) {
             let difference = gain_form(unknowns, rule) - slack.common.clone();
             let r = interval.index();

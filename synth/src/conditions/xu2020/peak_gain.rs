@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::{DesignUnknowns, Strictness};
+use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// `[ phi Uh, Qh C' ; *, gamma I ] > 0`: y'y <= gamma phi x'Ux. The second row is in units that make
 /// gamma comparable with the scaled xi.

@@ -1,8 +1,8 @@
 //! The invariant set lies inside the region in which the model holds.
 
-use super::{DesignUnknowns, Strictness};
+use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// `[ b^2/k2 Uh, Qh H' ; *, I ] >= 0`: |H x| <= b wherever x'Ux <= k2.
 pub(super) fn region<'a>(

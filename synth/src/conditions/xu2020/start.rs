@@ -1,8 +1,8 @@
 //! Start states that the certified set must contain.
 
-use super::DesignUnknowns;
+use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use crate::lmi::{Affine, Condition};
+use sdp::lmi::{Affine, Condition};
 
 /// `rho (Qh + Qh') - rho^2 Uh >= x0 x0'`, which implies x0' U x0 <= 1 for any rho > 0 because
 /// Qh' Uh^-1 Qh >= rho (Qh + Qh') - rho^2 Uh.

@@ -1,0 +1,147 @@
+//! What a solver is given and what it returns.
+
+use std::sync::Arc;
+
+use crate::lmi::{Cone, Semidefinite};
+
+/// How a solver ended, in its own opinion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Converged to full accuracy.
+    Solved,
+    /// Converged to reduced accuracy.
+    Inaccurate,
+    /// Claims that no point satisfies the conditions.
+    Infeasible,
+    /// Claims that the objective has no lower bound.
+    Unbounded,
+    /// Gave up: iteration or time limit, no progress, numerical error.
+    Failed,
+    /// Stopped by the progress observer.
+    Cancelled,
+}
+
+/// What a solver tells between iterations.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress {
+    /// Iterations so far.
+    pub iteration: u32,
+    /// Primal objective.
+    pub objective: f64,
+    /// Relative duality gap.
+    pub relative_gap: f64,
+}
+
+/// Called between iterations; `false` stops the solver.
+pub type Observer = Arc<dyn Fn(&Progress) -> bool + Send + Sync>;
+
+/// A candidate solution.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The solver's opinion.
+    pub status: Status,
+    /// The solver's own word for it.
+    pub status_text: String,
+    /// Values of the scalar unknowns.
+    pub values: Vec<f64>,
+    /// Dual matrix of each cone, as its full upper triangle stacked by columns
+    /// ([`svec_index`](crate::lmi::svec_index) order, plain entries without sqrt(2)).
+    pub duals: Vec<Vec<f64>>,
+    /// Objective, including its constant part.
+    pub objective: f64,
+    /// Iterations done.
+    pub iterations: u32,
+    /// Wall time (s).
+    pub seconds: f64,
+}
+
+/// Why a solver could not even start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SolveError {
+    /// The backend refused the problem.
+    #[error("{backend} refused the problem: {reason}")]
+    Refused {
+        /// Name of the backend.
+        backend: &'static str,
+        /// Its own words.
+        reason: String,
+    },
+    /// A number of the problem is not finite.
+    #[error("the problem given to {backend} holds a number that is not finite, in condition '{condition}'")]
+    NotFinite {
+        /// Name of the backend.
+        backend: &'static str,
+        /// Name of the condition.
+        condition: String,
+    },
+}
+
+/// When a solver may stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Duality gap relative to the objective, or to `objective_unit` where that is larger.
+    pub relative_gap: f64,
+    /// A size that the objective is expected to have or exceed; above 0.
+    pub objective_unit: f64,
+}
+
+/// The two solvers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solver {
+    /// The `clarabel` crate.
+    Clarabel,
+    /// The solver for few unknowns and many small cones.
+    Structured,
+}
+
+/// A semidefinite programming solver.
+pub trait Backend {
+    /// Name and version, for the provenance of a design.
+    fn name(&self) -> String;
+
+    /// Vertices of a model that are put to this solver at once; of more, only those that matter.
+    fn vertices_at_once(&self) -> usize {
+        24
+    }
+
+    /// Which of the two solvers this is; `None` for any other.
+    fn solver(&self) -> Option<Solver> {
+        None
+    }
+
+    /// Minimises the objective of `problem` to the accuracy asked for; the observer is called between
+    /// iterations.
+    fn solve(
+        &self,
+        problem: &Semidefinite,
+        accuracy: Accuracy,
+        observer: Option<Observer>,
+    ) -> Result<Solution, SolveError>;
+}
+
+/// Refuses a problem with a number that is not finite.
+pub(crate) fn check_finite(
+    backend: &'static str,
+    problem: &Semidefinite,
+) -> Result<(), SolveError> {
+    let finite = |cone: &Cone| {
+        let coefficients = cone.coefficients.iter().flat_map(|(_, entries)| entries);
+        cone.constant
+            .iter()
+            .chain(coefficients)
+            .all(|entry| entry.value.is_finite())
+    };
+    if !(problem.offset.is_finite() && problem.cost.iter().all(|cost| cost.is_finite())) {
+        return Err(SolveError::NotFinite {
+            backend,
+            condition: "objective".to_string(),
+        });
+    }
+    match problem.cones.iter().find(|cone| !finite(cone)) {
+        None => Ok(()),
+        Some(cone) => Err(SolveError::NotFinite {
+            backend,
+            condition: cone.name.clone(),
+        }),
+    }
+}

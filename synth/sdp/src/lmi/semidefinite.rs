@@ -1,0 +1,84 @@
+//! The lowered form that backends and file writers read.
+
+use super::{Affine, LmiProblem};
+
+/// One entry of a symmetric matrix: row <= column, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// Row, from 0.
+    pub row: usize,
+    /// Column, not less than the row.
+    pub column: usize,
+    /// Value of the entry itself (no factor sqrt(2)).
+    pub value: f64,
+}
+
+/// `constant + sum_i y_i coefficient_i >= 0`, symmetric of the given side.
+#[derive(Debug, Clone)]
+pub struct Cone {
+    /// Name of the condition.
+    pub name: String,
+    /// Side of the matrix.
+    pub side: usize,
+    /// Upper triangle of the constant matrix.
+    pub constant: Vec<Entry>,
+    /// (unknown, upper triangle of its coefficient), unknowns ascending, none empty.
+    pub coefficients: Vec<(usize, Vec<Entry>)>,
+}
+
+/// `minimise cost' y + offset` subject to every cone's matrix being positive semidefinite.
+#[derive(Debug, Clone)]
+pub struct Semidefinite {
+    /// Cost of each scalar unknown; its length is the number of unknowns.
+    pub cost: Vec<f64>,
+    /// Constant part of the objective.
+    pub offset: f64,
+    /// The cones, in the order of the problem's conditions.
+    pub cones: Vec<Cone>,
+}
+
+/// Place of entry (row, column), row <= column, in the stacked upper triangle read by columns
+/// (`svec`): column (column + 1) / 2 + row. Off-diagonal entries are stored times sqrt(2) there.
+pub fn svec_index(row: usize, column: usize) -> usize {
+    column * (column + 1) / 2 + row
+}
+
+impl LmiProblem {
+    /// Lowers the problem to lists of entries.
+    pub fn lower(&self) -> Semidefinite {
+        let mut cost = vec![0.0; self.unknowns.count()];
+        for (&unknown, entries) in self.objective.coefficient_entries() {
+            cost[unknown] = entries.values().sum();
+        }
+        let offset = self.objective.constant_entries().values().sum();
+        let cones = self.conditions.iter().map(|condition| {
+            let expression = condition.expression();
+            Cone {
+                name: condition.name().to_string(),
+                side: condition.side(),
+                constant: upper(expression.constant_entries().iter()),
+                coefficients: coefficients(expression),
+            }
+        });
+        Semidefinite {
+            cost,
+            offset,
+            cones: cones.collect(),
+        }
+    }
+}
+
+fn coefficients(expression: &Affine) -> Vec<(usize, Vec<Entry>)> {
+    let lowered = expression.coefficient_entries().iter();
+    lowered
+        .map(|(&unknown, entries)| (unknown, upper(entries.iter())))
+        .filter(|(_, entries)| !entries.is_empty())
+        .collect()
+}
+
+fn upper<'a>(entries: impl Iterator<Item = (&'a (usize, usize), &'a f64)>) -> Vec<Entry> {
+    entries
+        .filter(|((row, column), _)| row <= column)
+        .map(|(&(row, column), &value)| Entry { row, column, value })
+        .collect()
+}

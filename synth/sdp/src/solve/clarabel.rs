@@ -1,0 +1,228 @@
+//! The `clarabel` crate as a backend.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultInfo, DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus,
+    SupportedConeT,
+};
+
+use crate::backend::{
+    check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
+};
+use crate::lmi::{svec_index, Cone, Semidefinite};
+
+/// In which cones explicit zeros are stored, so that every column that touches such a cone touches
+/// all its rows.
+///
+/// Clarabel orders its factorization by minimum degree. Sparse columns go first and couple all the
+/// cones they touch; full columns make the cones go first, each on its own. For wide cones that
+/// share many unknowns that is several times faster; narrow ones are better left sparse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Padding {
+    /// Entries as they are.
+    None,
+    /// Whole columns in cones of at least this side.
+    FromSide(usize),
+}
+
+impl Default for Padding {
+    /// From side 13: the cliques of (18) for a spacecraft (18), not its vertex blocks (12).
+    fn default() -> Self {
+        Padding::FromSide(13)
+    }
+}
+
+impl Padding {
+    fn covers(self, cone: &Cone) -> bool {
+        match self {
+            Padding::None => false,
+            Padding::FromSide(side) => cone.side >= side,
+        }
+    }
+}
+
+/// Clarabel with its faer factorization.
+#[derive(Debug, Clone, Default)]
+pub struct Clarabel {
+    /// Storage of zeros.
+    pub padding: Padding,
+}
+
+const NAME: &str = "clarabel";
+/// The version that Cargo.toml pins.
+const VERSION: &str = "0.11.1";
+
+impl Backend for Clarabel {
+    fn name(&self) -> String {
+        format!("{NAME} {VERSION}")
+    }
+
+    fn solver(&self) -> Option<Solver> {
+        Some(Solver::Clarabel)
+    }
+
+    fn solve(
+        &self,
+        problem: &Semidefinite,
+        accuracy: Accuracy,
+        observer: Option<Observer>,
+    ) -> Result<Solution, SolveError> {
+        check_finite(NAME, problem)?;
+        super::lapack::link();
+        let (matrix, rhs, cones) = conic_form(problem, self.padding);
+        let unknowns = problem.cost.len();
+        let quadratic = CscMatrix::zeros((unknowns, unknowns));
+        let settings = settings(accuracy.relative_gap)?;
+        // The tolerance on the gap is absolute for objectives below 1.
+        let unit = accuracy.objective_unit;
+        let cost: Vec<f64> = problem.cost.iter().map(|cost| cost / unit).collect();
+        let offset = problem.offset;
+        let mut solver = DefaultSolver::new(&quadratic, &cost, &matrix, &rhs, &cones, settings)
+            .map_err(refused)?;
+        if let Some(observer) = observer {
+            solver.set_termination_callback(move |info: &DefaultInfo<f64>| {
+                !observer(&Progress {
+                    iteration: info.iterations,
+                    objective: info.cost_primal * unit + offset,
+                    relative_gap: info.gap_rel,
+                })
+            });
+        }
+        solver.solve();
+        let found = &solver.solution;
+        Ok(Solution {
+            status: status(found.status),
+            status_text: format!("{:?}", found.status),
+            values: found.x.clone(),
+            duals: split_duals(problem, &found.z, unit),
+            objective: found.obj_val * unit + offset,
+            iterations: found.iterations,
+            seconds: found.solve_time,
+        })
+    }
+}
+
+fn settings(relative_gap: f64) -> Result<DefaultSettings<f64>, SolveError> {
+    DefaultSettingsBuilder::default()
+        .verbose(false)
+        .direct_solve_method("faer".to_string())
+        .max_threads(1)
+        .chordal_decomposition_enable(false)
+        .presolve_enable(false)
+        .tol_gap_rel(relative_gap)
+        .tol_gap_abs(relative_gap)
+        .build()
+        .map_err(refused)
+}
+
+fn refused(error: impl std::fmt::Display) -> SolveError {
+    SolveError::Refused {
+        backend: NAME,
+        reason: error.to_string(),
+    }
+}
+
+/// Rows of a cone in the stacked vector.
+fn height(cone: &Cone) -> usize {
+    cone.side * (cone.side + 1) / 2
+}
+
+/// Factor between an entry and its place in the stacked vector.
+fn weight(row: usize, column: usize) -> f64 {
+    if row == column {
+        1.0
+    } else {
+        std::f64::consts::SQRT_2
+    }
+}
+
+/// `A y + s = b` with s in the cones: b stacks the constants, -A the coefficients.
+fn conic_form(
+    problem: &Semidefinite,
+    padding: Padding,
+) -> (CscMatrix<f64>, Vec<f64>, Vec<SupportedConeT<f64>>) {
+    let rows: usize = problem.cones.iter().map(height).sum();
+    let mut rhs = vec![0.0; rows];
+    let mut columns: Vec<Vec<(usize, f64)>> = vec![Vec::new(); problem.cost.len()];
+    let mut cones = Vec::with_capacity(problem.cones.len());
+    let mut base = 0;
+    for cone in &problem.cones {
+        for entry in &cone.constant {
+            let row = base + svec_index(entry.row, entry.column);
+            rhs[row] = weight(entry.row, entry.column) * entry.value;
+        }
+        for (unknown, entries) in &cone.coefficients {
+            let stacked = entries.iter().map(|entry| {
+                let row = base + svec_index(entry.row, entry.column);
+                (row, -weight(entry.row, entry.column) * entry.value)
+            });
+            let column = &mut columns[*unknown];
+            let start = column.len();
+            column.extend(stacked);
+            if padding.covers(cone) {
+                pad(column, start, base, height(cone));
+            }
+        }
+        cones.push(match cone.side {
+            1 => SupportedConeT::NonnegativeConeT(1),
+            side => SupportedConeT::PSDTriangleConeT(side),
+        });
+        base += height(cone);
+    }
+    (compressed(rows, columns), rhs, cones)
+}
+
+/// Adds the rows of the cone at `base` that `column[start..]` leaves out.
+fn pad(column: &mut Vec<(usize, f64)>, start: usize, base: usize, height: usize) {
+    let mut present = vec![false; height];
+    for (row, _) in &column[start..] {
+        present[row - base] = true;
+    }
+    let absent = (0..height).filter(|&row| !present[row]);
+    column.extend(absent.map(|row| (base + row, 0.0)));
+}
+
+fn compressed(rows: usize, columns: Vec<Vec<(usize, f64)>>) -> CscMatrix<f64> {
+    let count = columns.len();
+    let mut starts = vec![0];
+    let (mut row_indices, mut values) = (Vec::new(), Vec::new());
+    for mut column in columns {
+        column.sort_by_key(|&(row, _)| row);
+        row_indices.extend(column.iter().map(|&(row, _)| row));
+        values.extend(column.iter().map(|&(_, value)| value));
+        starts.push(values.len());
+    }
+    CscMatrix::new(rows, count, starts, row_indices, values)
+}
+
+fn split_duals(problem: &Semidefinite, stacked: &[f64], factor: f64) -> Vec<Vec<f64>> {
+    let mut base = 0;
+    let mut out = Vec::with_capacity(problem.cones.len());
+    for cone in &problem.cones {
+        let mut dual = stacked[base..base + height(cone)].to_vec();
+        dual.iter_mut().for_each(|entry| *entry *= factor);
+        for column in 0..cone.side {
+            for row in 0..column {
+                dual[svec_index(row, column)] /= weight(row, column);
+            }
+        }
+        out.push(dual);
+        base += height(cone);
+    }
+    out
+}
+
+fn status(status: SolverStatus) -> Status {
+    match status {
+        SolverStatus::Solved => Status::Solved,
+        SolverStatus::AlmostSolved => Status::Inaccurate,
+        SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => Status::Infeasible,
+        SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => Status::Unbounded,
+        SolverStatus::CallbackTerminated => Status::Cancelled,
+        SolverStatus::Unsolved
+        | SolverStatus::MaxIterations
+        | SolverStatus::MaxTime
+        | SolverStatus::NumericalError
+        | SolverStatus::InsufficientProgress => Status::Failed,
+    }
+}

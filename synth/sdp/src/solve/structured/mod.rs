@@ -1,0 +1,383 @@
+//! A primal-dual interior-point method on the inequality form, for few unknowns and many small cones.
+//!
+//! It solves `min c'y  s.t.  S = F0 + sum_i y_i F_i >= 0` together with its dual,
+//! `max -<F0, Z>  s.t.  <F_i, Z> = c_i, Z >= 0`, block by block. Each iteration solves one linear system whose
+//! size is the number of unknowns, whatever the number of cones; see the modules for the sources.
+
+mod block;
+mod dense;
+mod exit;
+mod halves;
+mod interior_point;
+mod iterate;
+mod kronecker;
+mod layout;
+mod ray;
+mod schur;
+mod start;
+mod system;
+mod threads;
+mod warm;
+
+use std::time::Instant;
+
+use crate::backend::{
+    check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
+};
+use crate::lmi::{svec_index, Semidefinite};
+use exit::{Measures, SolveTask, SolverExit, Termination};
+use interior_point::ITERATIONS;
+use layout::{zero_duals, Layout};
+use start::{cold_start, feasible_start};
+use threads::Running;
+use warm::{Memory, Trail};
+
+const NAME: &str = "structured";
+
+/// Most unknowns: the system is a dense matrix of this side.
+const LARGEST_SYSTEM: usize = 20_000;
+
+/// Most entries of all blocks together.
+const LARGEST_BLOCKS: usize = 100_000_000;
+
+/// How much larger the second cold start is.
+const LARGER_START: f64 = 100.0;
+
+/// Iterations after which a warm start has not helped.
+const WARM_ITERATIONS: u32 = 16;
+
+/// The structured solver.
+#[derive(Debug, Clone)]
+pub struct Structured {
+    /// Threads that may be used while no other solve is in progress; the result does not depend on their number.
+    pub threads: usize,
+    memory: Option<Memory>,
+    /// Whether the memory stays as it is.
+    frozen: bool,
+}
+
+impl Default for Structured {
+    fn default() -> Self {
+        let available = std::thread::available_parallelism().map_or(1, |count| count.get());
+        Structured {
+            threads: available.min(2),
+            memory: None,
+            frozen: false,
+        }
+    }
+}
+
+/// Where the time of the last solve went (s).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timings {
+    /// Building the Schur complement.
+    pub schur: f64,
+    /// Factoring it and solving with it.
+    pub linear: f64,
+    /// Everything else in the iterations.
+    pub rest: f64,
+}
+
+impl Structured {
+    /// A solver that remembers its way to the last solutions and starts from there when the next problem has the same
+    /// shape and is near enough: for sweeps and bisections. Where that does not help it starts afresh. The last
+    /// digits of a result then depend on what was solved before.
+    pub fn warm() -> Self {
+        Structured {
+            memory: Some(Memory::default()),
+            ..Structured::default()
+        }
+    }
+
+    /// The same solver, which remembers nothing more: its results do not depend on what it solved before. Where
+    /// [`warm`](Structured::warm) solvers share their memory, this one has its own.
+    pub fn frozen(&self) -> Self {
+        Structured {
+            memory: self.memory.as_ref().map(Memory::copied),
+            frozen: true,
+            ..self.clone()
+        }
+    }
+
+    /// As [`Backend::solve`], with timings.
+    pub fn solve_timed(
+        &self,
+        problem: &Semidefinite,
+        accuracy: Accuracy,
+        observer: Option<Observer>,
+    ) -> Result<(Solution, Timings), SolveError> {
+        let begin = Instant::now();
+        let _running = Running::enter();
+        check_finite(NAME, problem)?;
+        check_size(problem)?;
+        let layout = Layout::new(problem);
+        if let Some((cone, direction)) = &layout.contradiction {
+            let found = contradicted(problem, *cone, direction, begin);
+            return Ok((found, Timings::default()));
+        }
+        let unit = layout.objective_unit;
+        let watch = |iteration: u32, measures: &Measures| match &observer {
+            None => true,
+            Some(observer) => observer(&Progress {
+                iteration,
+                objective: measures.objective * unit + problem.offset,
+                relative_gap: measures.relative_gap,
+            }),
+        };
+        let task = SolveTask {
+            layout: &layout,
+            problem,
+            relative_gap: accuracy.relative_gap,
+            objective_unit: accuracy.objective_unit / unit,
+            iterations: ITERATIONS,
+            cautious: problem.cones.len() > MANY_CONES,
+            threads: self.threads,
+            observer: &watch,
+        };
+        let mut outcome = self.warm_or_cold(&task);
+        if layout.unbounded_unknown
+            && matches!(
+                outcome.termination,
+                Termination::Solved | Termination::Reduced(_)
+            )
+        {
+            outcome.termination = Termination::Unbounded;
+        }
+        let [schur, linear, rest] = outcome.seconds;
+        let timings = Timings {
+            schur,
+            linear,
+            rest,
+        };
+        Ok((solution(problem, &layout, outcome, begin), timings))
+    }
+
+    fn warm_or_cold(&self, task: &SolveTask<'_>) -> SolverExit {
+        let Some(memory) = &self.memory else {
+            return cold(task, None);
+        };
+        let shape = warm::shape(task.problem);
+        let keep = |outcome: &SolverExit, trail: Option<Trail>| {
+            let solved = matches!(
+                outcome.termination,
+                Termination::Solved | Termination::Reduced(_)
+            );
+            if let Some(trail) = trail.filter(|_| solved) {
+                memory.keep(shape, trail);
+            }
+        };
+        let known = memory
+            .recall(shape)
+            .and_then(|trail| trail.start(task.layout));
+        let mut spent = 0;
+        if let Some((start, before)) = known {
+            let short = SolveTask {
+                iterations: WARM_ITERATIONS,
+                ..*task
+            };
+            let mut trail = (!self.frozen).then_some(before);
+            let outcome = interior_point::solve(&short, start, trail.as_mut());
+            match outcome.termination {
+                Termination::Unbounded | Termination::Stalled(_) => spent = outcome.iterations,
+                _ => {
+                    keep(&outcome, trail);
+                    return outcome;
+                }
+            }
+        }
+        let mut trail = (!self.frozen).then(Trail::default);
+        let mut outcome = cold(task, trail.as_mut());
+        outcome.iterations += spent;
+        keep(&outcome, trail);
+        outcome
+    }
+}
+
+/// With more cones than these the bold directions run to the boundary before they are feasible.
+const MANY_CONES: usize = 128;
+
+/// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then by way
+/// of the smallest shift.
+fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
+    let start = cold_start(task.layout, 1.0);
+    let outcome = interior_point::solve(task, start, trail.as_deref_mut());
+    if !matches!(outcome.termination, Termination::Stalled(_)) {
+        return outcome;
+    }
+    if !outcome.feasible && !task.cautious {
+        let start = cold_start(task.layout, 1.0);
+        let cautious = SolveTask {
+            cautious: true,
+            ..*task
+        };
+        let mut second = interior_point::solve(&cautious, start, trail.as_deref_mut());
+        second.iterations += outcome.iterations;
+        if !matches!(second.termination, Termination::Stalled(_)) {
+            return second;
+        }
+    }
+    let shifted = match outcome.feasible {
+        true => None,
+        false => by_smallest_shift(task, &outcome, trail.as_deref_mut()),
+    };
+    if let Some(answer) =
+        shifted.filter(|answer| !matches!(answer.termination, Termination::Stalled(_)))
+    {
+        return answer;
+    }
+    let start = cold_start(task.layout, LARGER_START);
+    let mut second = interior_point::solve(task, start, trail);
+    second.iterations += outcome.iterations;
+    match second.termination {
+        Termination::Stalled(_) if outcome.feasible => outcome,
+        _ => second,
+    }
+}
+
+impl Backend for Structured {
+    fn name(&self) -> String {
+        format!("{NAME} {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn solver(&self) -> Option<Solver> {
+        Some(Solver::Structured)
+    }
+
+    fn solve(
+        &self,
+        problem: &Semidefinite,
+        accuracy: Accuracy,
+        observer: Option<Observer>,
+    ) -> Result<Solution, SolveError> {
+        let timed = self.solve_timed(problem, accuracy, observer);
+        timed.map(|(solution, _)| solution)
+    }
+}
+
+fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
+    let unknowns = problem.cost.len();
+    let entries = problem
+        .cones
+        .iter()
+        .map(|cone| cone.side.saturating_mul(cone.side));
+    let entries = entries.fold(0_usize, usize::saturating_add);
+    let refused = |reason: String| SolveError::Refused {
+        backend: NAME,
+        reason,
+    };
+    if unknowns > LARGEST_SYSTEM {
+        return Err(refused(format!(
+            "{unknowns} unknowns, at most {LARGEST_SYSTEM} fit"
+        )));
+    }
+    if entries > LARGEST_BLOCKS {
+        let reason = format!("its cones have {entries} entries, at most {LARGEST_BLOCKS} fit");
+        return Err(refused(reason));
+    }
+    Ok(())
+}
+
+/// Solves for the smallest t with `S + t I >= 0`, which always has an interior. Its multipliers prove infeasibility, or
+/// its unknowns are a feasible start.
+fn by_smallest_shift(
+    task: &SolveTask<'_>,
+    stalled: &SolverExit,
+    trail: Option<&mut Trail>,
+) -> Option<SolverExit> {
+    let layout = task.layout;
+    let shifted = layout.smallest_shift();
+    let found = interior_point::solve(
+        &SolveTask {
+            layout: &shifted,
+            relative_gap: 1e-4,
+            objective_unit: 1e-6,
+            ..*task
+        },
+        cold_start(&shifted, 1.0),
+        None,
+    );
+    let iterations = stalled.iterations + found.iterations;
+    let mut outcome = SolverExit {
+        iterations,
+        ..stalled.clone()
+    };
+    if found.termination == Termination::Cancelled {
+        outcome.termination = Termination::Cancelled;
+        return Some(outcome);
+    }
+    if let Some(ray) = ray::accepted(layout, &found.point.z[..layout.length]) {
+        outcome.termination = Termination::Infeasible;
+        outcome.point.z = ray;
+        return Some(outcome);
+    }
+    let start = feasible_start(layout, &found.point.y[..layout.cost.len()])?;
+    let mut outcome = interior_point::solve(task, start, trail);
+    outcome.iterations += iterations;
+    Some(outcome)
+}
+
+/// A condition without unknowns that does not hold: the eigenvector makes the ray.
+fn contradicted(
+    problem: &Semidefinite,
+    cone: usize,
+    direction: &[f64],
+    begin: Instant,
+) -> Solution {
+    let mut duals = zero_duals(problem);
+    for column in 0..direction.len() {
+        for row in 0..=column {
+            duals[cone][svec_index(row, column)] = direction[row] * direction[column];
+        }
+    }
+    let form = |entry: &crate::lmi::Entry| {
+        let count = if entry.row == entry.column { 1.0 } else { 2.0 };
+        count * entry.value * duals[cone][svec_index(entry.row, entry.column)]
+    };
+    let strength = -problem.cones[cone].constant.iter().map(form).sum::<f64>();
+    duals[cone].iter_mut().for_each(|entry| *entry /= strength);
+    Solution {
+        status: Status::Infeasible,
+        status_text: "Infeasible".to_string(),
+        values: vec![0.0; problem.cost.len()],
+        duals,
+        objective: f64::NAN,
+        iterations: 0,
+        seconds: begin.elapsed().as_secs_f64(),
+    }
+}
+
+fn solution(
+    problem: &Semidefinite,
+    layout: &Layout,
+    outcome: SolverExit,
+    begin: Instant,
+) -> Solution {
+    let (status, text) = match outcome.termination {
+        Termination::Solved => (Status::Solved, "Solved".to_string()),
+        Termination::Reduced(why) => (Status::Inaccurate, format!("ReducedAccuracy: {why}")),
+        Termination::Infeasible => (Status::Infeasible, "Infeasible".to_string()),
+        Termination::Unbounded => (Status::Unbounded, "Unbounded".to_string()),
+        Termination::Stalled(why) => (Status::Failed, format!("Stalled: {why}")),
+        Termination::Cancelled => (Status::Cancelled, "Cancelled".to_string()),
+    };
+    let objective = match status {
+        Status::Infeasible | Status::Unbounded => f64::NAN,
+        _ => outcome.measures.objective * layout.objective_unit + problem.offset,
+    };
+    let mut duals = layout.duals(&outcome.point.z, problem);
+    if status == Status::Infeasible {
+        // The ray's strength in the problem's own units is one.
+        let strength = layout.objective_unit;
+        let scale = |entry: &mut f64| *entry /= strength;
+        duals.iter_mut().flatten().for_each(scale);
+    }
+    Solution {
+        status,
+        status_text: text,
+        values: layout.values(&outcome.point.y, problem.cost.len()),
+        duals,
+        objective,
+        iterations: outcome.iterations,
+        seconds: begin.elapsed().as_secs_f64(),
+    }
+}

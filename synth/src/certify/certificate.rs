@@ -1,0 +1,95 @@
+//! The numbers of a certificate.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::model::{Mismatch, Model};
+
+/// The gains of one rule, beyond the first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuleGains {
+    /// F_j, m x n.
+    pub gain: DMatrix<f64>,
+    /// N_j, m x n.
+    pub anti_windup: DMatrix<f64>,
+}
+
+/// Slack of the mismatch bound for one end of the sampling interval. Rows: B'Q'v (m), M p (m; left out
+/// where all N_j are equal), x(t_k) (n).
+#[derive(Debug, Clone, PartialEq)]
+pub struct MismatchSlack {
+    /// P_j of every gain, symmetric.
+    pub bounds: Vec<DMatrix<f64>>,
+    /// R, symmetric.
+    pub common: DMatrix<f64>,
+}
+
+/// The numbers of a certificate, exactly as a reader of the file gets them. n states, m inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    /// F, m x n; with several gains the first.
+    pub gain: DMatrix<f64>,
+    /// The other gains; empty for a constant gain.
+    pub further: Vec<RuleGains>,
+    /// Slack for r = 1 and r = 2; empty unless a mismatch above 0 is assumed.
+    pub mismatch: Vec<MismatchSlack>,
+    /// Upsilon, n x n, symmetric.
+    pub trigger_weight: DMatrix<f64>,
+    /// Above 0: the functional of this certificate uses this multiple of Upsilon, which does not
+    /// change the trigger; 1 where there is one certificate.
+    pub trigger_multiple: f64,
+    /// U, n x n, symmetric.
+    pub lyapunov: DMatrix<f64>,
+    /// Y, n x n, symmetric.
+    pub integral_weight: DMatrix<f64>,
+    /// Q, n x n: the multiplier of the plant's equation in descriptor form.
+    pub multiplier: DMatrix<f64>,
+    /// L1, n x n.
+    pub free_state: DMatrix<f64>,
+    /// L2, n x n.
+    pub free_sample: DMatrix<f64>,
+    /// N, m x n.
+    pub anti_windup: DMatrix<f64>,
+    /// Diagonal of M, m entries.
+    pub sector_weight: DVector<f64>,
+    /// xi.
+    pub disturbance_weight: f64,
+    /// gamma.
+    pub gain_bound: f64,
+    /// Claimed bound on sup|y| / sup|tau| from rest; at most gamma.
+    pub guaranteed_gain: f64,
+    /// Claimed radius: every attitude at rest whose error quaternion has a vector part up to this
+    /// norm lies in the certified set. Spacecraft only.
+    pub certified_vector_part: Option<f64>,
+}
+
+impl Certificate {
+    /// Number of gains.
+    pub fn gain_count(&self) -> usize {
+        1 + self.further.len()
+    }
+
+    /// All gains F_j.
+    pub fn gains(&self) -> impl Iterator<Item = &DMatrix<f64>> {
+        std::iter::once(&self.gain).chain(self.further.iter().map(|rule| &rule.gain))
+    }
+
+    /// All anti-windup gains N_j.
+    pub fn anti_windups(&self) -> impl Iterator<Item = &DMatrix<f64>> {
+        std::iter::once(&self.anti_windup).chain(self.further.iter().map(|rule| &rule.anti_windup))
+    }
+
+    /// True when the proof takes rule j of the plant and gain j to have nearly the same weight.
+    /// Otherwise the gains may be weighted in any way at any time.
+    pub fn is_matched(&self, model: &Model) -> bool {
+        matches!(model.file.mismatch, Mismatch::Kappa(_))
+            && self.gain_count() > 1
+            && model.plant.membership_count() == Some(self.gain_count())
+    }
+
+    /// Side of P_j and R: with rows for M p only where the N_j differ.
+    pub fn mismatch_side(&self) -> usize {
+        let (m, n) = self.gain.shape();
+        let equal = self.anti_windups().all(|gain| *gain == self.anti_windup);
+        n + if equal { m } else { 2 * m }
+    }
+}

@@ -1,0 +1,169 @@
+//! Dual weights of the conditions, and which of them fit a model.
+
+use nalgebra::DMatrix;
+
+use crate::conditions::GainPlan;
+use crate::model::{Mismatch, Model};
+
+/// Weight of (18) at one vertex: second moments of (x, v), 2n x 2n, symmetric.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VertexWeight {
+    /// Index of the vertex, from 0.
+    pub vertex: usize,
+    /// The moments.
+    pub moments: DMatrix<f64>,
+}
+
+/// Moments with the held state w = x(t_k).
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldMoments {
+    /// E[v w'], n x n.
+    pub multiplied_held: DMatrix<f64>,
+    /// E[x(t_k^l) w'], n x n.
+    pub sample_held: DMatrix<f64>,
+    /// E[w w'], n x n, symmetric.
+    pub held: DMatrix<f64>,
+}
+
+/// Moments with the dead zone p, for given gains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeadZoneMoments {
+    /// E[v p'], n x m.
+    pub multiplied: DMatrix<f64>,
+    /// E[w p'], n x m.
+    pub held: DMatrix<f64>,
+    /// E[p p'], m x m, symmetric.
+    pub own: DMatrix<f64>,
+}
+
+/// Weights of (18) at one end of the sampling interval. n states, m inputs, d disturbances.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moments {
+    /// One weight for each vertex that matters; those left out have weight 0.
+    pub vertices: Vec<VertexWeight>,
+    /// E[x x(t_k^l)'], n x n.
+    pub state_sample: DMatrix<f64>,
+    /// E[v x(t_k^l)'], n x n; `None` when the balance of the multiplier determines it (r = 2 of the first
+    /// gain only).
+    pub multiplied_sample: Option<DMatrix<f64>>,
+    /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
+    pub sample: DMatrix<f64>,
+    /// E[v tau'], n x d.
+    pub multiplied_disturbance: DMatrix<f64>,
+    /// E[tau tau'], d x d, symmetric.
+    pub disturbance: DMatrix<f64>,
+    /// Moments with the held state; `None` stands for w = x(t_k^l) (no trigger error).
+    pub held: Option<HeldMoments>,
+    /// Moments with the dead zone; `None` exactly where the gain is free.
+    pub dead_zone: Option<DeadZoneMoments>,
+}
+
+/// Moments of the integral's coordinate s with the states, r = 2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntegralCross {
+    /// E[x s'], n x n.
+    pub state: DMatrix<f64>,
+    /// E[x(t_k^l) s'], n x n.
+    pub sample: DMatrix<f64>,
+}
+
+/// Weight of one condition (19): `[ state, *; *, unit ]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputWeight {
+    /// n x n, symmetric.
+    pub state: DMatrix<f64>,
+    /// The corner.
+    pub unit: f64,
+}
+
+/// Weight of one condition of the region, with k rows: `[ state, cross; *, unit ]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionWeight {
+    /// n x n, symmetric.
+    pub state: DMatrix<f64>,
+    /// n x k.
+    pub cross: DMatrix<f64>,
+    /// k x k, symmetric.
+    pub unit: DMatrix<f64>,
+}
+
+/// Weights of the conditions of one gain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GainWeights {
+    /// Which of the given gains, from 0; 0 where the gain is free.
+    pub gain: usize,
+    /// Weights of (18), r = 1.
+    pub start: Moments,
+    /// Weights of (18), r = 2.
+    pub end: Moments,
+    /// E[s s'], n x n, symmetric: the integral's coordinate in r = 2.
+    pub integral: DMatrix<f64>,
+    /// Its moments with the states; `None` exactly for the first gain, where the balance of L1h and L2h
+    /// determines them.
+    pub integral_cross: Option<IntegralCross>,
+    /// Weights of (19), one for each input.
+    pub inputs: Vec<InputWeight>,
+}
+
+/// Weights that show that no design exists, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// The given gains F_j, m x n, that no design has; empty: no constant gain has one.
+    pub given: Vec<DMatrix<f64>>,
+    /// The weight rho of the containment condition; above 0. Without effect when the model has no
+    /// states that must be contained.
+    pub containment_weight: f64,
+    /// Weights of the conditions of each gain that matters: at least one, and exactly one where the gain is
+    /// free.
+    pub gains: Vec<GainWeights>,
+    /// Weights of the region's conditions, in their order.
+    pub region: Vec<RegionWeight>,
+    /// Weights of the containment conditions, n x n, symmetric, one for each state; empty where the rest is
+    /// refuted already, which covers every rho.
+    pub must_contain: Vec<DMatrix<f64>>,
+}
+
+impl Weights {
+    /// True when the model's conditions hold for rule i of the plant with gain i, not for every vertex
+    /// with every gain.
+    pub fn is_matched(&self, model: &Model) -> bool {
+        matches!(model.file.mismatch, Mismatch::Kappa(_))
+            && self.given.len() > 1
+            && model.plant.membership_count() == Some(self.given.len())
+    }
+
+    /// Every weight belongs to a condition that there is, and the parts that are determined or without
+    /// meaning are left out.
+    pub(super) fn fits(&self, model: &Model) -> bool {
+        let free = self.given.is_empty();
+        // Weights about a free gain say nothing about scheduled ones.
+        let constant = model.task().gains == GainPlan::constant();
+        let matched = self.is_matched(model);
+        let known = |part: &GainWeights| match free {
+            true => part.gain == 0,
+            false => part.gain < self.given.len(),
+        };
+        let pairs = |part: &GainWeights| {
+            let mut vertices = part.start.vertices.iter().chain(&part.end.vertices);
+            !matched || vertices.all(|weight| weight.vertex == part.gain)
+        };
+        let dead_zone = |part: &GainWeights| {
+            let ends = [&part.start, &part.end];
+            ends.iter().all(|end| end.dead_zone.is_none() == free)
+        };
+        let count = self.gains.len();
+        count > 0
+            && (!free || (count == 1 && constant))
+            && self.gains.iter().enumerate().all(|(index, part)| {
+                let first = index == 0;
+                let given = part.end.multiplied_sample.is_some();
+                let determinable = first && (free || part.end.held.is_some());
+                known(part)
+                    && pairs(part)
+                    && dead_zone(part)
+                    && part.integral_cross.is_none() == first
+                    && part.start.multiplied_sample.is_some()
+                    && (given || determinable)
+            })
+    }
+}

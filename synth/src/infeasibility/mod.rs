@@ -1,0 +1,6 @@
+//! Infeasibility certificates: the files that prove that no design exists.
+
+mod convert;
+mod file;
+
+pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};

@@ -1,0 +1,147 @@
+//! Ranges of single numbers, counts and matrices.
+
+use nalgebra::{DMatrix, Matrix3};
+
+use super::ModelError;
+
+/// Limits that keep a mistyped file from filling the memory.
+pub(super) const MAX_STATES: usize = 24;
+
+pub(super) const MAX_VERTICES: usize = 4096;
+
+/// The most columns of a matrix, or rows of an output.
+pub const MAX_COLUMNS: usize = 24;
+
+/// The most bounds, states or points in a list.
+pub const MAX_BOUNDS: usize = 256;
+
+fn out_of_range(field: &str, value: f64, allowed: &str) -> ModelError {
+    ModelError::OutOfRange {
+        field: field.to_string(),
+        value,
+        allowed: allowed.to_string(),
+    }
+}
+
+pub(super) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
+    if ok && value.is_finite() {
+        Ok(())
+    } else {
+        Err(out_of_range(field, value, allowed))
+    }
+}
+
+/// Refuses numbers that are not finite or so large or small that squares overflow or vanish.
+pub fn finite(field: &str, value: f64) -> Result<(), ModelError> {
+    let allowed = "0 or a number of magnitude 1e-30 to 1e30";
+    let magnitude = value.abs();
+    let ok = value == 0.0 || (1e-30..=1e30).contains(&magnitude);
+    require(ok, field, value, allowed)
+}
+
+/// Refuses numbers that are not above 0, and those that [`finite`] refuses.
+pub fn check_positive(field: &str, value: f64) -> Result<(), ModelError> {
+    require(value > 0.0, field, value, "above 0")?;
+    finite(field, value)
+}
+
+/// Refuses numbers below 0, and those that [`finite`] refuses.
+pub fn check_not_negative(field: &str, value: f64) -> Result<(), ModelError> {
+    require(value >= 0.0, field, value, "0 or above")?;
+    finite(field, value)
+}
+
+/// Refuses what would break the lines of a report.
+pub fn check_line(field: &str, text: &str) -> Result<(), ModelError> {
+    match text.chars().position(char::is_control) {
+        Some(position) => Err(ModelError::ControlCharacter {
+            field: field.to_string(),
+            position: position + 1,
+            character: text.chars().nth(position).unwrap_or_default(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses lists longer than the limit.
+pub fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Result<(), ModelError> {
+    if count <= limit {
+        return Ok(());
+    }
+    Err(ModelError::WrongShape {
+        field: field.to_string(),
+        found: format!("{count} {what}"),
+        expected: format!("at most {limit} {what}"),
+    })
+}
+
+/// Rows of equal length, all finite, of the given size (`None`: any above 0).
+pub fn check_matrix(
+    field: &str,
+    rows: &[Vec<f64>],
+    expected: (Option<usize>, Option<usize>),
+) -> Result<DMatrix<f64>, ModelError> {
+    let columns = expected.1.or(rows.first().map(Vec::len)).unwrap_or(0);
+    let wrong = |found: String| ModelError::WrongShape {
+        field: field.to_string(),
+        found,
+        expected: format!("{} x {}", size_word(expected.0), size_word(expected.1)),
+    };
+    if rows.is_empty() || columns == 0 || expected.0.is_some_and(|count| count != rows.len()) {
+        return Err(wrong(format!("{} x {columns}", rows.len())));
+    }
+    if let Some(position) = rows.iter().position(|row| row.len() != columns) {
+        let length = rows[position].len();
+        return Err(wrong(format!("{length} entries in row {}", position + 1)));
+    }
+    for (r, row) in rows.iter().enumerate() {
+        for (c, &value) in row.iter().enumerate() {
+            finite(&format!("{field}[{r}][{c}]"), value)?;
+        }
+    }
+    Ok(DMatrix::from_fn(rows.len(), columns, |r, c| rows[r][c]))
+}
+
+/// Refuses a square matrix that does not equal its transpose exactly.
+pub fn check_symmetric(field: &str, matrix: &DMatrix<f64>) -> Result<(), ModelError> {
+    for row in 0..matrix.nrows() {
+        for column in row + 1..matrix.ncols() {
+            let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
+            if value != mirrored {
+                return Err(ModelError::NotSymmetric {
+                    field: field.to_string(),
+                    row: row + 1,
+                    column: column + 1,
+                    value,
+                    mirrored,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a square matrix that is not symmetric or whose smallest eigenvalue is not clearly above 0.
+pub fn check_positive_definite(field: &str, matrix: &DMatrix<f64>) -> Result<(), ModelError> {
+    check_symmetric(field, matrix)?;
+    let eigenvalues = matrix.symmetric_eigenvalues();
+    let smallest = eigenvalues.min();
+    if smallest <= 1e-12 * eigenvalues.max().abs() {
+        return Err(ModelError::NotPositiveDefinite {
+            field: field.to_string(),
+            smallest,
+        });
+    }
+    Ok(())
+}
+
+fn size_word(size: Option<usize>) -> String {
+    size.map_or("at least 1".to_string(), |size| size.to_string())
+}
+
+pub(super) fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
+    let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+    let inertia = check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
+    check_positive_definite(field, &inertia)?;
+    Ok(Matrix3::from_fn(|r, c| rows[r][c]))
+}

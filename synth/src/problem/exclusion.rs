@@ -1,0 +1,114 @@
+//! Proofs that a design problem has no solution.
+
+use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
+use crate::conditions::state_feedback::{DesignProblem, VertexPlant};
+use sdp::centre::centred;
+use sdp::exclusion::exclude;
+use sdp::lmi::{svec_index, Cone, Semidefinite};
+use sdp::solve::Solution;
+
+/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
+const KEPT: f64 = 0.25;
+
+/// Shares of their mean eigenvalue by which dual matrices are pushed inside their cones.
+const PUSHES: [f64; 4] = [1e-12, 1e-10, 1e-8, 1e-6];
+
+/// Where the conditions have no solution: proved for the numbers of the scaled problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excluded {
+    /// No solution has all scalar unknowns below this in magnitude; infinite when no bound is needed.
+    pub radius: f64,
+    /// What every condition exceeds in such a solution; 0 excludes solutions that are not strict too. Conditions
+    /// without a constant part hold at zero, and only a margin excludes anything.
+    pub margin: f64,
+    /// The largest scalar unknown that any solver returned for the problem or its relaxation, at least 1.
+    pub largest_returned: f64,
+}
+
+/// A radius must exceed what solvers returned by this factor before it counts as no bound at all.
+const RADIUS_FACTOR: f64 = 1e6;
+
+impl Excluded {
+    /// True when the statement needs no bound on the unknowns, or one so far beyond every point that a solver
+    /// returned that it does not matter.
+    pub fn conclusive(&self) -> bool {
+        self.radius == f64::INFINITY || self.radius >= RADIUS_FACTOR * self.largest_returned
+    }
+}
+
+/// Dual weights of the smallest slack as a proof that there is no solution.
+pub(super) fn excluded<P: DesignProblem>(
+    asked: &P,
+    plant: &VertexPlant,
+    smallest_slack: &Program,
+    solution: &Solution,
+    largest_returned: f64,
+) -> Option<Excluded> {
+    let problem = smallest_slack.problem.lower();
+    let excess = solution.objective - SLACK_MARGIN;
+    let targets = [SLACK_MARGIN + KEPT * excess.max(0.0), SLACK_MARGIN];
+    let centres = targets.map(|target| centred(&problem, &solution.duals, -target));
+    let pushes = PUSHES.iter();
+    let pushed = pushes.map(|&push| pushed(&problem, &solution.duals, push));
+    let carried = targets.map(|target| carried_only(&problem, &solution.duals, -target));
+    let centres = centres.into_iter().chain(carried).flatten();
+    let candidates: Vec<_> = centres.chain(pushed).collect();
+    [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
+        let bare = program(asked, plant, ProblemGoal::Margin(margin))
+            .problem
+            .lower();
+        let radii = candidates
+            .iter()
+            .map(|weights| exclude(&bare, weights).radius);
+        let radius = radii.fold(0.0, f64::max);
+        (radius > 0.0).then_some(Excluded {
+            radius,
+            margin,
+            largest_returned,
+        })
+    })
+}
+
+/// The centred weights of the cones that carry the dual solution, zero for all others. A weight that must vanish,
+/// such as that of a bound on the objective, has no middle and would spoil the others'.
+fn carried_only(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Option<Vec<Vec<f64>>> {
+    let trace = |(cone, dual): (&Cone, &Vec<f64>)| -> f64 {
+        (0..cone.side).map(|k| dual[svec_index(k, k)]).sum()
+    };
+    let traces: Vec<f64> = problem.cones.iter().zip(duals).map(trace).collect();
+    let least = NEGLIGIBLE * traces.iter().sum::<f64>();
+    let carries = |index: &usize| traces[*index] > least;
+    let kept: Vec<usize> = (0..traces.len()).filter(carries).collect();
+    let part = Semidefinite {
+        cones: kept
+            .iter()
+            .map(|&index| problem.cones[index].clone())
+            .collect(),
+        ..problem.clone()
+    };
+    let own: Vec<Vec<f64>> = kept.iter().map(|&index| duals[index].clone()).collect();
+    let centred = centred(&part, &own, target)?;
+    let mut out: Vec<Vec<f64>> = duals.iter().map(|dual| vec![0.0; dual.len()]).collect();
+    for (index, weight) in kept.into_iter().zip(centred) {
+        out[index] = weight;
+    }
+    Some(out)
+}
+
+/// The dual matrices with a share of the mean of their eigenvalues added to each.
+fn pushed(problem: &Semidefinite, duals: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
+    let diagonal = |side: usize| (0..side).map(|k| svec_index(k, k));
+    let sides: usize = problem.cones.iter().map(|cone| cone.side).sum();
+    let cones = || problem.cones.iter().zip(duals);
+    let traces = cones().flat_map(|(cone, dual)| diagonal(cone.side).map(|k| dual[k]));
+    let push = share * traces.sum::<f64>() / sides as f64;
+    let one = |(cone, dual): (&Cone, &Vec<f64>)| {
+        let mut out = dual.clone();
+        diagonal(cone.side).for_each(|k| out[k] += push);
+        out
+    };
+    cones().map(one).collect()
+}
+
+/// Cones whose dual matrix has less than this part of all traces carry nothing.
+const NEGLIGIBLE: f64 = 1e-5;

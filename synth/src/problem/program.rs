@@ -1,0 +1,102 @@
+//! A design problem as a semidefinite program.
+
+use super::checked::Problem;
+use super::{with_problem, DesignTask};
+use crate::conditions::state_feedback::{DesignProblem, Hatted, VertexPlant};
+use sdp::lmi::{self, Affine, Semidefinite, Strictness, Unknowns};
+use sdp::solve::Accuracy;
+
+/// Margin of every strict inequality in the first solve, in scaled units.
+const MARGIN: f64 = 1e-6;
+
+/// Unit of the margin that the second solve maximises.
+const MARGIN_UNIT: f64 = 1e-3;
+
+/// Margin that is asked for where the smallest slack is sought, in scaled units.
+pub(super) const SLACK_MARGIN: f64 = 1e-2;
+
+/// Which optimum is sought.
+#[derive(Clone, Copy)]
+pub(super) enum ProblemGoal {
+    SmallestObjective,
+    LargestMargin {
+        objective: f64,
+    },
+    SmallestSlack,
+    /// No optimum: the conditions with this margin.
+    Margin(f64),
+}
+
+impl ProblemGoal {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            ProblemGoal::SmallestObjective => "smallest objective",
+            ProblemGoal::LargestMargin { .. } => "largest margin",
+            ProblemGoal::SmallestSlack => "smallest slack",
+            ProblemGoal::Margin(_) => "margin",
+        }
+    }
+
+    pub(super) fn accuracy(self) -> Accuracy {
+        let (relative_gap, objective_unit) = match self {
+            ProblemGoal::SmallestObjective => (1e-8, 1e-3),
+            ProblemGoal::LargestMargin { .. } => (1e-2, 1.0),
+            ProblemGoal::SmallestSlack | ProblemGoal::Margin(_) => (1e-6, SLACK_MARGIN),
+        };
+        Accuracy {
+            relative_gap,
+            objective_unit,
+        }
+    }
+}
+
+/// A problem for a solver, with handles on its unknowns.
+pub(super) struct Program {
+    pub(super) problem: lmi::LmiProblem,
+    pub(super) hatted: Hatted,
+}
+
+/// States a problem in the units of `plant`.
+pub(super) fn program<P: DesignProblem>(
+    asked: &P,
+    plant: &VertexPlant,
+    goal: ProblemGoal,
+) -> Program {
+    let mut unknowns = Unknowns::new();
+    let mut hatted = Hatted::new::<P>(&mut unknowns, plant);
+    let (strictness, objective) = match goal {
+        ProblemGoal::SmallestObjective => (Strictness::fixed(MARGIN), hatted.objective.clone()),
+        ProblemGoal::Margin(margin) => (Strictness::fixed(margin), hatted.objective.clone()),
+        ProblemGoal::LargestMargin { objective } => {
+            let margin = unknowns.scalar("margin");
+            hatted.objective = Affine::identity(1, objective);
+            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        ProblemGoal::SmallestSlack => {
+            let slack = unknowns.scalar("slack");
+            let margin = Affine::identity(1, SLACK_MARGIN) - slack.clone();
+            (Strictness::unknown(margin), slack)
+        }
+    };
+    let conditions = asked.conditions(plant, &hatted, &strictness);
+    Program {
+        problem: lmi::LmiProblem {
+            unknowns,
+            objective,
+            conditions,
+        },
+        hatted,
+    }
+}
+
+/// The first problem that is solved, lowered, in its scaled units.
+pub fn first_program(problem: &Problem) -> Semidefinite {
+    fn lowered<P: DesignProblem>(asked: &P, plant: &VertexPlant) -> Semidefinite {
+        let units = asked.units(plant);
+        let (asked, plant) = (asked.in_units(&units), plant.in_units(&units));
+        program(&asked, &plant, ProblemGoal::SmallestObjective)
+            .problem
+            .lower()
+    }
+    with_problem!(&problem.task, asked => lowered(asked, &problem.plant))
+}

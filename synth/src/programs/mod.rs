@@ -1,0 +1,25 @@
+//! The semidefinite programs of a synthesis: stated, solved and recorded, and the words for what comes of them.
+//!
+//! Below both [`feasibility`](crate::feasibility) and [`synthesis`](crate::synthesis), which use each program
+//! in their own order.
+
+mod active;
+mod assemble;
+mod outcome;
+mod request;
+mod session;
+mod solver;
+mod units;
+
+pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
+pub use outcome::{
+    Answer, Cancelled, Decision, Infeasible, Outcome, Sensitivity, Shortfall, SynthesisError,
+    Synthesized,
+};
+pub use units::{scaled_task, FIRST_UNITS};
+
+pub(crate) use assemble::{bounded_trigger_weight, full_decrease};
+pub(crate) use request::{ConditionSubset, DesignRequest};
+pub(crate) use session::Session;
+pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, SolveRequest};
+pub(crate) use units::{containment_weights, scaled, CONTAINMENT_WEIGHTS, STATE_UNITS};

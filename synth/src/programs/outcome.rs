@@ -1,0 +1,167 @@
+//! What a synthesis and a feasibility check may come to.
+
+use crate::certify::infeasible::Limit;
+use crate::certify::{Report, Verdict};
+use crate::design::{DesignFile, SolverRun};
+use crate::infeasibility::InfeasibilityFile;
+use crate::model::ModelError;
+use crate::optimality::Optimality;
+use sdp::solve::SolveError;
+
+/// A design and how it was found.
+#[derive(Debug, Clone)]
+pub struct Synthesized {
+    /// The file, with its verdict.
+    pub file: DesignFile,
+    /// The check of the file's numbers.
+    pub report: Report,
+    /// Time spent in solvers (s).
+    pub solve_seconds: f64,
+    /// The objective beside the best one that a solver reported.
+    pub optimality: Option<Optimality>,
+}
+
+/// What synthesis found.
+#[derive(Debug, Clone)]
+pub enum Outcome {
+    /// A design; its report says whether it is proved.
+    Solved(Box<Synthesized>),
+    /// No design exists: proved.
+    Infeasible(Decision),
+    /// Neither a design nor its impossibility is proved.
+    Undecided(Decision),
+    /// The solvers gave up on every attempt.
+    SolverFailed(Decision),
+}
+
+/// The observer asked to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// Why synthesis could not run at all.
+#[derive(Debug, thiserror::Error)]
+pub enum SynthesisError {
+    /// Stopped by the observer.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The solver refused the problem.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The recovered numbers are not a valid design file.
+    #[error("the recovered design is not valid: {0}")]
+    Invalid(#[from] ModelError),
+}
+
+impl Outcome {
+    /// True for a proved design and for a proof that there is none.
+    pub fn is_proved(&self) -> bool {
+        self.rank() >= 3
+    }
+
+    /// The more is proved, the higher.
+    pub(crate) fn rank(&self) -> u8 {
+        match self {
+            Outcome::Solved(design) if design.report.verdict == Verdict::Proved => 4,
+            Outcome::Infeasible(_) => 3,
+            Outcome::Undecided(_) => 2,
+            Outcome::Solved(_) => 1,
+            Outcome::SolverFailed(_) => 0,
+        }
+    }
+
+    pub(crate) fn runs(&self) -> &[SolverRun] {
+        match self {
+            Outcome::Solved(design) => &design.file.provenance.solver_runs,
+            Outcome::Infeasible(decision)
+            | Outcome::Undecided(decision)
+            | Outcome::SolverFailed(decision) => &decision.runs,
+        }
+    }
+
+    /// The outcome with the runs of another one before its own.
+    pub(crate) fn after(mut self, other: &Outcome) -> Self {
+        let all: Vec<SolverRun> = other.runs().iter().chain(self.runs()).cloned().collect();
+        let seconds = all.iter().map(|run| run.seconds).sum();
+        match &mut self {
+            Outcome::Solved(design) => {
+                design.solve_seconds = seconds;
+                design.file.provenance.solver_runs = all;
+            }
+            Outcome::Infeasible(decision)
+            | Outcome::Undecided(decision)
+            | Outcome::SolverFailed(decision) => {
+                decision.solve_seconds = seconds;
+                decision.runs = all;
+            }
+        }
+        self
+    }
+}
+
+/// Proved weights, and what they leave open.
+#[derive(Debug, Clone)]
+pub struct Infeasible {
+    /// The file that proves it.
+    pub file: InfeasibilityFile,
+    /// No design exists whose multiplier Qh has all entries (SI units) within this bound; the largest
+    /// double when none is needed.
+    pub bound: f64,
+    /// The designs that are not covered; none in a proof that no design exists.
+    pub limits: Vec<Limit>,
+}
+
+/// The answer.
+#[derive(Debug, Clone)]
+pub enum Answer {
+    /// A design exists: this one is proved. Its gain is not the smallest.
+    Feasible(Box<Synthesized>),
+    /// No design exists: proved.
+    Infeasible(Box<Infeasible>),
+    /// Neither is proved; with what was proved about a part of the designs.
+    Undecided(Option<Box<Infeasible>>),
+}
+
+/// The answer and what is known beside it.
+#[derive(Debug, Clone)]
+pub struct Decision {
+    /// The answer.
+    pub answer: Answer,
+    /// The smallest slack t with which every condition but the gain's holds, in scaled units, where
+    /// the solver found it: an estimate, not proved. Above 0 they cannot hold with the margin of the
+    /// model.
+    pub slack: Option<f64>,
+    /// The conditions with the largest share of the dual solution: those that block, when t is
+    /// above 0.
+    pub blocking: Vec<(String, f64)>,
+    /// What a search reached instead, where there was one.
+    pub shortfall: Option<Box<Shortfall>>,
+    /// Time spent in solvers (s).
+    pub solve_seconds: f64,
+    /// The solver's runs.
+    pub runs: Vec<SolverRun>,
+}
+
+/// What a search reached where that is not what was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shortfall {
+    /// Why, in one sentence with its numbers.
+    pub reason: String,
+    /// The largest scale s so that s times every state asked for is in a set that is proved.
+    pub scale: Option<f64>,
+    /// The angle there, the smallest over states that are attitudes at rest (deg).
+    pub angle_deg: Option<f64>,
+    /// What would change the outcome most, largest first.
+    pub limits: Vec<Sensitivity>,
+}
+
+/// How the outcome depends on a number: by how much per cent it gets better when the number grows by 1 %.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// The number, with its unit.
+    pub what: String,
+    /// Its value.
+    pub value: f64,
+    /// Per cent per per cent: of the scale for a region, of 1/gain for a gain. Below 0: it gets worse.
+    pub per_cent: f64,
+}

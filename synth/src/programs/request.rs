@@ -1,0 +1,137 @@
+//! What is designed for, and the files that say so.
+
+use nalgebra::DMatrix;
+
+use super::assemble::Form;
+use super::outcome::{SynthesisError, Synthesized};
+use super::solver::{generator, now, sha256_of};
+use crate::certify::theorem1::Certificate;
+use crate::certify::Verdict;
+use crate::conditions::Task;
+use crate::design::{
+    CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits, Provenance, VerdictFile,
+    DESIGN_SCHEMA_VERSION,
+};
+use crate::model::{Model, Objective};
+
+/// A model, its file's text and the form of its problem.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DesignRequest<'a> {
+    pub model: &'a Model,
+    pub model_text: &'a str,
+    /// The task in SI units: the model's, or another with given gains.
+    pub task: &'a Task,
+    /// The given gains that the answer is about (SI units, m x n each); none where gains are sought.
+    pub given: &'a [DMatrix<f64>],
+    /// The part of them, and of the model's vertices, that the task has.
+    pub part: ConditionSubset<'a>,
+    /// The text of the file that the gains come from.
+    pub gains_text: Option<&'a str>,
+    pub form: Form,
+}
+
+/// Which of the given gains and of the model's vertices a task has, in its order.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ConditionSubset<'a> {
+    /// Indices of gains, from 0.
+    pub gains: &'a [usize],
+    /// Indices of vertices, from 0; `None`: all of them.
+    pub vertices: Option<&'a [usize]>,
+}
+
+impl ConditionSubset<'_> {
+    /// One gain, all vertices.
+    pub const FIRST: ConditionSubset<'static> = ConditionSubset {
+        gains: &[0],
+        vertices: None,
+    };
+}
+
+impl<'a> DesignRequest<'a> {
+    /// A model whose gains are sought.
+    pub fn of_model(model: &'a Model, model_text: &'a str, task: &'a Task, form: Form) -> Self {
+        DesignRequest {
+            model,
+            model_text,
+            task,
+            given: &[],
+            part: ConditionSubset::FIRST,
+            gains_text: None,
+            form,
+        }
+    }
+}
+
+impl DesignRequest<'_> {
+    /// Puts a design file together and checks what a reader of its text would get.
+    pub fn design(
+        &self,
+        certificate: &Certificate,
+        units: ProblemUnits,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
+        self.checked(certificate, None, self.provenance(units))
+    }
+
+    /// The same with a second certificate for the same controller.
+    pub fn design_of_two(
+        &self,
+        inner: &Certificate,
+        (outer, coupling): (OuterFile, Coupling),
+        units: ProblemUnits,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
+        let mut provenance = self.provenance(units);
+        provenance.coupling = Some(coupling);
+        self.checked(inner, Some(outer), provenance)
+    }
+
+    fn checked(
+        &self,
+        certificate: &Certificate,
+        outer: Option<OuterFile>,
+        provenance: Provenance,
+    ) -> Result<Box<Synthesized>, SynthesisError> {
+        let (controller, certificate) = CertificateFile::split(certificate);
+        let mut model = self.model.file.clone();
+        // One certificate is no proof of what the objective asks of two.
+        if outer.is_none() && model.specs.objective == Objective::Both {
+            model.specs.objective = Objective::Gain;
+        }
+        let mut file = DesignFile {
+            schema_version: DESIGN_SCHEMA_VERSION,
+            name: self.model.file.name.clone(),
+            model,
+            controller,
+            certificate,
+            outer,
+            verdict: VerdictFile {
+                verdict: Verdict::NotProved,
+                conditions: Vec::new(),
+                not_covered: Vec::new(),
+            },
+            provenance,
+        };
+        let report = file.verify(self.model)?;
+        file.verdict = VerdictFile::new(&report);
+        Ok(Box::new(Synthesized {
+            file,
+            report,
+            solve_seconds: 0.0,
+            optimality: None,
+        }))
+    }
+
+    /// Who made a file from which model and when.
+    pub fn provenance(&self, problem: ProblemUnits) -> Provenance {
+        Provenance {
+            generator: generator(),
+            model_sha256: sha256_of(self.model_text),
+            date: now(),
+            gains_sha256: self.gains_text.map(sha256_of),
+            form: self.form.name().to_string(),
+            problem,
+            coupling: None,
+            search: None,
+            solver_runs: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! From a model to a proved design.
+
+mod cross_check;
+mod parameter_search;
+mod run;
+mod two_certificates;
+
+pub use cross_check::{cross_check, Candidate, CrossCheck, SolverOptimum};
+pub use parameter_search::reached;
+pub use run::{analyse, synthesize};
+pub use two_certificates::{coupled_problem, synthesize_both, BothOutcome, Choice, Tried};
+
+pub use crate::programs::{
+    assemble, assemble_at, scaled_task, Assembled, Cancelled, Form, Goal, Outcome, Sensitivity,
+    Shortfall, SynthesisError, Synthesized, FIRST_UNITS,
+};

@@ -1,0 +1,364 @@
+//! One point of the search: a semidefinite program, its value, and how the value changes with the parameters.
+
+use nalgebra::DMatrix;
+
+use super::parameters::{Parameter, Space};
+use super::progress::SearchProgress;
+use crate::conditions::xu2020::Coverage;
+use crate::conditions::Task;
+use crate::model::{Model, ModelFile};
+use crate::programs::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
+use crate::scaling::Scaling;
+use sdp::lmi::{svec_index, Entry, Semidefinite};
+use sdp::solve::{Backend, Solution, Status};
+
+/// A change of one number of a model file.
+pub type Turn = dyn Fn(&mut ModelFile, f64);
+
+/// What is sought at every point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Aim {
+    /// The largest scale of the sets to be grown.
+    Reach {
+        /// The sets to be grown, SI units.
+        grown: Vec<DMatrix<f64>>,
+        /// Largest gain bound, if any.
+        gamma_max: Option<f64>,
+        /// Largest guaranteed gain, if any.
+        gain_max: Option<f64>,
+    },
+    /// The smallest guaranteed gain.
+    Gain,
+}
+
+/// The program that is solved at every point.
+pub struct Inner<'a> {
+    /// What is varied.
+    pub space: &'a Space,
+    /// What is sought.
+    pub aim: &'a Aim,
+    /// Sets to be covered as they are, SI units.
+    pub covered: &'a [DMatrix<f64>],
+    /// Units, the same at every point.
+    pub scaling: &'a Scaling,
+    /// The solver.
+    pub backend: &'a (dyn Backend + Sync),
+    /// Who is told and may stop it.
+    pub watch: &'a SearchProgress,
+}
+
+/// What the program gave at a point.
+#[derive(Debug, Clone)]
+pub struct Value {
+    /// ln of the scale, or -ln of the guaranteed gain: to be maximised.
+    pub height: f64,
+    /// Its derivatives along the coordinates.
+    pub slope: Vec<f64>,
+    /// P = Uh^-1 Qh there, SI units.
+    pub linearisation: DMatrix<f64>,
+    /// The conditions' shares of the dual solution.
+    pub blocking: Vec<(String, f64)>,
+}
+
+/// Least margin of the strict inequalities in the search for a region, in scaled units: a large set has entries
+/// of very different sizes in one condition, in which the model's own margin may be lost.
+pub const REGION_MARGIN: f64 = 1e-4;
+
+/// Step of the coordinates in the derivatives.
+const STEP: f64 = 1e-6;
+
+impl Inner<'_> {
+    /// The task of a model, in scaled units, linearised about P.
+    fn task(&self, file: ModelFile, linearisation: &DMatrix<f64>) -> Option<Task> {
+        let mut task = Model::new(file).ok()?.task();
+        task.specification.must_contain = Vec::new();
+        if let Aim::Reach { .. } = self.aim {
+            let margin = &mut task.specification.margin;
+            *margin = margin.max(REGION_MARGIN);
+        }
+        task.coverage = Some(Coverage {
+            linearisation: linearisation.clone(),
+            covered: self.covered.to_vec(),
+            grown: match self.aim {
+                Aim::Reach { grown, .. } => grown.clone(),
+                Aim::Gain => Vec::new(),
+            },
+        });
+        Some(self.scaling.apply(&task))
+    }
+
+    /// The optimum sought for a task, with the bounds on the gain multiplied by `factor`.
+    fn goal(&self, task: &Task, factor: f64) -> Goal {
+        match *self.aim {
+            Aim::Gain => Goal::SmallestPeak,
+            Aim::Reach { .. } => Goal::LargestReach {
+                peak: self.peak_bound(task).map(|peak| peak * factor),
+            },
+        }
+    }
+
+    /// The largest g that meets the bounds on the gain, whatever xi <= xi_max.
+    pub fn peak_bound(&self, task: &Task) -> Option<f64> {
+        let Aim::Reach {
+            gamma_max,
+            gain_max,
+            ..
+        } = *self.aim
+        else {
+            return None;
+        };
+        let implied = gain_max.map(|gain| gain * gain / weight_max(task));
+        gamma_max.into_iter().chain(implied).reduce(f64::min)
+    }
+
+    fn program(
+        &self,
+        file: ModelFile,
+        linearisation: &DMatrix<f64>,
+        factor: f64,
+    ) -> Option<Semidefinite> {
+        let task = self.task(file, linearisation)?;
+        let problem = assemble(&task, Form::Slack, self.goal(&task, factor)).problem;
+        Some(problem.lower())
+    }
+
+    /// Solves at a point; `None` where there is no solution.
+    pub fn solve(
+        &self,
+        point: &[f64],
+        linearisation: &DMatrix<f64>,
+    ) -> Result<Option<Value>, SynthesisError> {
+        let Some(solved) = self.solved(point, linearisation)? else {
+            return Ok(None);
+        };
+        let values = &solved.solution.values;
+        let lyapunov = solved.assembled.design.lyapunov.value(values);
+        let multiplier = solved.assembled.design.multiplier.value(values);
+        let Some(inverse) = lyapunov.try_inverse() else {
+            return Ok(None);
+        };
+        let d = DMatrix::from_diagonal(&self.scaling.state);
+        let d_inverse = DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit));
+        Ok(Some(Value {
+            height: solved.height,
+            slope: self.slope(point, linearisation, &solved),
+            linearisation: d_inverse * inverse * multiplier * d,
+            blocking: blocking(&solved.assembled.problem.conditions, &solved.solution),
+        }))
+    }
+
+    fn solved(
+        &self,
+        point: &[f64],
+        linearisation: &DMatrix<f64>,
+    ) -> Result<Option<Solved>, SynthesisError> {
+        let Some(task) = self.task(self.space.at(point), linearisation) else {
+            return Ok(None);
+        };
+        let goal = self.goal(&task, 1.0);
+        let assembled = assemble(&task, Form::Slack, goal);
+        let program = assembled.problem.lower();
+        let accuracy = goal.accuracy(&task);
+        let solution = self
+            .backend
+            .solve(&program, accuracy, Some(self.watch.inner()))?;
+        self.watch.solved()?;
+        if !matches!(solution.status, Status::Solved | Status::Inaccurate) {
+            return Ok(None);
+        }
+        let (height, per_objective) = match self.aim {
+            Aim::Reach { .. } => {
+                let squared = -solution.objective;
+                (0.5 * squared.ln(), -0.5 / squared)
+            }
+            Aim::Gain => {
+                let peak = solution.objective;
+                (-0.5 * (peak * weight_max(&task)).ln(), -0.5 / peak)
+            }
+        };
+        Ok(height.is_finite().then_some(Solved {
+            assembled,
+            program,
+            solution,
+            height,
+            per_objective,
+        }))
+    }
+
+    /// The optimum v = min c'y s.t. S(y; t) >= 0 has dv/dt = -<Z, dS/dt> with the multipliers Z.
+    fn slope(&self, point: &[f64], linearisation: &DMatrix<f64>, solved: &Solved) -> Vec<f64> {
+        let here = pairing(&solved.program, &solved.solution);
+        let along = |coordinate: usize| {
+            let range = &self.space.ranges[coordinate];
+            let [low, high] = range.coordinates();
+            let step = match point[coordinate] > 0.5 * (low + high) {
+                true => -STEP,
+                false => STEP,
+            };
+            let mut moved = point.to_vec();
+            moved[coordinate] += step;
+            let Some(other) = self.program(self.space.at(&moved), linearisation, 1.0) else {
+                return 0.0;
+            };
+            let change = (pairing(&other, &solved.solution) - here) / step;
+            let explicit = match (self.aim, range.parameter) {
+                (Aim::Gain, Parameter::DisturbanceWeight) => -0.5,
+                _ => 0.0,
+            };
+            explicit - solved.per_objective * change
+        };
+        (0..point.len()).map(along).collect()
+    }
+
+    /// The value's slopes along other numbers of the model, relative: `turn` multiplies one by a factor.
+    pub fn slopes_along(
+        &self,
+        point: &SearchPoint,
+        turns: &[&Turn],
+    ) -> Result<Vec<f64>, SynthesisError> {
+        let linearisation = &point.value.linearisation;
+        let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
+            return Ok(vec![f64::NAN; turns.len()]);
+        };
+        let here = pairing(&solved.program, &solved.solution);
+        let file = self.space.at(&point.coordinates);
+        let xi_max = file.specs.xi_max;
+        let along = |turn: &&dyn Fn(&mut ModelFile, f64)| {
+            let mut turned = file.clone();
+            turn(&mut turned, 1.0 - STEP);
+            let explicit = match self.aim {
+                Aim::Gain if turned.specs.xi_max != xi_max => -0.5,
+                _ => 0.0,
+            };
+            let Some(other) = self.program(turned, linearisation, 1.0) else {
+                return f64::NAN;
+            };
+            let change = -(pairing(&other, &solved.solution) - here) / STEP;
+            explicit - solved.per_objective * change
+        };
+        Ok(turns.iter().map(along).collect())
+    }
+
+    /// The same along the bounds on the gain.
+    pub fn slope_along_gamma(&self, point: &SearchPoint) -> Result<Option<f64>, SynthesisError> {
+        let linearisation = &point.value.linearisation;
+        let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
+            return Ok(None);
+        };
+        let file = self.space.at(&point.coordinates);
+        let here = pairing(&solved.program, &solved.solution);
+        let other = self.program(file, linearisation, 1.0 - STEP);
+        Ok(other
+            .map(|other| solved.per_objective * (pairing(&other, &solved.solution) - here) / STEP))
+    }
+}
+
+/// A program with its solution.
+struct Solved {
+    assembled: Assembled,
+    program: Semidefinite,
+    solution: Solution,
+    height: f64,
+    /// What a change of the optimum does to the height.
+    per_objective: f64,
+}
+
+/// xi_max in SI units.
+fn weight_max(task: &Task) -> f64 {
+    task.specification.disturbance_weight_max * task.disturbance_weight_unit
+}
+
+/// <Z, S(y)> of a program at a solution of another one with the same cones.
+fn pairing(program: &Semidefinite, solution: &Solution) -> f64 {
+    let mut total = 0.0;
+    for (cone, dual) in program.cones.iter().zip(&solution.duals) {
+        let form = |entries: &[Entry]| -> f64 {
+            let terms = entries.iter().map(|entry| {
+                let twice = if entry.row == entry.column { 1.0 } else { 2.0 };
+                twice * entry.value * dual[svec_index(entry.row, entry.column)]
+            });
+            terms.sum()
+        };
+        total += form(&cone.constant);
+        for (unknown, entries) in &cone.coefficients {
+            total += solution.values[*unknown] * form(entries);
+        }
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Plan;
+    use super::*;
+    use sdp::solve::Structured;
+
+    const CART: &str = r#"{
+        "schema_version": 1, "name": "cart",
+        "plant": { "vertices": {
+            "state_matrices": [[[0, 1], [0, 0]], [[0, 1], [0, -0.1]]],
+            "input_matrix": [[0], [1]], "input_limit": [1], "disturbance_bound": 0.02,
+            "box": [{ "row": [1, 0], "bound": 1 }, { "row": [0, 1], "bound": 1 }]
+        } },
+        "specs": {
+            "phi_per_s": 0.1, "hbar_s": 0.05, "nu": 0.05, "xi_max": 100, "objective": "region",
+            "must_contain": [[0.3, 0.1]],
+            "search": { "phi_per_s": [0.01, 1], "nu": [0.01, 0.5] }
+        }
+    }"#;
+
+    fn assert_slopes(aim: &Aim, plan: &Plan, model: &Model) {
+        let watch = SearchProgress::new(None);
+        let backend = Structured::default();
+        let scaling = Scaling::automatic(&model.task().system, 0.5);
+        let inner = Inner {
+            space: &plan.space,
+            aim,
+            covered: &[],
+            scaling: &scaling,
+            backend: &backend,
+            watch: &watch,
+        };
+        let at = plan.space.start();
+        let p = DMatrix::identity(2, 2) * 0.3;
+        let here = inner.solve(&at, &p).unwrap().expect("a solution");
+        for coordinate in 0..at.len() {
+            let height = |step: f64| {
+                let mut moved = at.clone();
+                moved[coordinate] += step;
+                inner.solve(&moved, &p).unwrap().expect("a solution").height
+            };
+            // One-sided where the start lies on a limit.
+            let [low, high] = plan.space.ranges[coordinate].coordinates();
+            let (back, ahead) = (
+                (at[coordinate] - low).min(0.02),
+                (high - at[coordinate]).min(0.02),
+            );
+            let slope = (height(ahead) - height(-back)) / (ahead + back);
+            let error = (slope - here.slope[coordinate]).abs();
+            assert!(
+                error < 0.01 + 0.03 * slope.abs(),
+                "{coordinate}: {slope} {:?}",
+                here.slope
+            );
+        }
+    }
+
+    #[test]
+    fn the_multipliers_give_the_slopes_that_differences_give() {
+        let model = Model::from_json(CART).expect("a valid model");
+        let plan = Plan::of(&model);
+        assert_eq!(plan.space.ranges.len(), 5);
+        assert_slopes(&plan.aim, &plan, &model);
+        assert_slopes(&Aim::Gain, &plan, &model);
+    }
+}
+
+/// A solved point.
+#[derive(Debug, Clone)]
+pub struct SearchPoint {
+    /// Its coordinates.
+    pub coordinates: Vec<f64>,
+    /// What was found there.
+    pub value: Value,
+}

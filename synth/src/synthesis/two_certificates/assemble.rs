@@ -1,0 +1,173 @@
+//! The two certificates as one problem.
+//!
+//! In SI units F = Fh Qh^-T and Upsilon = Qh^-1 Wh Qh^-T are common. The problem stays linear when the
+//! inverse multipliers are proportional, Qh_inner = s^2 Qh_outer, with s the ratio of the sizes of the
+//! two sets. Each certificate is stated in units of its own; the constants below turn the common
+//! unknowns, which are in the outer units, into those of the inner one.
+
+use nalgebra::DMatrix;
+
+use crate::conditions::xu2020::{
+    conditions_without_gain, side_conditions, DesignUnknowns, SectorUnknowns, Strictness,
+};
+use crate::conditions::Task;
+use crate::design::Coupling;
+use crate::programs::{bounded_trigger_weight, full_decrease, Form, Goal, MARGIN_UNIT};
+use crate::reduce::{self, Cliques};
+use crate::scaling::Scaling;
+use sdp::lmi::{Affine, Condition, LmiProblem, Unknowns};
+
+/// A task in units of its own.
+pub(super) struct Scaled {
+    pub task: Task,
+    pub scaling: Scaling,
+}
+
+/// The problem with handles on its unknowns.
+pub(super) struct Coupled {
+    pub problem: LmiProblem,
+    pub inner: DesignUnknowns,
+    pub outer: DesignUnknowns,
+}
+
+/// The unknowns that both certificates share, in the units of one of them.
+struct SharedUnknowns {
+    multiplier: Affine,
+    gain: Affine,
+    trigger_weight: Affine,
+}
+
+impl SharedUnknowns {
+    fn new(unknowns: &mut Unknowns, task: &Task) -> Self {
+        let (states, inputs) = (task.system.states(), task.system.inputs());
+        SharedUnknowns {
+            trigger_weight: unknowns.symmetric("Wh", states),
+            multiplier: unknowns.general("Qh", states, states),
+            gain: unknowns.general("Fh", inputs, states),
+        }
+    }
+
+    /// The same unknowns in the inner units. State units are multiples of the identity.
+    fn in_inner_units(&self, inner: &Scaling, outer: &Scaling, coupling: Coupling) -> Self {
+        let size = inner.state[0] / outer.state[0];
+        let multiplier = (coupling.inner_scale / size).powi(2);
+        let inputs = outer.input.component_div(&inner.input);
+        let gain = DMatrix::from_diagonal(&(inputs * (multiplier * size)));
+        let trigger = (multiplier * size).powi(2) / coupling.trigger_multiple;
+        SharedUnknowns {
+            multiplier: multiplier * &self.multiplier,
+            gain: &gain * &self.gain,
+            trigger_weight: trigger * &self.trigger_weight,
+        }
+    }
+
+    /// The unknowns of one certificate.
+    fn with_own(&self, unknowns: &mut Unknowns, task: &Task, suffix: &str) -> DesignUnknowns {
+        let (states, inputs) = (task.system.states(), task.system.inputs());
+        let named = |name: &str| format!("{name} {suffix}");
+        let sector = SectorUnknowns {
+            anti_windup: unknowns.general(&named("Nh"), inputs, states),
+            weight: unknowns.diagonal(&named("S"), inputs),
+            // Here S stays away from zero: the dead zone is there to be used.
+            row_unit: 1.0,
+        };
+        DesignUnknowns {
+            lyapunov: unknowns.symmetric(&named("Uh"), states),
+            integral_weight: unknowns.symmetric(&named("Yh"), states),
+            free_state: unknowns.general(&named("L1h"), states, states),
+            free_sample: unknowns.general(&named("L2h"), states, states),
+            disturbance_weight: unknowns.scalar(&named("xi")),
+            multiplier: self.multiplier.clone(),
+            gain: self.gain.clone(),
+            trigger_weight: self.trigger_weight.clone(),
+            sector: Some(sector),
+            further: Vec::new(),
+            mismatch: Vec::new(),
+            gain_bound: Affine::identity(1, UNBOUNDED_GAIN),
+        }
+    }
+}
+
+/// The outer certificate's gamma is no requirement; the smallest one is computed from its solution.
+pub(super) const UNBOUNDED_GAIN: f64 = 1e30;
+
+/// States both certificates with the goal for the inner one.
+pub(super) fn assemble(
+    inner: &Scaled,
+    outer: &Scaled,
+    coupling: Coupling,
+    form: Form,
+    goal: Goal,
+) -> Coupled {
+    let mut unknowns = Unknowns::new();
+    let shared = SharedUnknowns::new(&mut unknowns, &outer.task);
+    let own = shared.in_inner_units(&inner.scaling, &outer.scaling, coupling);
+    let mut inner_design = own.with_own(&mut unknowns, &inner.task, "inner");
+    let outer_design = shared.with_own(&mut unknowns, &outer.task, "outer");
+    let margin = inner.task.specification.margin;
+    let (strictness, objective) = match goal {
+        Goal::LargestMargin { gain_bound: bound } | Goal::LargestRoom { peak: bound } => {
+            inner_design.gain_bound = Affine::identity(1, bound);
+            let margin = unknowns.scalar("margin");
+            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
+        }
+        Goal::SmallestGain
+        | Goal::SmallestSlack
+        | Goal::SmallestPeak
+        | Goal::LargestReach { .. } => {
+            let gamma = inner.task.disturbance_weight_unit * unknowns.scalar("gamma");
+            inner_design.gain_bound = gamma.clone();
+            (Strictness::fixed(margin), gamma)
+        }
+    };
+    let mut conditions = named(
+        "inner",
+        side_conditions(&inner.task, &inner_design, &strictness),
+    );
+    let outer_side = conditions_without_gain(&outer.task, &outer_design, &strictness);
+    conditions.extend(named("outer", outer_side));
+    if let Goal::LargestMargin { .. } = goal {
+        conditions.push(bounded_trigger_weight(&outer_design));
+    }
+    for (name, part, design) in [
+        ("inner", inner, &inner_design),
+        ("outer", outer, &outer_design),
+    ] {
+        let own = decrease(&part.task, &mut unknowns, design, &strictness, form);
+        conditions.extend(named(name, own));
+    }
+    Coupled {
+        problem: LmiProblem {
+            unknowns,
+            objective,
+            conditions,
+        },
+        inner: inner_design,
+        outer: outer_design,
+    }
+}
+
+fn decrease(
+    task: &Task,
+    unknowns: &mut Unknowns,
+    design: &DesignUnknowns,
+    strictness: &Strictness,
+    form: Form,
+) -> Vec<Condition> {
+    let all: Vec<usize> = (0..task.system.vertices.len()).collect();
+    let cliques = match form {
+        Form::Reduced => Cliques::Split,
+        Form::Slack => Cliques::Whole,
+        Form::Full => return full_decrease(task, &all, design, strictness),
+    };
+    reduce::decrease_conditions(task, &all, unknowns, design, strictness, cliques)
+}
+
+/// The conditions with the certificate's name before their own.
+fn named(certificate: &str, conditions: Vec<Condition>) -> Vec<Condition> {
+    let renamed = conditions.into_iter().map(|condition| {
+        let name = format!("{certificate} {}", condition.name());
+        Condition::semidefinite(name, condition.expression().clone())
+    });
+    renamed.collect()
+}

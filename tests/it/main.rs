@@ -1,0 +1,41 @@
+//! Every test of the command line and of the simulator: one program, so that it is linked once and shares its designs.
+
+mod common;
+mod support;
+
+mod analyse;
+mod bad_files;
+mod bad_input;
+mod book;
+mod both;
+mod campaign;
+mod campaign_draws;
+mod check;
+mod compare;
+mod export;
+mod exports;
+mod feasibility;
+mod fixtures;
+mod inertia;
+mod lei2022;
+mod lei_conditions;
+mod link;
+mod problems;
+mod readme;
+mod region;
+mod report;
+mod rules;
+mod schema;
+mod simulate;
+mod solve;
+mod sweep;
+mod sweep_files;
+mod sweep_resume;
+mod synthesize;
+mod tune;
+mod undecided;
+mod verify;
+mod wu2018;
+mod xu2020_closed_loop;
+mod xu2020_published;
+mod yang2025;
