@@ -2,11 +2,12 @@
 //! text.
 
 pub mod condition;
-pub mod digest;
+pub mod csv;
 pub mod empty_file;
 pub mod files;
 pub mod number;
 pub mod parquet;
 pub mod plant_model;
+pub mod provenance;
 pub mod ranges;
 pub mod table;

@@ -11,10 +11,11 @@ use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
+use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use synth::model::{write_atomically, FileError};
 
 use super::files::OutputError;
+use super::provenance::GENERATOR;
 
 /// Most rows of a row group.
 const GROUP_ROWS: usize = 65_536;
@@ -105,6 +106,14 @@ impl Column {
     }
 }
 
+/// How every table is written, with what is said about it in the file's metadata.
+pub fn properties(about: Vec<KeyValue>) -> WriterPropertiesBuilder {
+    WriterProperties::builder()
+        .set_created_by(GENERATOR.to_string())
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(about))
+}
+
 /// The file's bytes. `about` are pairs of key and text that stand in the file's metadata, in this order.
 ///
 /// # Errors
@@ -120,11 +129,8 @@ pub fn to_bytes(columns: &[Column], about: &[(&str, String)]) -> Result<Vec<u8>,
     let about = about
         .iter()
         .map(|(key, text)| KeyValue::new(key.to_string(), text.clone()));
-    let properties = WriterProperties::builder()
-        .set_created_by(concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string())
-        .set_compression(Compression::SNAPPY)
+    let properties = properties(about.collect())
         .set_max_row_group_size(GROUP_ROWS)
-        .set_key_value_metadata(Some(about.collect()))
         .build();
     let mut writer = ArrowWriter::try_new(Vec::new(), Arc::clone(&schema), Some(properties))
         .map_err(|error| failed(&error))?;

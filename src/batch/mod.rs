@@ -5,3 +5,4 @@ pub mod comparison;
 pub mod parameter;
 pub mod sweep;
 pub mod tune;
+pub mod watch;

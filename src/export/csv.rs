@@ -2,16 +2,12 @@
 
 use super::design::DesignData;
 use super::quantity::Quantity;
+use crate::base::csv::{to_text, CsvError};
 
 /// Columns of the table.
 pub const COLUMNS: [&str; 7] = [
     "quantity", "matrix", "row", "column", "value", "unit", "text",
 ];
-
-/// The table could not be put together.
-#[derive(Debug, thiserror::Error)]
-#[error("the table cannot be written: {0}")]
-pub struct CsvError(#[from] ::csv::Error);
 
 /// One row for each number, with its place counted from 1, and one for each word of provenance, whose
 /// value is empty. Numbers read back exactly.
@@ -19,23 +15,28 @@ pub struct CsvError(#[from] ::csv::Error);
 /// # Errors
 /// Never for data in memory, as far as is known.
 pub fn design(data: &DesignData) -> Result<String, CsvError> {
-    let mut writer = ::csv::Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS)?;
+    let mut records = vec![COLUMNS.map(str::to_string)];
     for (key, text) in data.about() {
-        writer.write_record([&key, "", "", "", "", "", &text])?;
+        let mut record = std::array::from_fn(|_| String::new());
+        [record[0], record[6]] = [key.to_string(), text.to_string()];
+        records.push(record);
     }
     for quantity in &data.quantities {
         for (place, value) in places(quantity).into_iter().zip(&quantity.values) {
             let [matrix, row, column] = place;
-            let value = value.to_string();
-            let name = &quantity.name;
-            writer.write_record([name, &matrix, &row, &column, &value, &quantity.unit, ""])?;
+            let (name, unit) = (quantity.name.clone(), quantity.unit.clone());
+            records.push([
+                name,
+                matrix,
+                row,
+                column,
+                value.to_string(),
+                unit,
+                String::new(),
+            ]);
         }
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| ::csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    to_text(records)
 }
 
 /// Matrix, row and column of every number, empty where the quantity has none.

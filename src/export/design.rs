@@ -1,7 +1,6 @@
-//! A design as a list of quantities, with its verdict checked anew.
+//! A design as a list of quantities, with its verdict checked again.
 
 use runtime::local_rules::FuzzySet;
-use sha2::{Digest, Sha256};
 use synth::certify::{Report, Verdict};
 use synth::design::CertificateFile;
 use synth::fuzzy::{ExactSpacecraft, RuleModel, SPACECRAFT_VERTICES};
@@ -9,6 +8,7 @@ use synth::model::{Model, Plant};
 use synth::problem::{Problem, ProblemDesignFile};
 
 use super::quantity::Quantity;
+use crate::base::provenance::{sha256_of, GENERATOR};
 use crate::run::design::Design;
 
 const PER_STATE: &str = "input per state";
@@ -49,7 +49,7 @@ impl DesignData {
         if let Some(digest) = &made.gains_sha256 {
             data.provenance.push(("gains_sha256", digest.clone()));
         }
-        data.quantities = flown(design);
+        data.quantities = law_quantities(design);
         data.quantities.extend(proof(design));
         data
     }
@@ -61,9 +61,7 @@ impl DesignData {
         report: &Report,
         text: &str,
     ) -> Self {
-        let digest = Sha256::digest(text.as_bytes());
-        let digest: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        let mut data = Self::new(&file.name, report, &digest);
+        let mut data = Self::new(&file.name, report, &sha256_of(text));
         let meaning = format!("the guaranteed number: {}", problem.task.guarantee());
         data.law = vec![
             "u = F x, saturated where the problem says so.".to_string(),
@@ -92,9 +90,8 @@ impl DesignData {
 
     fn new(name: &str, report: &Report, sha256: &str) -> Self {
         let failed = report.conditions.iter().filter(|one| one.margin < 0.0);
-        let exporter = concat!("steadfast ", env!("CARGO_PKG_VERSION"));
         let mut provenance = vec![
-            ("exported_by", exporter.to_string()),
+            ("exported_by", GENERATOR.to_string()),
             ("design_sha256", sha256.to_string()),
         ];
         if let Some(worst) = report.worst() {
@@ -178,7 +175,7 @@ fn law(design: &Design) -> Vec<String> {
 }
 
 /// What the flight code needs.
-fn flown(design: &Design) -> Vec<Quantity> {
+fn law_quantities(design: &Design) -> Vec<Quantity> {
     let (controller, specs) = (&design.file.controller, &design.model.file.specs);
     let spacecraft = design.model.plant.inertia().is_some();
     let per_state = match spacecraft {

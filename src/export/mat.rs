@@ -6,6 +6,7 @@
 
 use super::design::DesignData;
 use super::quantity::Quantity;
+use crate::base::provenance::GENERATOR;
 
 /// A variable's value.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,11 +60,7 @@ const HEADER_OFFSET: usize = 8;
 /// # Errors
 /// A name that MATLAB does not have, twice the same name, a variable beyond 4 GiB.
 pub fn to_bytes(variables: &[(String, MatValue)]) -> Result<Vec<u8>, MatError> {
-    let mut text = format!(
-        "MATLAB 5.0 MAT-file, written by steadfast {}",
-        env!("CARGO_PKG_VERSION")
-    )
-    .into_bytes();
+    let mut text = format!("MATLAB 5.0 MAT-file, written by {GENERATOR}").into_bytes();
     text.resize(HEADER_TEXT, b' ');
     let mut out = text;
     out.extend([0; HEADER_OFFSET]);

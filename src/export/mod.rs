@@ -2,7 +2,7 @@
 //!
 //! A design becomes a list of [`quantity::Quantity`] with what is to be said of it
 //! ([`design::DesignData`]), a trajectory a table with units ([`trajectory::TrajectoryData`]); [`csv`],
-//! [`mat`], [`c_header`] and [`super::parquet`] write them. Every number is written so that it reads back
+//! [`mat`], [`c_header`] and [`crate::base::parquet`] write them. Every number is written so that it reads back
 //! as the same double.
 
 pub mod c_header;

@@ -1,10 +1,10 @@
 //! A run's trajectory with its units and provenance.
 
 use super::mat::{to_bytes, MatError, MatValue};
-use crate::base::parquet;
-use crate::base::parquet::{Cells, Column, ParquetError};
+use crate::base::parquet::{self, Cells, Column, ParquetError};
+use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
-use crate::run::summary::{RunVerdict, Summary};
+use crate::run::summary::Summary;
 
 /// Endings of columns' names with their units, the longer before the shorter.
 const UNITS: [(&str, &str); 5] = [
@@ -27,9 +27,8 @@ pub struct TrajectoryData {
 impl TrajectoryData {
     /// A trajectory with the summary of its run, where there is one, and the SHA-256 of its file.
     pub fn new(table: Table, summary: Option<&Summary>, sha256: String) -> Self {
-        let exporter = concat!("steadfast ", env!("CARGO_PKG_VERSION"));
         let mut about = vec![
-            ("exported_by", exporter.to_string()),
+            ("exported_by", GENERATOR.to_string()),
             ("trajectory_sha256", sha256),
         ];
         if let Some(summary) = summary {
@@ -98,12 +97,6 @@ pub fn unit(column: &str) -> &'static str {
 }
 
 fn provenance(summary: &Summary) -> Vec<(&'static str, String)> {
-    let verdict = match summary.verdict {
-        RunVerdict::RequirementsMet => "requirements_met",
-        RunVerdict::RequirementsMissed => "requirements_missed",
-        RunVerdict::Diverged => "diverged",
-        RunVerdict::ProofBroken => "proof_broken",
-    };
     let made = &summary.provenance;
     let design = made.design_sha256.clone().unwrap_or("none".to_string());
     vec![
@@ -111,7 +104,7 @@ fn provenance(summary: &Summary) -> Vec<(&'static str, String)> {
         ("source", summary.source.clone()),
         ("system", summary.system.clone()),
         ("controller", summary.controller.clone()),
-        ("verdict", verdict.to_string()),
+        ("verdict", summary.verdict.name().to_string()),
         ("generator", made.generator.clone()),
         ("integrator", made.integrator.clone()),
         ("random_generator", made.random_generator.clone()),

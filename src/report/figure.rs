@@ -2,34 +2,18 @@
 
 use plotters::prelude::*;
 
-use super::html::{escape, put};
+use super::chart::{hexadecimal, reason, svg, Canvas, FigureError, COLOURS};
+use super::html::{legend, Section};
 use super::series::{Line, Mark};
+use crate::base::number::{tick, tick_of_logarithm};
 
 /// Size of a figure, in pixels.
 const SIZE: (u32, u32) = (960, 340);
-/// Share of the value range left free above and below.
+/// Fraction of the value range left free above and below.
 const HEADROOM: f64 = 0.06;
 
-/// Colours that colour-blind readers can tell apart (P. Tol's bright scheme).
-pub const COLOURS: [RGBColor; 6] = [
-    RGBColor(68, 119, 170),
-    RGBColor(238, 102, 119),
-    RGBColor(34, 136, 51),
-    RGBColor(204, 187, 68),
-    RGBColor(102, 204, 238),
-    RGBColor(170, 51, 119),
-];
+/// Colour of limits.
 const LIMIT_COLOUR: RGBColor = RGBColor(120, 120, 120);
-
-/// A figure could not be drawn.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("figure '{title}': {reason}")]
-pub struct FigureError {
-    /// Its title.
-    pub title: String,
-    /// What the drawing library says.
-    pub reason: String,
-}
 
 /// A filled region between two curves.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,20 +66,18 @@ impl Figure {
     /// # Errors
     /// The drawing library's.
     pub fn to_svg(&self) -> Result<String, FigureError> {
-        let mut svg = String::new();
-        self.draw(&mut svg).map_err(|reason| FigureError {
-            title: self.title.clone(),
-            reason,
-        })?;
-        let start = svg.find("<svg").unwrap_or(0);
-        Ok(svg[start..].replacen(
-            "<svg ",
-            &format!(
-                "<svg role=\"img\" aria-label=\"{}\" ",
-                super::html::escape(&self.title)
-            ),
-            1,
-        ))
+        svg(&self.title, "", SIZE, |root| self.draw(root))
+    }
+
+    /// The figure with its title and legend.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn section(&self) -> Result<Section, FigureError> {
+        let svg = self.to_svg()?;
+        Ok(Section::new(&self.title)
+            .with(&legend(self.legend()))
+            .with(&svg))
     }
 
     /// Name and colour (as in HTML) of each line, when there are several.
@@ -113,17 +95,16 @@ impl Figure {
         lines.chain(bands).collect()
     }
 
-    fn draw(&self, svg: &mut String) -> Result<(), String> {
-        let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
-        root.fill(&WHITE).map_err(text)?;
+    fn draw(&self, root: &Canvas) -> Result<(), String> {
+        root.fill(&WHITE).map_err(reason)?;
         let (low, high) = self.range();
         let across = self.across();
-        let mut chart = ChartBuilder::on(&root)
+        let mut chart = ChartBuilder::on(root)
             .margin(12)
             .x_label_area_size(44)
             .y_label_area_size(78)
             .build_cartesian_2d(across.start..across.end, low..high)
-            .map_err(text)?;
+            .map_err(reason)?;
         let logarithmic = self.logarithmic;
         chart
             .configure_mesh()
@@ -135,22 +116,22 @@ impl Figure {
             .x_labels(11)
             .y_labels(7)
             .label_style(("sans-serif", 14))
-            .x_label_formatter(&|value| plain(*value))
+            .x_label_formatter(&|value| tick(*value))
             .y_label_formatter(&|value| {
                 if logarithmic {
-                    power_of_ten(*value)
+                    tick_of_logarithm(*value)
                 } else {
-                    plain(*value)
+                    tick(*value)
                 }
             })
             .draw()
-            .map_err(text)?;
+            .map_err(reason)?;
         for (band, colour) in self.bands.iter().zip(COLOURS.iter().take(1).cycle()) {
             let outline = self.outline(band, low);
             let style = colour.mix(band.strength).filled();
             chart
                 .draw_series(std::iter::once(Polygon::new(outline, style)))
-                .map_err(text)?;
+                .map_err(reason)?;
         }
         let horizontal = self.limits.iter().map(|&limit| {
             let value = self.scaled(limit);
@@ -161,7 +142,7 @@ impl Figure {
             let style = LIMIT_COLOUR.stroke_width(1);
             chart
                 .draw_series(DashedLineSeries::new(ends, 6, 4, style))
-                .map_err(text)?;
+                .map_err(reason)?;
         }
         for (line, colour) in self.lines.iter().zip(COLOURS.iter().cycle()) {
             let points = line.points.iter().map(|&(x, y)| (x, self.scaled(y)));
@@ -169,17 +150,17 @@ impl Figure {
             match line.mark {
                 Mark::Line => {
                     let series = LineSeries::new(points, colour.stroke_width(2));
-                    chart.draw_series(series).map_err(text)?;
+                    chart.draw_series(series).map_err(reason)?;
                 }
                 Mark::Dot => {
                     let dots = points
                         .into_iter()
                         .map(|at| Circle::new(at, 2, colour.filled()));
-                    chart.draw_series(dots).map_err(text)?;
+                    chart.draw_series(dots).map_err(reason)?;
                 }
             }
         }
-        root.present().map_err(text)
+        Ok(())
     }
 
     fn across(&self) -> Horizontal {
@@ -242,88 +223,9 @@ impl Figure {
     }
 }
 
-fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
-}
-
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}
-
-/// A tick's number without the rounding of its multiplication.
-fn plain(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude < 1e-12 {
-        return "0".to_string();
-    }
-    if !(1e-3..1e6).contains(&magnitude) {
-        return format!("{value:.1e}").replace(".0e", "e");
-    }
-    let rounded = format!("{value:.6}");
-    rounded
-        .trim_end_matches('0')
-        .trim_end_matches('.')
-        .to_string()
-}
-
-/// Two significant digits.
-fn power_of_ten(exponent: f64) -> String {
-    let value = 10f64.powf(exponent);
-    if !(1e-3..1e4).contains(&value) {
-        return format!("{value:.1e}").replace(".0e", "e");
-    }
-    let digits = (1 - (exponent + 1e-9).floor() as i32).clamp(0, 6) as usize;
-    plain(format!("{value:.digits$}").parse().unwrap_or(value))
-}
-
-impl Figure {
-    /// Writes the figure with its title and legend.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn write_section(&self, body: &mut String) -> Result<(), FigureError> {
-        let svg = self.to_svg()?;
-        let title = escape(&self.title);
-        put(body, format_args!("<section><h2>{title}</h2>\n"));
-        legend(self, body);
-        put(body, format_args!("{svg}</section>\n"));
-        Ok(())
-    }
-}
-
-fn legend(figure: &Figure, body: &mut String) {
-    let lines = figure.legend();
-    if lines.is_empty() {
-        return;
-    }
-    body.push_str("<p class=\"legend\">");
-    for (name, colour) in lines {
-        put(
-            body,
-            format_args!(
-                "<span style=\"border-color: {colour}\">{}</span>",
-                escape(name)
-            ),
-        );
-    }
-    body.push_str("</p>\n");
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_written_short() {
-        assert_eq!(plain(0.30000000000000004), "0.3");
-        assert_eq!(plain(-1.5e-4), "-1.5e-4");
-        assert_eq!(plain(1e-17), "0");
-        assert_eq!(plain(200.0), "200");
-        assert_eq!(power_of_ten(-1.0), "0.1");
-        assert_eq!(power_of_ten(-5.0), "1e-5");
-        assert_eq!(power_of_ten(2.0), "100");
-        assert_eq!(power_of_ten(0.5), "3.2");
-    }
 
     #[test]
     fn a_figure_without_points_is_still_drawn() {

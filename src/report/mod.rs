@@ -1,13 +1,18 @@
 //! Pages: one HTML file each with its figures inside, readable offline.
 //!
-//! [`html`] and [`figure`] are what every page is made of; [`pages`] has one module for each.
+//! [`html`] has the parts of a page, [`figure`] and [`plot`] what is drawn, [`chart`] what drawings have in
+//! common; [`pages`] has one module for each page.
 
-mod figure;
+pub mod chart;
+pub mod figure;
 pub mod html;
 pub mod pages;
-mod series;
+pub mod plot;
+pub mod scale;
+pub mod series;
 
-pub use figure::{Band, Figure, FigureError, Horizontal, COLOURS};
-pub use html::{document, document_with_style, escape};
+pub use chart::{FigureError, COLOURS};
+pub use figure::{Band, Figure, Horizontal};
+pub use html::escape;
 pub use pages::run::page;
 pub use series::Line;

@@ -7,6 +7,7 @@ use runtime::lei2022::SwitchCount;
 
 use super::inner::InnerMonitor;
 use crate::base::table::Table;
+use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::closed_loop::Observer;
 use crate::sim::controller::Controller;
 use crate::sim::effort::Effort;
@@ -18,7 +19,6 @@ use crate::sim::profile::Profile;
 use crate::sim::recorder::Recorder;
 use crate::sim::reference::Reference;
 use crate::sim::rigid_body_state::{body_rate, RigidBodyState};
-use crate::sim::usage::Usage;
 
 /// Columns of the trajectory before those of a certificate and of the controller's signals.
 const COLUMNS: [&str; 16] = [
@@ -74,9 +74,9 @@ pub struct AttitudeLog {
     /// What the link carried.
     pub link: Option<LinkOutcome>,
     /// Use of the controller's prescribed bounds.
-    pub funnel: Option<Usage>,
+    pub funnel: Option<BoundUtilisation>,
     /// Use of its trigger's threshold.
-    pub threshold: Option<Usage>,
+    pub threshold: Option<BoundUtilisation>,
     /// How often it switched the actuators.
     pub switches: Option<SwitchCount>,
     /// Error and rate on a grid of times.
@@ -186,9 +186,9 @@ impl AttitudeLog {
         controller: &C,
     ) {
         let funnel = controller.funnel_ratio(time_s, error);
-        Usage::record(&mut self.funnel, time_s, funnel);
+        BoundUtilisation::record(&mut self.funnel, time_s, funnel);
         let threshold = controller.threshold_ratio(time_s, error);
-        Usage::record(&mut self.threshold, time_s, threshold);
+        BoundUtilisation::record(&mut self.threshold, time_s, threshold);
     }
 }
 
@@ -282,14 +282,14 @@ impl<C: Controller<AttitudeMeasurement, 3>> Observer<C, 7, 3, 3> for AttitudeLog
             let error = self.reference.error(time_s, state);
             inner.sample(time_s, &fuzzy_state(&error), command.sent);
         }
-        let carried = self.link_steps.iter().flatten().any(|&step| step != 0.0);
-        if (command.sent || carried) && self.recorder.is_some() {
+        let transmitted = self.link_steps.iter().flatten().any(|&step| step != 0.0);
+        if (command.sent || transmitted) && self.recorder.is_some() {
             let error = self.reference.error(time_s, state);
             self.write(time_s, &error, true, controller);
         }
     }
 
-    fn carried(&mut self, steps: &[f64; 3]) {
+    fn transmitted(&mut self, steps: &[f64; 3]) {
         self.link_steps = Some(*steps);
     }
 

@@ -9,12 +9,13 @@ use synth::design::{DesignFile, OuterCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
+use crate::base::provenance::sha256_of;
 use crate::plants::rigid_body::RigidBodySystem;
 use crate::plants::takagi_sugeno::TakagiSugenoSystem;
 use crate::plants::{Mixing, RigidBody, System};
 use crate::scenario::Scenario;
+use crate::sim::embedding;
 use crate::sim::lyapunov::Claims;
-use crate::sim::padding;
 use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 
@@ -105,19 +106,17 @@ impl Design {
     /// # Errors
     /// A file that is not a valid design.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
-        use sha2::{Digest, Sha256};
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
         let outer = file.outer_certificate(&model)?;
         let report = file.verify(&model)?;
-        let digest = Sha256::digest(text.as_bytes());
         Ok(Self {
             file,
             model,
             outer,
             certificate,
             report,
-            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: sha256_of(text),
         })
     }
 
@@ -286,21 +285,21 @@ fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N>
                     let least: &mut f64 = &mut component_bounds[component];
                     *least = least.min(bound);
                 }
-                None => bounds.push((padding::vector(&row), bound)),
+                None => bounds.push((embedding::vector(&row), bound)),
             }
         } else {
             vector_part_bound = Some(bound);
         }
     }
     Claims {
-        lyapunov: padding::matrix(&certificate.lyapunov),
+        lyapunov: embedding::matrix(&certificate.lyapunov),
         decay_rate: model.file.specs.phi_per_s,
         disturbance_weight: certificate.disturbance_weight,
         disturbance_bound: plant.disturbance_bound,
         bounds,
         component_bounds,
         vector_part_bound,
-        output: (!plant.output.is_identity(0.0)).then(|| padding::matrix(&plant.output)),
+        output: (!plant.output.is_identity(0.0)).then(|| embedding::matrix(&plant.output)),
     }
 }
 

@@ -10,7 +10,7 @@ use synth::model::Plant;
 
 use super::design::{threshold_update, Design};
 use super::outcome::SimulateError;
-use crate::sim::padding;
+use crate::sim::embedding;
 
 /// What is done with a controller of some membership and number of rules.
 pub(crate) trait Use<const N: usize, const M: usize> {
@@ -51,7 +51,7 @@ fn local<const N: usize, const M: usize, const R: usize>(
     };
     controller(
         design,
-        LocalRules::new(sets, padding::filled(bounds, f64::INFINITY))?,
+        LocalRules::new(sets, embedding::filled(bounds, f64::INFINITY))?,
     )
 }
 
@@ -92,13 +92,13 @@ where
 {
     let certificate = &design.certificate;
     let specs = &design.model.file.specs;
-    let gains: Vec<SMatrix<f64, M, N>> = certificate.gains().map(padding::matrix).collect();
+    let gains: Vec<SMatrix<f64, M, N>> = certificate.gains().map(embedding::matrix).collect();
     let limit = design.model.plant.takagi_sugeno().input_limit;
-    let limit: SVector<f64, M> = padding::filled(limit.as_slice(), PADDED_LIMIT);
+    let limit: SVector<f64, M> = embedding::filled(limit.as_slice(), PADDED_LIMIT);
     xu2020::Controller::new(xu2020::Parameters {
         gains: std::array::from_fn(|rule| gains.get(rule).copied().unwrap_or_else(SMatrix::zeros)),
         membership,
-        trigger_weight: padding::with_unit_diagonal(&certificate.trigger_weight),
+        trigger_weight: embedding::with_unit_diagonal(&certificate.trigger_weight),
         threshold_update: threshold_update(specs),
         torque_limit: limit,
         longest_interval_s: Some(specs.hbar_s),

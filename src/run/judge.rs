@@ -10,9 +10,11 @@ use super::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
 };
+use crate::base::provenance::GENERATOR;
 use crate::controllers::xu2020::XuChoice;
 use crate::plants::System;
 use crate::scenario::Scenario;
+use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::closed_loop::End;
 use crate::sim::events::EventCount;
 use crate::sim::integrator::Method;
@@ -20,10 +22,9 @@ use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
 use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 use crate::sim::transmissions::TransmissionBound;
-use crate::sim::usage::Usage;
 
 /// What every kind of plant measures.
-pub(crate) struct Parts<'a> {
+pub(crate) struct Measured<'a> {
     pub system: &'static str,
     pub controller: String,
     pub events: &'a EventCount,
@@ -34,8 +35,8 @@ pub(crate) struct Parts<'a> {
     pub torque_limit: Vec<f64>,
     pub settle_tolerance: f64,
     pub notes: Vec<String>,
-    pub funnel: Option<Usage>,
-    pub threshold: Option<Usage>,
+    pub funnel: Option<BoundUtilisation>,
+    pub threshold: Option<BoundUtilisation>,
     pub end: End,
 }
 
@@ -43,7 +44,7 @@ pub(crate) struct Parts<'a> {
 pub(crate) fn summary(
     scenario: &Scenario,
     design: Option<&Design>,
-    parts: Parts,
+    parts: Measured,
     certificate: Option<CertificateOutcome>,
 ) -> Summary {
     let events = parts.events;
@@ -111,7 +112,7 @@ pub(crate) fn summary(
             tail_s: scenario.tail_s,
         },
         provenance: RunProvenance {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             scenario_sha256: scenario.sha256.clone(),
             design_sha256: design.map(|design| design.sha256.clone()),
             random_generator: "chacha8".to_string(),
@@ -222,7 +223,7 @@ impl CertificateOutcome {
     }
 }
 
-/// The inertia that was drawn, in words.
+/// The inertia that was drawn, as text.
 fn drawn_inertia(scenario: &Scenario) -> Option<String> {
     let System::RigidBody(system) = &scenario.system else {
         return None;

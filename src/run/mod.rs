@@ -32,7 +32,7 @@ pub fn profile_quantities(system: &System) -> Vec<&'static str> {
 /// Runs a scenario. `trajectory`: whether to keep it.
 ///
 /// # Errors
-/// A design that is missing, not asked for or does not fit; parameters that the flight code refuses.
+/// A design that is missing, not requested or does not fit; parameters that the flight code refuses.
 pub fn simulate(
     scenario: &Scenario,
     design: Option<&Design>,
@@ -48,7 +48,7 @@ pub fn simulate(
 /// Runs a scenario and records more or less of it. What is recorded does not change the run.
 ///
 /// # Errors
-/// A design that is missing, not asked for or does not fit; parameters that the flight code refuses.
+/// A design that is missing, not requested or does not fit; parameters that the flight code refuses.
 pub fn simulate_recording(
     scenario: &Scenario,
     design: Option<&Design>,
@@ -67,7 +67,7 @@ pub fn simulate_recording(
 /// Checks that the scenario has the design that it needs, and none that it does not use.
 ///
 /// # Errors
-/// A design that is missing, not asked for or does not fit.
+/// A design that is missing, not requested or does not fit.
 pub fn check_design(scenario: &Scenario, design: Option<&Design>) -> Result<(), SimulateError> {
     match (&scenario.controller, design) {
         (ControllerChoice::Design(_), None) => Err(SimulateError::NoDesign),

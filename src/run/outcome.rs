@@ -11,9 +11,9 @@ use crate::base::table::Table;
 pub struct Outcome {
     /// Its summary.
     pub summary: Summary,
-    /// Its trajectory, when asked for.
+    /// Its trajectory, when requested.
     pub trajectory: Option<Table>,
-    /// Its profile, one quantity of [`profile_quantities`] after the other.
+    /// Its profile, one quantity of [`profile_quantities`](super::profile_quantities) after the other.
     pub profile: Vec<f32>,
 }
 

@@ -11,7 +11,7 @@ use super::design::Design;
 use super::designed::{designed, on_the_box, Use};
 use super::inner::InnerMonitor;
 use super::judge;
-use super::judge::Parts;
+use super::judge::Measured;
 use super::outcome::{Outcome, Recording, SimulateError};
 use super::summary::Summary;
 use crate::controllers::xu2020::{XuAttitude, XuChoice};
@@ -21,16 +21,16 @@ use crate::plants::rigid_body::RigidBodySystem;
 use crate::scenario::Scenario;
 use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::controller::{AnyController, Controller};
+use crate::sim::embedding;
 use crate::sim::link::Link;
 use crate::sim::lyapunov::LyapunovMonitor;
-use crate::sim::padding;
 use crate::sim::profile::Profile;
 use crate::sim::rigid_body_state::rigid_body_state;
 use crate::sim::sampling::Sampling;
 use crate::sim::sensor::AttitudeSensor;
 
 /// Breakpoints in order, without those at the start or after the end.
-pub(crate) fn ordered(mut breakpoints_s: Vec<f64>, duration_s: f64) -> Vec<f64> {
+fn ordered(mut breakpoints_s: Vec<f64>, duration_s: f64) -> Vec<f64> {
     breakpoints_s.retain(|&time| time > 0.0 && time < duration_s);
     breakpoints_s.sort_by(f64::total_cmp);
     breakpoints_s.dedup();
@@ -50,7 +50,7 @@ pub(crate) fn run(
     );
     let link = scenario.link.as_ref();
     let link = link.map(|data| Link::new(data, scenario.seed));
-    let watch = Watch {
+    let attached = Attached {
         monitors,
         link: link.transpose().map_err(SimulateError::Link)?,
         recording,
@@ -58,17 +58,17 @@ pub(crate) fn run(
     let (end, log, name, limit) = match (&scenario.controller, design) {
         (ControllerChoice::Wu(parameters), _) => {
             let controller = wu2018::Controller::new(*parameters)?;
-            let (end, log) = fly(scenario, system, controller, watch);
+            let (end, log) = close_loop(scenario, system, controller, attached);
             (end, log, wu_name(parameters), parameters.torque_limit)
         }
         (ControllerChoice::Xu(choice), _) => {
-            let (end, log) = fly(scenario, system, fuzzy(choice)?, watch);
+            let (end, log) = close_loop(scenario, system, fuzzy(choice)?, attached);
             let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
             (end, log, name, choice.torque_limit)
         }
         (ControllerChoice::Lei(parameters), _) => {
             let controller = lei2022::Controller::new(**parameters)?;
-            let (end, log) = fly(scenario, system, controller, watch);
+            let (end, log) = close_loop(scenario, system, controller, attached);
             (end, log, lei_name(parameters), parameters.torque_limit)
         }
         (ControllerChoice::Yang(choice), _) => {
@@ -76,13 +76,13 @@ pub(crate) fn run(
             let linked = scenario.link.is_some();
             let controller =
                 YangAttitude::new(choice.parameters, system.reference, oracle, linked)?;
-            let (end, log) = fly(scenario, system, controller, watch);
+            let (end, log) = close_loop(scenario, system, controller, attached);
             let name = "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string();
             (end, log, name, choice.parameters.torque_limit)
         }
         (ControllerChoice::Design(_), Some(design)) => {
             let (controller, limit) = attitude_controller(design)?;
-            let (end, log) = fly(scenario, system, controller, watch);
+            let (end, log) = close_loop(scenario, system, controller, attached);
             let name = format!(
                 "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
                 design.file.name
@@ -95,7 +95,7 @@ pub(crate) fn run(
 }
 
 /// What is between the controller and the actuators, and what is watched beside the metrics.
-struct Watch<'a> {
+struct Attached<'a> {
     /// The link.
     link: Option<Link<3>>,
     /// The claims of a certificate, and of the inner one where there are two.
@@ -105,11 +105,11 @@ struct Watch<'a> {
 }
 
 /// The closed loop with a controller.
-fn fly<C: Controller<AttitudeMeasurement, 3>>(
+fn close_loop<C: Controller<AttitudeMeasurement, 3>>(
     scenario: &Scenario,
     system: &RigidBodySystem,
     controller: C,
-    watch: Watch,
+    attached: Attached,
 ) -> (End, AttitudeLog) {
     let mut log = AttitudeLog::new(
         system.reference,
@@ -118,19 +118,19 @@ fn fly<C: Controller<AttitudeMeasurement, 3>>(
             None => SettleRule::Angle(scenario.settle_tolerance_rad),
         },
         scenario.duration_s - scenario.tail_s,
-        watch.monitors,
-        watch
+        attached.monitors,
+        attached
             .recording
             .trajectory
             .then_some(scenario.output_interval_s),
         controller.signal_names(),
-        watch.link.is_some(),
+        attached.link.is_some(),
     );
-    log.profile = Profile::new(watch.recording.profile_times_s, PROFILE_QUANTITIES);
+    log.profile = Profile::new(attached.recording.profile_times_s, PROFILE_QUANTITIES);
     let mut breakpoints_s = system.actuators.fault_edges_s();
     breakpoints_s.extend(system.reference.kinks_s());
     breakpoints_s.extend(system.disturbance.kinks_s());
-    let mut link = watch.link;
+    let mut link = attached.link;
     let closed_loop = ClosedLoop {
         plant: &system.body,
         disturbance: &system.disturbance,
@@ -193,7 +193,7 @@ fn attitude_controller(
         _ => designed::<6, 3, _>(design, Boxed)?,
     };
     let limit = design.model.plant.takagi_sugeno().input_limit;
-    Ok((controller, padding::vector(limit.as_slice())))
+    Ok((controller, embedding::vector(limit.as_slice())))
 }
 
 fn fuzzy(choice: &XuChoice) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
@@ -253,7 +253,7 @@ fn finish(
     if let (ControllerChoice::Lei(parameters), Some(start)) = (&scenario.controller, &log.start) {
         judge::intermittent_notes(scenario, parameters, start, &mut notes);
     }
-    let parts = Parts {
+    let parts = Measured {
         system: "rigid_body",
         controller,
         events: &log.events,

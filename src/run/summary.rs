@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::RequirementFile;
+use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{metric_name, Metric};
-use crate::sim::usage::Usage;
 
 /// The version of the summary's format.
 pub const SUMMARY_SCHEMA_VERSION: u32 = 1;
@@ -25,7 +25,36 @@ pub enum RunVerdict {
 }
 
 impl RunVerdict {
-    /// In words.
+    /// Every verdict, the worst first.
+    pub const ALL: [RunVerdict; 4] = [
+        RunVerdict::ProofBroken,
+        RunVerdict::Diverged,
+        RunVerdict::RequirementsMissed,
+        RunVerdict::RequirementsMet,
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            RunVerdict::RequirementsMet => "requirements_met",
+            RunVerdict::RequirementsMissed => "requirements_missed",
+            RunVerdict::Diverged => "diverged",
+            RunVerdict::ProofBroken => "proof_broken",
+        }
+    }
+
+    /// The verdict of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|known| known.name() == name)
+    }
+
+    /// Its place among all, the worst first.
+    pub fn severity(self) -> usize {
+        let place = Self::ALL.into_iter().position(|known| known == self);
+        place.unwrap_or(0)
+    }
+
+    /// As a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
             RunVerdict::RequirementsMet => "Every requirement is met.",
@@ -49,7 +78,7 @@ pub struct Summary {
     pub source: String,
     /// Kind of the system: rigid_body or takagi_sugeno.
     pub system: String,
-    /// The controller in words.
+    /// The controller as text.
     pub controller: String,
     /// The answer.
     pub verdict: RunVerdict,
@@ -70,9 +99,9 @@ pub struct Summary {
     /// Largest attitude error over the tail, deg.
     #[serde(default)]
     pub tail_error_deg: Option<f64>,
-    /// Norm of the state at the end, for a plant that is no spacecraft.
+    /// Norm of the state at the end, for a plant other than a spacecraft.
     pub final_state_norm: Option<f64>,
-    /// Root mean square of the norm of the state over the tail, for a plant that is no spacecraft.
+    /// Root mean square of the norm of the state over the tail, for a plant other than a spacecraft.
     pub rms_state_norm: Option<f64>,
     /// Largest norm of the body rate, rad/s.
     pub max_rate: Option<f64>,
@@ -80,7 +109,7 @@ pub struct Summary {
     pub max_torque: f64,
     /// Integral over time of the magnitudes of all axes' torques, N m s.
     pub impulse: f64,
-    /// Share of the run in which a torque acted.
+    /// Fraction of the run in which a torque acted.
     #[serde(default)]
     pub on_time_share: f64,
     /// Times the actuators were turned on, for a controller that turns them off.
@@ -129,10 +158,10 @@ pub struct Summary {
     pub link: Option<LinkOutcome>,
     /// Use of the prescribed bounds on the error, for a controller that has them.
     #[serde(default)]
-    pub funnel: Option<Usage>,
+    pub funnel: Option<BoundUtilisation>,
     /// What the trigger watches over its threshold, for a controller that watches it.
     #[serde(default)]
-    pub threshold: Option<Usage>,
+    pub threshold: Option<BoundUtilisation>,
     /// What else is worth saying.
     pub notes: Vec<String>,
     /// Numbers the figures need.
@@ -258,7 +287,7 @@ pub struct RunProvenance {
     pub random_generator: String,
     /// Its seed.
     pub seed: u64,
-    /// Integrator in words.
+    /// Integrator as text.
     pub integrator: String,
 }
 

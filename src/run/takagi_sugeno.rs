@@ -8,7 +8,7 @@ use synth::model::Plant;
 use super::design::Design;
 use super::designed::{designed, Use};
 use super::judge;
-use super::judge::Parts;
+use super::judge::Measured;
 use super::outcome::{Outcome, Recording, SimulateError};
 use super::state_log::StateLog;
 use crate::controllers::xu2020::XuState;
@@ -17,8 +17,8 @@ use crate::plants::{Mixing, TakagiSugenoPlant};
 use crate::scenario::Scenario;
 use crate::sim::actuator::ActuatorData;
 use crate::sim::closed_loop::{ClosedLoop, End};
+use crate::sim::embedding;
 use crate::sim::lyapunov::LyapunovMonitor;
-use crate::sim::padding;
 use crate::sim::profile::Profile;
 use crate::sim::sampling::Sampling;
 use crate::sim::sensor::StateSensor;
@@ -49,7 +49,7 @@ fn run_padded<const N: usize, const M: usize>(
     let size = system.system.input_matrix.shape();
     let limit = design.model.plant.takagi_sugeno().input_limit;
     let actuators = ActuatorData {
-        limit: padding::filled(system.system.input_limit.as_slice(), f64::INFINITY),
+        limit: embedding::filled(system.system.input_limit.as_slice(), f64::INFINITY),
         delay_s: system.input_delay_s,
         ..ActuatorData::ideal()
     };
@@ -62,15 +62,15 @@ fn run_padded<const N: usize, const M: usize>(
         recording.trajectory.then_some(scenario.output_interval_s),
     );
     log.profile = Profile::new(recording.profile_times_s, 1);
-    let fly = Fly {
+    let close_loop = CloseLoop {
         scenario,
         system,
         plant: TakagiSugenoPlant::new(&system.system, system.mixing.clone(), rules),
         actuators,
         log,
     };
-    let (end, log) = designed::<N, M, _>(design, fly)?;
-    let parts = Parts {
+    let (end, log) = designed::<N, M, _>(design, close_loop)?;
+    let parts = Measured {
         system: "takagi_sugeno",
         controller: format!(
             "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
@@ -130,7 +130,7 @@ fn mixing_rules(
 }
 
 /// The closed loop that waits for its controller.
-struct Fly<'a, const N: usize, const M: usize> {
+struct CloseLoop<'a, const N: usize, const M: usize> {
     scenario: &'a Scenario,
     system: &'a TakagiSugenoSystem,
     plant: TakagiSugenoPlant<N, M>,
@@ -138,7 +138,7 @@ struct Fly<'a, const N: usize, const M: usize> {
     log: StateLog<N, M>,
 }
 
-impl<const N: usize, const M: usize> Use<N, M> for Fly<'_, N, M> {
+impl<const N: usize, const M: usize> Use<N, M> for CloseLoop<'_, N, M> {
     type Output = (End, StateLog<N, M>);
 
     fn with<S, const R: usize>(self, controller: xu2020::Controller<S, N, M, R>) -> Self::Output
@@ -163,7 +163,7 @@ impl<const N: usize, const M: usize> Use<N, M> for Fly<'_, N, M> {
             method: scenario.method,
             duration_s: scenario.duration_s,
         };
-        let end = closed_loop.run(&padding::vector(&system.initial_state), &mut log);
+        let end = closed_loop.run(&embedding::vector(&system.initial_state), &mut log);
         (end, log)
     }
 }

@@ -8,7 +8,7 @@ use super::file::{
     SCENARIO_SCHEMA_VERSION,
 };
 use super::links::check_link;
-use crate::base::digest::sha256_of;
+use crate::base::provenance::sha256_of;
 use crate::base::ranges::require;
 use crate::controllers::registry::check_controller;
 use crate::controllers::ControllerChoice;
@@ -26,7 +26,7 @@ const MAX_ROWS: f64 = 1e7;
 const DEFAULT_SETTLE_TOLERANCE_DEG: f64 = 1.0;
 /// Settling tolerance of another plant's state when the file gives none.
 const DEFAULT_SETTLE_TOLERANCE_STATE: f64 = 0.01;
-/// Share of the run over which the root mean square is taken when the file gives none.
+/// Fraction of the run over which the root mean square is taken when the file gives none.
 const DEFAULT_TAIL: f64 = 0.2;
 /// Rows of the trajectory when the file gives no interval.
 const DEFAULT_ROWS: f64 = 4000.0;
@@ -68,7 +68,7 @@ pub struct Scenario {
     pub requirements: Vec<RequirementFile>,
     /// Longest time between two rows of the trajectory, s.
     pub output_interval_s: f64,
-    /// What a campaign draws anew for every run.
+    /// What a campaign samples for every run.
     pub dispersions: Option<Dispersions>,
 }
 

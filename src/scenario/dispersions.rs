@@ -10,7 +10,7 @@ use super::distribution::Distribution;
 use crate::base::ranges::require;
 use crate::plants::SystemFile;
 
-/// What a campaign draws anew for every run.
+/// What a campaign samples for every run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dispersions {
     /// How the drawn numbers are spread over the runs.
@@ -67,7 +67,7 @@ pub struct FaultDispersion {
     pub from_s: Distribution,
     /// Duration, s; to the end when left out.
     pub duration_s: Option<Distribution>,
-    /// Share of the commanded torque that acts.
+    /// Fraction of the commanded torque that acts.
     pub effectiveness: Distribution,
 }
 

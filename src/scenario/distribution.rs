@@ -9,7 +9,7 @@ use synth::model::{finite, ModelError};
 
 use super::dispersions_file::{DistributionFile, NormalFile};
 
-/// Least share of a normal distribution that its bounds may leave.
+/// Least fraction of a normal distribution that its bounds may leave.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// A checked distribution.
@@ -22,7 +22,7 @@ pub enum Distribution {
         /// Standard deviation before it is cut off.
         deviation: f64,
         /// Probabilities of being below the lower and below the upper bound before it is cut off.
-        share: [f64; 2],
+        fraction: [f64; 2],
         /// The bounds; infinite for none.
         bounds: [f64; 2],
     },
@@ -68,13 +68,13 @@ impl Distribution {
         }
     }
 
-    /// The value below which the share `uniform`, in (0, 1), of all values lies.
+    /// The value below which the fraction `uniform`, in (0, 1), of all values lies.
     pub fn value(&self, uniform: f64) -> f64 {
         match self {
             Distribution::Normal {
                 mean,
                 deviation,
-                share: [below, above],
+                fraction: [below, above],
                 bounds: [least, most],
             } => {
                 let value = mean + deviation * standard_normal(below + uniform * (above - below));
@@ -129,19 +129,19 @@ fn cut_normal(field: &str, file: &NormalFile) -> Result<Distribution, ModelError
     } else {
         ("at_least", least)
     };
-    let share = match deviation > 0.0 {
+    let fraction = match deviation > 0.0 {
         true => [least, most].map(|bound| below((bound - mean) / deviation)),
         false => [0.0, f64::from(u8::from(least <= mean && mean <= most))],
     };
     let allowed = format!(
         "so that at_least and at_most leave a share of {LEAST_SHARE} or more of the distribution"
     );
-    let ok = share[1] - share[0] >= LEAST_SHARE;
+    let ok = fraction[1] - fraction[0] >= LEAST_SHARE;
     require(ok, &format!("{field}.{}", side.0), side.1, &allowed)?;
     Ok(Distribution::Normal {
         mean,
         deviation,
-        share,
+        fraction,
         bounds: [least, most],
     })
 }
@@ -151,7 +151,7 @@ fn below(bound: f64) -> f64 {
     Normal::standard().cdf(bound)
 }
 
-/// The standard normal number below which the share `uniform` of all lies.
+/// The standard normal number below which the fraction `uniform` of all lies.
 pub fn standard_normal(uniform: f64) -> f64 {
     // Its ends are infinite.
     Normal::standard().inverse_cdf(uniform.clamp(f64::MIN_POSITIVE, 1.0 - 0.5 * f64::EPSILON))
@@ -167,10 +167,10 @@ pub fn direction([height, turn]: [f64; 2]) -> Vector3<f64> {
 
 /// A rotation, uniform over all, from three numbers uniform in (0, 1): the scalar part first. K.
 /// Shoemake, Uniform random rotations, Graphics Gems III (1992).
-pub fn rotation([share, first, second]: [f64; 3]) -> [f64; 4] {
+pub fn rotation([fraction, first, second]: [f64; 3]) -> [f64; 4] {
     let (sine_1, cosine_1) = libm::sincos(std::f64::consts::TAU * first);
     let (sine_2, cosine_2) = libm::sincos(std::f64::consts::TAU * second);
-    let (inner, outer) = (libm::sqrt(share), libm::sqrt(1.0 - share));
+    let (inner, outer) = (libm::sqrt(fraction), libm::sqrt(1.0 - fraction));
     [
         inner * cosine_2,
         outer * sine_1,

@@ -13,7 +13,7 @@ pub struct Fault {
     pub from_s: f64,
     /// End of the window, s.
     pub until_s: f64,
-    /// Share of the commanded torque that acts: 1 is healthy, 0 is dead. A torque that acts on top is
+    /// Fraction of the commanded torque that acts: 1 is healthy, 0 is dead. A torque that acts on top is
     /// part of the disturbance.
     pub effectiveness: f64,
 }
@@ -34,7 +34,7 @@ pub struct ActuatorData<const M: usize> {
 }
 
 impl<const M: usize> ActuatorData<M> {
-    /// Actuators that do what they are told.
+    /// Actuators that follow their commands.
     pub fn ideal() -> Self {
         Self {
             limit: SVector::repeat(f64::INFINITY),
@@ -128,7 +128,7 @@ impl<'a, const M: usize> Actuators<'a, M> {
         data.matrix * torque
     }
 
-    /// What the actuators have been told last.
+    /// What the actuators have been commanded last.
     pub fn last_command(&self) -> &SVector<f64, M> {
         &self.last_command
     }

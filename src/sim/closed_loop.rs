@@ -5,7 +5,7 @@ use runtime::command::Command;
 
 use super::actuator::{ActuatorData, Actuators};
 use super::controller::{Controller, Truth};
-use super::disturbance::{Disturbance, Walker};
+use super::disturbance::{Disturbance, DisturbanceCursor};
 use super::dormand_prince::DormandPrince;
 use super::integrator::Method;
 use super::link::Link;
@@ -14,7 +14,7 @@ use super::runge_kutta;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
 
-/// Watches a run with a controller `C`. Times are in s.
+/// Observes a run with a controller `C`. Times are in s.
 pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
     /// The initial state, before the first sample.
     fn start(&mut self, state: &SVector<f64, N>, disturbance: &SVector<f64, D>, controller: &C);
@@ -31,7 +31,7 @@ pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
     );
 
     /// At the sample that is reported next the link carried these steps (see [`Link::steps`]).
-    fn carried(&mut self, _steps: &[f64; M]) {}
+    fn transmitted(&mut self, _steps: &[f64; M]) {}
 
     /// From `time_s` on this torque acts.
     fn hold(&mut self, time_s: f64, torque: &SVector<f64, M>);
@@ -73,7 +73,7 @@ pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
     pub sensor: S,
     /// The controller.
     pub controller: C,
-    /// The link from its command to the actuators; without one the command acts as it is.
+    /// The link from its command to the actuators; without one the command acts unchanged.
     pub link: Option<&'a mut Link<M>>,
     /// Sampling instants.
     pub sampling: Sampling,
@@ -87,7 +87,7 @@ pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
     pub duration_s: f64,
 }
 
-/// Intervals shorter than this share of a step are not worth a step of their own.
+/// Intervals shorter than this fraction of a step are not worth a step of their own.
 const STEP_ROUNDING: f64 = 1e-9;
 
 /// Where a run stands.
@@ -95,7 +95,7 @@ struct Progress<'a, const N: usize, const D: usize> {
     time: f64,
     next_sample: f64,
     state: SVector<f64, N>,
-    walker: Walker<'a, D>,
+    cursor: DisturbanceCursor<'a, D>,
 }
 
 impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> {
@@ -111,12 +111,12 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             time: 0.0,
             next_sample: 0.0,
             state: *initial,
-            walker: Walker::new(self.disturbance, 0.0),
+            cursor: DisturbanceCursor::new(self.disturbance, 0.0),
         };
         let mut next_breakpoint = 0;
         let mut actuators = Actuators::new(self.actuators);
         let mut reference = self.reference_integrator();
-        observer.start(&at.state, at.walker.now(), &self.controller);
+        observer.start(&at.state, at.cursor.now(), &self.controller);
         while at.time < self.duration_s {
             if at.time >= at.next_sample {
                 self.take_sample(&mut at, &mut actuators, observer);
@@ -184,10 +184,10 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         let measurement = self.sensor.measure(at.time, &at.state);
         let mismatch = self.controller.membership_mismatch(&measurement);
         let acting = actuators.torque(at.time);
-        self.controller.tell(&Truth {
+        self.controller.observe_truth(&Truth {
             time_s: at.time,
             state: at.state.as_slice(),
-            disturbance: at.walker.now().as_slice(),
+            disturbance: at.cursor.now().as_slice(),
             held: match &self.link {
                 None => *actuators.last_command(),
                 Some(link) => link.held_by_encoder(),
@@ -200,7 +200,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             Some(link) => {
                 let held = link.transmit(at.time, &command.torque);
                 actuators.command(at.time, &held);
-                observer.carried(link.steps());
+                observer.transmitted(link.steps());
             }
         }
         observer.sample(at.time, &at.state, &command, mismatch, &self.controller);
@@ -230,7 +230,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         let count = count as u64;
         for index in 1..=count {
             let (start, start_state) = (at.time, at.state);
-            let values = at.walker.step(start, step);
+            let values = at.cursor.step(start, step);
             at.state = runge_kutta::step(self.plant, start, &start_state, step, torque, &values);
             at.time = if index == count {
                 event
@@ -241,7 +241,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
                 if self.fires(at.time, &at.state) {
                     self.find_event(at, (start, start_state, step), resolution_s, torque);
                     let fired = at.time;
-                    let disturbance = at.walker.now();
+                    let disturbance = at.cursor.now();
                     observer.step(
                         fired,
                         fired - start,
@@ -292,6 +292,6 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
                 silent = middle;
             }
         }
-        at.walker.stand_at(at.time);
+        at.cursor.move_to(at.time);
     }
 }

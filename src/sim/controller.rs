@@ -13,7 +13,7 @@ pub struct Truth<'a, const M: usize> {
     pub state: &'a [f64],
     /// Disturbance, with everything that acts whatever is commanded.
     pub disturbance: &'a [f64],
-    /// What the actuators have been told last, as far as the controller's end of the link knows: a lost
+    /// What the actuators have been commanded last, as far as the controller's end of the link knows: a lost
     /// word makes them hold something else.
     pub held: SVector<f64, M>,
     /// What acts on the plant because of it.
@@ -25,11 +25,11 @@ pub trait Controller<T, const M: usize> {
     /// Takes the sample at `time_s` seconds.
     fn step(&mut self, time_s: f64, measurement: &T) -> Command<M>;
 
-    /// Told before each step what no sensor measures. Only for controllers that are tried with perfect
+    /// Given before each step what no sensor measures. Only for controllers that are tried with perfect
     /// knowledge of something, or beside whose output an encoder works.
-    fn tell(&mut self, _truth: &Truth<M>) {}
+    fn observe_truth(&mut self, _truth: &Truth<M>) {}
 
-    /// Whether this sample would be sent; the controller stays as it is.
+    /// Whether this sample would be sent; the controller is unchanged.
     fn would_send(&self, time_s: f64, measurement: &T) -> bool;
 
     /// The largest difference of a membership at this sample and at the one sent last (the kappa of
@@ -46,7 +46,7 @@ pub trait Controller<T, const M: usize> {
     /// The values of the signals at the true state, in the order of their names.
     fn signals(&self, _time_s: f64, _truth: &T, _values: &mut [f64]) {}
 
-    /// The largest share of the prescribed bounds on its error that the true state uses, 1 at the edge;
+    /// The largest fraction of the prescribed bounds on its error that the true state uses, 1 at the edge;
     /// `None` without such bounds.
     fn funnel_ratio(&self, _time_s: f64, _truth: &T) -> Option<f64> {
         None
@@ -72,8 +72,8 @@ impl<T, const M: usize> Controller<T, M> for AnyController<T, M> {
         self.as_mut().step(time_s, measurement)
     }
 
-    fn tell(&mut self, truth: &Truth<M>) {
-        self.as_mut().tell(truth);
+    fn observe_truth(&mut self, truth: &Truth<M>) {
+        self.as_mut().observe_truth(truth);
     }
 
     fn would_send(&self, time_s: f64, measurement: &T) -> bool {

@@ -15,14 +15,14 @@ pub struct Harmonic<const D: usize> {
 
 /// A table with straight lines between its rows and constant ends.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table<const D: usize> {
+pub struct DisturbanceTable<const D: usize> {
     /// Times, s, increasing.
     pub times_s: Vec<f64>,
     /// Values at those times.
     pub values: Vec<SVector<f64, D>>,
 }
 
-impl<const D: usize> Table<D> {
+impl<const D: usize> DisturbanceTable<D> {
     fn at(&self, time_s: f64) -> SVector<f64, D> {
         let after = self.times_s.partition_point(|&time| time <= time_s);
         match (after.checked_sub(1), self.values.get(after)) {
@@ -76,7 +76,7 @@ pub struct Disturbance<const D: usize> {
     /// Periodic parts.
     pub harmonics: Vec<Harmonic<D>>,
     /// Tabulated part.
-    pub table: Option<Table<D>>,
+    pub table: Option<DisturbanceTable<D>>,
     /// Parts that act in a window only.
     pub pulses: Vec<Pulse<D>>,
 }
@@ -113,7 +113,7 @@ impl<const D: usize> Disturbance<D> {
 
     /// The same disturbance with more or fewer components; what is new is zero.
     pub fn resized<const E: usize>(&self) -> Disturbance<E> {
-        let resize = |value: &SVector<f64, D>| super::padding::vector(value.as_slice());
+        let resize = |value: &SVector<f64, D>| super::embedding::vector(value.as_slice());
         let harmonics = self.harmonics.iter().map(|harmonic| Harmonic {
             frequency_rad_s: harmonic.frequency_rad_s,
             sine: resize(&harmonic.sine),
@@ -122,7 +122,7 @@ impl<const D: usize> Disturbance<D> {
         Disturbance {
             bias: resize(&self.bias),
             harmonics: harmonics.collect(),
-            table: self.table.as_ref().map(|table| Table {
+            table: self.table.as_ref().map(|table| DisturbanceTable {
                 times_s: table.times_s.clone(),
                 values: table.values.iter().map(resize).collect(),
             }),
@@ -144,8 +144,8 @@ fn resized<const D: usize, const E: usize>(pulse: &Pulse<D>) -> Pulse<E> {
     Pulse {
         from_s: pulse.from_s,
         until_s: pulse.until_s,
-        constant: super::padding::vector(pulse.constant.as_slice()),
-        wave: super::padding::vector(pulse.wave.as_slice()),
+        constant: super::embedding::vector(pulse.constant.as_slice()),
+        wave: super::embedding::vector(pulse.wave.as_slice()),
         frequency_rad_s: pulse.frequency_rad_s,
         phase_rad: pulse.phase_rad,
         decay_per_s: pulse.decay_per_s,
@@ -170,7 +170,7 @@ struct Phase {
 /// Evaluates a disturbance at the times a Runge-Kutta step needs, by turning the phase of each sine
 /// from one half step to the next.
 #[derive(Clone, Debug)]
-pub struct Walker<'a, const D: usize> {
+pub struct DisturbanceCursor<'a, const D: usize> {
     disturbance: &'a Disturbance<D>,
     phases: Vec<Phase>,
     step_s: f64,
@@ -180,8 +180,8 @@ pub struct Walker<'a, const D: usize> {
     now: SVector<f64, D>,
 }
 
-impl<'a, const D: usize> Walker<'a, D> {
-    /// Walker standing at `time_s` seconds.
+impl<'a, const D: usize> DisturbanceCursor<'a, D> {
+    /// DisturbanceCursor standing at `time_s` seconds.
     pub fn new(disturbance: &'a Disturbance<D>, time_s: f64) -> Self {
         let still = Phase {
             sine: 0.0,
@@ -189,7 +189,7 @@ impl<'a, const D: usize> Walker<'a, D> {
             half_step_sine: 0.0,
             half_step_cosine: 1.0,
         };
-        let mut walker = Self {
+        let mut cursor = Self {
             disturbance,
             phases: vec![still; disturbance.harmonics.len()],
             step_s: 0.0,
@@ -197,18 +197,18 @@ impl<'a, const D: usize> Walker<'a, D> {
             smooth: SVector::zeros(),
             now: SVector::zeros(),
         };
-        walker.stand_at(time_s);
-        walker
+        cursor.move_to(time_s);
+        cursor
     }
 
-    /// The value where the walker stands.
+    /// The value where the cursor is.
     #[inline]
     pub fn now(&self) -> &SVector<f64, D> {
         &self.now
     }
 
     /// Moves to `time_s` without walking.
-    pub fn stand_at(&mut self, time_s: f64) {
+    pub fn move_to(&mut self, time_s: f64) {
         for (phase, harmonic) in self.phases.iter_mut().zip(&self.disturbance.harmonics) {
             (phase.sine, phase.cosine) = libm::sincos(harmonic.frequency_rad_s * time_s);
         }
@@ -235,7 +235,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         let middle = self.value(time_s + 0.5 * step_s);
         self.until_reset -= 1;
         if self.until_reset == 0 {
-            self.stand_at(time_s + step_s);
+            self.move_to(time_s + step_s);
         } else {
             self.turn();
             self.smooth = self.value(time_s + step_s);
@@ -341,14 +341,14 @@ mod tests {
     #[test]
     fn walking_agrees_with_direct_evaluation_after_a_hundred_thousand_uneven_steps() {
         let disturbance = wavy();
-        let mut walker = Walker::new(&disturbance, 0.0);
+        let mut cursor = DisturbanceCursor::new(&disturbance, 0.0);
         let mut time = 0.0;
         for index in 0..100_000 {
             // Steps whose sums are exact, so that both evaluations are at the same times.
             let step = f64::from(1 + index % 7) / 1024.0;
-            let values = walker.step(time, step);
-            for (value, share) in values.iter().zip([0.0, 0.5, 1.0]) {
-                let exact = disturbance.at(time + share * step);
+            let values = cursor.step(time, step);
+            for (value, fraction) in values.iter().zip([0.0, 0.5, 1.0]) {
+                let exact = disturbance.at(time + fraction * step);
                 assert!((value - exact).amax() < 1e-12, "at {time} s");
             }
             time += step;
@@ -366,14 +366,14 @@ mod tests {
 
     #[test]
     fn a_table_has_straight_lines_and_constant_ends() {
-        let table = Table {
+        let table = DisturbanceTable {
             times_s: vec![1.0, 3.0],
             values: vec![Vector2::new(0.0, 2.0), Vector2::new(4.0, 0.0)],
         };
         assert_eq!(table.at(0.0), Vector2::new(0.0, 2.0));
         assert_eq!(table.at(1.5), Vector2::new(1.0, 1.5));
         assert_eq!(table.at(9.0), Vector2::new(4.0, 0.0));
-        assert_eq!(Table::<2>::default().at(1.0), Vector2::zeros());
+        assert_eq!(DisturbanceTable::<2>::default().at(1.0), Vector2::zeros());
     }
 
     #[test]
@@ -397,12 +397,12 @@ mod tests {
         assert_eq!(disturbance.at(0.99), Vector2::zeros());
         assert!((disturbance.at(1.0) - open(1.0)).amax() < 1e-15);
         assert_eq!(disturbance.at(2.0), Vector2::zeros());
-        let mut walker = Walker::new(&disturbance, 0.0);
-        assert_eq!(walker.step(0.0, 1.0), [Vector2::zeros(); 3]);
-        assert!((walker.now() - open(1.0)).amax() < 1e-15);
-        for (value, time) in walker.step(1.0, 1.0).iter().zip([1.0, 1.5, 2.0]) {
+        let mut cursor = DisturbanceCursor::new(&disturbance, 0.0);
+        assert_eq!(cursor.step(0.0, 1.0), [Vector2::zeros(); 3]);
+        assert!((cursor.now() - open(1.0)).amax() < 1e-15);
+        for (value, time) in cursor.step(1.0, 1.0).iter().zip([1.0, 1.5, 2.0]) {
             assert!((value - open(time)).amax() < 1e-15, "at {time} s");
         }
-        assert_eq!(*walker.now(), Vector2::zeros());
+        assert_eq!(*cursor.now(), Vector2::zeros());
     }
 }

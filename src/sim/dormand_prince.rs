@@ -9,7 +9,7 @@ use super::plant::Plant;
 /// Bounds of the change from one step to the next.
 const SMALLEST_CHANGE: f64 = 0.2;
 const LARGEST_CHANGE: f64 = 5.0;
-/// Share of the step that the error estimate allows which is taken.
+/// Fraction of the step that the error estimate allows which is taken.
 const SAFETY: f64 = 0.9;
 /// Steps are never shorter than this many roundings of the time.
 const SHORTEST_STEP_IN_ROUNDINGS: f64 = 16.0;
@@ -112,7 +112,7 @@ fn combination<const N: usize>(slopes: &[SVector<f64, N>], weights: &[f64]) -> S
 mod tests {
     use super::*;
     use crate::plants::RigidBody;
-    use crate::sim::disturbance::{Harmonic, Walker};
+    use crate::sim::disturbance::{DisturbanceCursor, Harmonic};
     use crate::sim::rigid_body_state::{rigid_body_state, RigidBodyState};
     use crate::sim::runge_kutta;
     use nalgebra::{Matrix3, Vector3};
@@ -150,11 +150,11 @@ mod tests {
 
     fn fixed(steps: u32) -> RigidBodyState {
         let (body, mut state, disturbance) = tumbling();
-        let mut walker = Walker::new(&disturbance, 0.0);
+        let mut cursor = DisturbanceCursor::new(&disturbance, 0.0);
         let step = DURATION_S / f64::from(steps);
         for index in 0..steps {
             let time = f64::from(index) * step;
-            let values = walker.step(time, step);
+            let values = cursor.step(time, step);
             state = runge_kutta::step(&body, time, &state, step, &Vector3::zeros(), &values);
         }
         state

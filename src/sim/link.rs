@@ -26,7 +26,7 @@ pub struct LinkData<const M: usize> {
 /// What a link carried.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LinkOutcome {
-    /// The encoding in words.
+    /// The encoding as text.
     pub encoding: String,
     /// Samples at which at least one word was sent.
     pub messages: u64,

@@ -4,18 +4,19 @@
 //! an observer measures it.
 
 pub mod actuator;
+pub mod bound_utilisation;
 pub mod closed_loop;
 pub mod controller;
 pub mod disturbance;
 pub mod dormand_prince;
 mod dormand_prince_coefficients;
 pub mod effort;
+pub mod embedding;
 pub mod events;
 pub mod integrator;
 pub mod link;
 pub mod lyapunov;
 pub mod metrics;
-pub mod padding;
 pub mod plant;
 pub mod pointing;
 pub mod profile;
@@ -27,4 +28,3 @@ pub mod runge_kutta;
 pub mod sampling;
 pub mod sensor;
 pub mod transmissions;
-pub mod usage;

@@ -46,7 +46,7 @@ impl TransmissionBound {
         (shortest > 0.0).then(|| Self::new(shortest))
     }
 
-    /// In words.
+    /// As a sentence.
     pub fn describe(&self) -> String {
         format!(
             "transmissions: at least {} s apart, so at most {} per second (the shortest sampling interval)",

@@ -11,16 +11,18 @@ use super::folder::{
     part_file, run_folder, run_folder_name, CAMPAIGN_FILE, FAILED_FOLDER, PARTS_FOLDER,
     PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
 };
-use super::parts::{inputs_text, Job, Watch};
+use super::parts::{inputs_text, Job};
 use super::record::{
     CampaignFile, Inputs, ProfileGrid, RequirementCount, Results, State, CAMPAIGN_SCHEMA_VERSION,
 };
-use super::row::{verdict_name, Rank, Row, VERDICTS};
+use super::row::{Rank, Row};
 use super::statistics::{count_missed, metric_quantiles, pass_rate_interval};
 use super::table::{Columns, Content, TableReader, TableWriter};
 use super::CampaignError;
 use crate::base::files::{create_folder, write};
+use crate::batch::watch::Watch;
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
+use crate::run::summary::RunVerdict;
 use crate::sim::metrics::metric_name;
 
 /// A table, what of the rows it holds, and the inputs in its metadata.
@@ -43,7 +45,7 @@ pub(crate) struct Count {
 impl Count {
     fn add(&mut self, row: &Row, keep: usize) {
         self.runs += 1;
-        let verdict = verdict_name(row.verdict).to_string();
+        let verdict = row.verdict.name().to_string();
         *self.verdicts.entry(verdict).or_default() += 1;
         if let Some(covers) = row.proof_covers {
             *self.covered.get_or_insert(0) += u64::from(covers);
@@ -60,8 +62,8 @@ impl Count {
     }
 
     fn failures(&self) -> u64 {
-        let met = self.verdicts.get("requirements_met").copied();
-        self.runs - met.unwrap_or(0)
+        let met = self.verdicts.get(RunVerdict::RequirementsMet.name());
+        self.runs - met.copied().unwrap_or(0)
     }
 
     /// The worst failed runs, the worst first.
@@ -174,8 +176,8 @@ pub(crate) fn conclude(
     count_missed(&runs, &mut requirements)?;
     let failures = count.failures();
     let passed = count.runs - failures;
-    let mut verdicts: BTreeMap<String, u64> = VERDICTS
-        .map(|verdict| (verdict_name(verdict).to_string(), 0))
+    let mut verdicts: BTreeMap<String, u64> = RunVerdict::ALL
+        .map(|verdict| (verdict.name().to_string(), 0))
         .into();
     verdicts.extend(count.verdicts.clone());
     let results = Results {
@@ -290,7 +292,7 @@ fn keep_runs(job: &Job, runs: &[u64], watch: &Watch) -> Result<(), CampaignError
     remove_others(&all, runs)?;
     job.pool.install(|| {
         runs.par_iter().try_for_each(|&run| {
-            if watch.stop.load(std::sync::atomic::Ordering::Relaxed) {
+            if watch.stopped() {
                 return Err(CampaignError::Interrupted);
             }
             let folder = run_folder(&job.folder, run);

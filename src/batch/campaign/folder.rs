@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// What was asked for and what came of it.
+/// What was requested and what came of it.
 pub const CAMPAIGN_FILE: &str = "campaign.json";
 /// One row for each run.
 pub const RUNS_FILE: &str = "runs.parquet";

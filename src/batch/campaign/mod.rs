@@ -1,10 +1,9 @@
-//! Campaigns: many runs of one scenario with numbers drawn anew for each, streamed to tables.
+//! Campaigns: many runs of one scenario with numbers sampled for each, streamed to tables.
 //!
 //! The runs of a [`plan`] are numbered. What a run draws depends on the campaign's seed and the run's
 //! number only, so any run can be made alone, and neither the number of threads nor interruptions nor
 //! the division into shards changes the result.
 
-mod draw;
 pub mod finish;
 pub mod folder;
 pub mod merge;
@@ -13,6 +12,7 @@ pub mod plan;
 mod points;
 pub mod record;
 pub mod row;
+mod sample;
 pub mod statistics;
 pub mod table;
 

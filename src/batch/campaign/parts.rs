@@ -5,7 +5,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
 
 use rayon::prelude::*;
 use synth::model::write_atomically;
@@ -16,6 +15,8 @@ use super::record::{CampaignFile, Inputs, Shard, State, CAMPAIGN_SCHEMA_VERSION}
 use super::table::{Content, TableWriter};
 use super::CampaignError;
 use crate::base::files::create_folder;
+use crate::base::provenance::GENERATOR;
+use crate::batch::watch::Watch;
 use crate::scenario::Scenario;
 use crate::sim::integrator::Method;
 use crate::sim::sampling::Instants;
@@ -111,14 +112,6 @@ pub struct Job<'a> {
     pub pool: rayon::ThreadPool,
 }
 
-/// What a campaign is watched and stopped by.
-pub struct Watch<'a> {
-    /// Called after each run, from several threads.
-    pub done: &'a (dyn Fn() + Sync),
-    /// Set it to stop; parts that are begun are ended.
-    pub stop: Arc<AtomicBool>,
-}
-
 impl<'a> Job<'a> {
     /// A job on `jobs` threads (0: one for each processor).
     ///
@@ -134,7 +127,7 @@ impl<'a> Job<'a> {
         let parts = Parts::new(plan.runs, &plan.nominal);
         let own = parts.of_shard(shard)?;
         let inputs = Inputs {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             scenario: plan.nominal.name.clone(),
             scenario_sha256: plan.nominal.sha256.clone(),
             design_sha256,
@@ -307,7 +300,7 @@ const NAMES: [&str; 10] = [
     "end_run",
 ];
 
-/// The first input that differs, in words.
+/// The first input that differs, as text.
 pub(crate) fn difference(known: &Inputs, asked: &Inputs) -> Option<String> {
     if known == asked {
         return None;

@@ -4,12 +4,12 @@ use nalgebra::Matrix3;
 use serde_json::Value;
 use synth::model::{FileError, ModelError};
 
-use super::draw::{Boundary, Context, Draw};
 use super::points::Points;
 use super::row::Row;
+use super::sample::{Boundary, Context, Sample};
 use super::table::Columns;
 use super::CampaignError;
-use crate::base::digest::sha256_of;
+use crate::base::provenance::sha256_of;
 use crate::batch::parameter::Parameter;
 use crate::controllers::wu2018::WuGainsFile;
 use crate::controllers::ControllerFile;
@@ -42,7 +42,7 @@ pub struct Plan<'a> {
     template: ScenarioFile,
     /// The template as JSON, where numbers of it are drawn by name.
     value: Option<Value>,
-    draws: Vec<Draw>,
+    draws: Vec<Sample>,
     points: Points,
 }
 
@@ -91,11 +91,11 @@ impl<'a> Plan<'a> {
             .iter()
             .any(|draw| matches!(draw.context, Context::Number(..)));
         let seed = seed.unwrap_or(nominal.seed);
-        let numbers = draws.iter().map(Draw::numbers).sum();
+        let numbers = draws.iter().map(Sample::numbers).sum();
         let last = f64::from(PROFILE_TIMES - 1);
         let times = (0..PROFILE_TIMES).map(|time| nominal.duration_s * (f64::from(time) / last));
         let columns = Columns {
-            drawn: draws.iter().flat_map(Draw::columns).collect(),
+            drawn: draws.iter().flat_map(Sample::columns).collect(),
             quantities: profile_quantities(&nominal.system)
                 .into_iter()
                 .map(str::to_string)
@@ -153,7 +153,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Each draw with its coordinates.
-    fn parts<'b>(&'b self, point: &'b [f64]) -> impl Iterator<Item = (&'b Draw, &'b [f64])> {
+    fn parts<'b>(&'b self, point: &'b [f64]) -> impl Iterator<Item = (&'b Sample, &'b [f64])> {
         let mut rest = point;
         self.draws.iter().map(move |draw| {
             let (own, others) = rest.split_at(draw.numbers().min(rest.len()));
@@ -262,7 +262,7 @@ fn draw(
     file: &Value,
     nominal: &Scenario,
     design: Option<&Design>,
-) -> Result<Draw, PlanError> {
+) -> Result<Sample, PlanError> {
     let wrong =
         |field: String, reason: String| PlanError::from(ModelError::Choice { field, reason });
     let context = match dispersion {
@@ -309,7 +309,7 @@ fn draw(
         }
         _ => Context::Nothing,
     };
-    Ok(Draw {
+    Ok(Sample {
         dispersion: dispersion.clone(),
         context,
     })

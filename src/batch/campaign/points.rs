@@ -92,7 +92,7 @@ impl Points {
             Spread::LatinHypercube(permutations) => {
                 let cells = permutations.iter();
                 cells
-                    .map(|cells| cells.share(run, random.open_uniform()))
+                    .map(|cells| cells.fraction(run, random.open_uniform()))
                     .collect()
             }
             Spread::Sobol { directions, shifts } => {
@@ -157,9 +157,9 @@ impl Permutation {
     }
 
     /// A number in the cell of the run: one of `length` equal parts of (0, 1).
-    fn share(&self, run: u64, within: f64) -> f64 {
-        let share = (self.image(run) as f64 + within) / self.length as f64;
-        share.min(1.0 - 0.5 * f64::EPSILON)
+    fn fraction(&self, run: u64, within: f64) -> f64 {
+        let fraction = (self.image(run) as f64 + within) / self.length as f64;
+        fraction.min(1.0 - 0.5 * f64::EPSILON)
     }
 }
 

@@ -1,4 +1,4 @@
-//! `campaign.json`: what was asked for and what came of it.
+//! `campaign.json`: what was requested and what came of it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -85,7 +85,7 @@ pub struct Results {
     pub verdicts: BTreeMap<String, u64>,
     /// Runs that the design's proof covers; null without a design.
     pub covered_runs: Option<u64>,
-    /// Share of the runs that met every requirement.
+    /// Fraction of the runs that met every requirement.
     pub pass_rate: f64,
     /// How well the pass rate is known.
     pub pass_rate_interval: Interval,

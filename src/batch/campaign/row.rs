@@ -87,23 +87,12 @@ impl Row {
     /// Runs sorted by this begin with the worst.
     pub fn rank(&self) -> Rank {
         Rank {
-            severity: VERDICTS
-                .iter()
-                .position(|known| *known == self.verdict)
-                .unwrap_or(0),
+            severity: self.verdict.severity(),
             margin: self.worst.as_ref().map_or(0.0, |(_, margin)| *margin),
             run: self.run,
         }
     }
 }
-
-/// Verdicts, the worst first.
-pub(crate) const VERDICTS: [RunVerdict; 4] = [
-    RunVerdict::ProofBroken,
-    RunVerdict::Diverged,
-    RunVerdict::RequirementsMissed,
-    RunVerdict::RequirementsMet,
-];
 
 /// How bad a run is; the smallest is the worst.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,22 +117,6 @@ impl Ord for Rank {
         let margin = self.margin.total_cmp(&other.margin);
         severity.then(margin).then(self.run.cmp(&other.run))
     }
-}
-
-/// The name of a verdict as files have it.
-pub(crate) fn verdict_name(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::RequirementsMet => "requirements_met",
-        RunVerdict::RequirementsMissed => "requirements_missed",
-        RunVerdict::Diverged => "diverged",
-        RunVerdict::ProofBroken => "proof_broken",
-    }
-}
-
-/// The verdict of that name.
-pub(crate) fn verdict_of(name: &str) -> Option<RunVerdict> {
-    let found = VERDICTS.iter().find(|known| verdict_name(**known) == name);
-    found.copied()
 }
 
 /// Names of the metrics' columns.

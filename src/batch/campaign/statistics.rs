@@ -37,11 +37,11 @@ pub fn pass_rate_interval(passed: u64, runs: u64) -> Interval {
 }
 
 /// Where the distribution function of a beta distribution with parameters above 0 has that value.
-fn quantile_of_beta(a: f64, b: f64, share: f64) -> f64 {
+fn quantile_of_beta(a: f64, b: f64, fraction: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if beta_reg(a, b, middle) < share {
+        if beta_reg(a, b, middle) < fraction {
             low = middle;
         } else {
             high = middle;
@@ -55,8 +55,8 @@ fn quantile_of_beta(a: f64, b: f64, share: f64) -> f64 {
 pub fn quantiles(values: &[Option<f64>]) -> Option<Quantiles> {
     let mut sorted: Vec<f64> = values.iter().copied().flatten().collect();
     sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| -> Option<f64> {
-        let place = share * (sorted.len().checked_sub(1)?) as f64;
+    let at = |fraction: f64| -> Option<f64> {
+        let place = fraction * (sorted.len().checked_sub(1)?) as f64;
         let below = *sorted.get(place.floor() as usize)?;
         let above = *sorted.get(place.ceil() as usize)?;
         Some(below + (above - below) * place.fract())
@@ -84,7 +84,7 @@ pub fn metric_quantiles(runs: &Path) -> Result<BTreeMap<String, Quantiles>, Camp
     Ok(out)
 }
 
-/// Counts anew how many runs missed each requirement.
+/// Counts again how many runs missed each requirement.
 ///
 /// # Errors
 /// A table that cannot be read.

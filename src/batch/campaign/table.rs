@@ -12,14 +12,15 @@ use arrow_array::{StringArray, UInt64Array};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
-use parquet::basic::Compression;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::properties::EnabledStatistics;
 use parquet::schema::types::ColumnPath;
 
-use super::row::{metric_columns, verdict_name, verdict_of, Row, METRICS};
+use super::row::{metric_columns, Row, METRICS};
 use super::CampaignError;
+use crate::base::parquet::properties;
+use crate::run::summary::RunVerdict;
 
 /// Key of the file metadata that holds the campaign's inputs.
 pub const INPUTS_KEY: &str = "steadfast.campaign";
@@ -99,7 +100,7 @@ impl Columns {
                 rows.iter().map(|row| row.seed),
             )));
             arrays.push(Arc::new(StringArray::from_iter_values(
-                rows.iter().map(|row| verdict_name(row.verdict)),
+                rows.iter().map(|row| row.verdict.name()),
             )));
             arrays.push(Arc::new(BooleanArray::from_iter(
                 rows.iter().map(|row| Some(row.passed())),
@@ -157,16 +158,13 @@ impl<'a, W: Write + Send> TableWriter<'a, W> {
             let times = serde_json::to_string(&columns.times_s).unwrap_or_default();
             metadata.push(KeyValue::new(TIMES_KEY.to_string(), times));
         }
-        let properties = WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
+        let properties = properties(metadata)
             // Hardly a number comes twice; texts do.
             .set_dictionary_enabled(false)
             .set_column_dictionary_enabled(ColumnPath::from("verdict"), true)
             .set_column_dictionary_enabled(ColumnPath::from("worst_requirement"), true)
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .set_max_row_group_size(ROW_GROUP)
-            .set_created_by(concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string())
-            .set_key_value_metadata(Some(metadata))
             .build();
         let writer = ArrowWriter::try_new(to, columns.schema(content), Some(properties));
         Ok(TableWriter {
@@ -299,7 +297,7 @@ fn row_of(batch: &RecordBatch, index: usize, content: Content, drawn: usize) -> 
     let mut row = Row {
         run: integer(0)?,
         seed: 0,
-        verdict: crate::run::summary::RunVerdict::RequirementsMet,
+        verdict: RunVerdict::RequirementsMet,
         proof_covers: None,
         start_level: None,
         worst: None,
@@ -321,7 +319,7 @@ fn row_of(batch: &RecordBatch, index: usize, content: Content, drawn: usize) -> 
     };
     let covers = cast::<BooleanArray>(batch, 4)?;
     row.seed = integer(1)?;
-    row.verdict = verdict_of(&text(2)??)?;
+    row.verdict = RunVerdict::named(&text(2)??)?;
     row.proof_covers = covers.is_valid(index).then(|| covers.value(index));
     let first = numbers(5, 1)?;
     row.start_level = first.first().copied().flatten();

@@ -10,7 +10,7 @@ use crate::plants::rigid_body::FaultFile;
 pub struct StandardFault {
     /// Short name.
     pub name: &'static str,
-    /// What happens, in words.
+    /// What happens, as text.
     pub description: String,
     /// The faults, as a scenario file has them.
     pub faults: Vec<FaultFile>,
@@ -19,15 +19,15 @@ pub struct StandardFault {
 /// The standard faults of a run of `duration_s` seconds with the torque `limit`, N m, that can act on
 /// each axis (finite).
 pub fn standard_faults(duration_s: f64, limit: &Vector3<f64>) -> Vec<StandardFault> {
-    let fault = |axis: u8, window: (f64, f64), effectiveness: f64, share: f64| FaultFile {
+    let fault = |axis: u8, window: (f64, f64), effectiveness: f64, fraction: f64| FaultFile {
         axis: u32::from(axis) + 1,
         from_s: window.0 * duration_s,
         until_s: window.1 * duration_s,
         effectiveness,
-        additive_nm: share * limit[usize::from(axis)],
+        additive_nm: fraction * limit[usize::from(axis)],
         additive_wave: None,
     };
-    let from = |share: f64| format!("{} s", short(share * duration_s));
+    let from = |fraction: f64| format!("{} s", short(fraction * duration_s));
     let quarter = from(0.25);
     let lasting = (0.25, 1.0);
     vec![

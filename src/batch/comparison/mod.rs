@@ -7,5 +7,5 @@ mod task;
 
 pub use faults::{standard_faults, StandardFault};
 pub use run::{compare, Curves};
-pub use table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
-pub use task::{ComparisonError, Contestant, Difference, Task};
+pub use table::{Comparison, ControllerRow, FaultOutcome, TaskSummary, COMPARISON_SCHEMA_VERSION};
+pub use task::{Candidate, ComparisonError, Difference, Task};

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::base::csv::quoted;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
@@ -21,7 +22,7 @@ pub struct Comparison {
     /// The standard faults: name and description.
     pub faults: Vec<(String, String)>,
     /// One row for each controller.
-    pub runs: Vec<Row>,
+    pub runs: Vec<ControllerRow>,
 }
 
 /// What is the same for all.
@@ -43,12 +44,12 @@ pub struct TaskSummary {
 
 /// One controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct ControllerRow {
     /// Its name in tables and figures.
     pub label: String,
-    /// The controller in words.
+    /// The controller as text.
     pub controller: String,
-    /// When the sensor is sampled, in words.
+    /// When the sensor is sampled, as text.
     pub sampling: String,
     /// The answer without a standard fault.
     pub verdict: RunVerdict,
@@ -78,7 +79,7 @@ pub struct Row {
     pub shortest_interval_s: Option<f64>,
     /// Mean time between two messages, s.
     pub mean_interval_s: Option<f64>,
-    /// Largest share of the prescribed bounds on the error, for a controller that has them.
+    /// Largest fraction of the prescribed bounds on the error, for a controller that has them.
     pub funnel_ratio: Option<f64>,
     /// Steps at which a claim or a prescribed bound was broken.
     pub violations: u64,
@@ -153,10 +154,10 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
 }
 
 /// Name of a line of the table and its value for a controller.
-type Line = (&'static str, fn(&Row) -> String);
+type MetricRow = (&'static str, fn(&ControllerRow) -> String);
 
 /// The lines of the table, in the order of every output.
-pub(crate) const LINES: [Line; 14] = [
+const LINES: [MetricRow; 14] = [
     ("settle_seconds", |row| optional(row.settle_seconds)),
     ("final_error_deg", |row| optional(row.final_error_deg)),
     ("rms_error_deg", |row| optional(row.rms_error_deg)),
@@ -182,14 +183,13 @@ fn optional(value: Option<f64>) -> String {
 impl Comparison {
     /// Comma-separated values: one row for each controller, one column for each metric and fault.
     pub fn to_csv(&self) -> String {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut header = vec!["label".to_string(), "verdict".to_string()];
         header.extend(LINES.iter().map(|(name, _)| name.to_string()));
         header.extend(["link_bits".to_string(), "link_bytes".to_string()]);
         header.extend(self.faults.iter().map(|(name, _)| format!("fault_{name}")));
         let mut text = header.join(",") + "\n";
         for row in &self.runs {
-            let mut cells = vec![quoted(&row.label), verdict_name(row.verdict).to_string()];
+            let mut cells = vec![quoted(&row.label), row.verdict.name().to_string()];
             cells.extend(LINES.iter().map(|(_, value)| value(row)));
             let link = |count: fn(&LinkOutcome) -> u64| {
                 row.link
@@ -209,10 +209,7 @@ impl Comparison {
         let mut lines: Vec<Vec<String>> = Vec::new();
         let labels = self.runs.iter().map(|row| row.label.clone());
         lines.push(std::iter::once(String::new()).chain(labels).collect());
-        let verdicts = self
-            .runs
-            .iter()
-            .map(|row| verdict_name(row.verdict).to_string());
+        let verdicts = self.runs.iter().map(|row| row.verdict.name().to_string());
         lines.push(
             std::iter::once("verdict".to_string())
                 .chain(verdicts)
@@ -225,7 +222,7 @@ impl Comparison {
             }
             let cells = self.runs.iter().map(|row| match name {
                 "faults_survived" => format!("{} of {total}", row.faults_survived),
-                _ => short(&value(row)),
+                _ => rounded(&value(row)),
             });
             lines.push(std::iter::once(name.to_string()).chain(cells).collect());
         }
@@ -241,18 +238,8 @@ impl Comparison {
     }
 }
 
-/// The name of a verdict as files have it.
-pub(crate) fn verdict_name(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::RequirementsMet => "requirements_met",
-        RunVerdict::RequirementsMissed => "requirements_missed",
-        RunVerdict::Diverged => "diverged",
-        RunVerdict::ProofBroken => "proof_broken",
-    }
-}
-
 /// A number of a table with five significant digits.
-fn short(text: &str) -> String {
+fn rounded(text: &str) -> String {
     match text.parse::<f64>() {
         _ if text.is_empty() => "none".to_string(),
         Ok(value) if text.contains(['.', 'e']) => crate::base::number::short(value),

@@ -8,11 +8,11 @@ use crate::controllers::ControllerChoice;
 use crate::plants::{System, SystemFile};
 use crate::run::design::Design;
 use crate::scenario::{Scenario, ScenarioFile};
-use crate::sim::padding;
+use crate::sim::embedding;
 
 /// A controller with the task it runs on.
 #[derive(Debug, Clone)]
-pub struct Contestant {
+pub struct Candidate {
     /// Name in tables and figures.
     pub label: String,
     /// The scenario as written.
@@ -23,7 +23,7 @@ pub struct Contestant {
     pub design: Option<Design>,
 }
 
-impl Contestant {
+impl Candidate {
     /// The torque that can act on each axis, N m: the smaller of the controller's limit and the
     /// actuators'; infinite without either.
     pub fn torque_limit(&self) -> Vector3<f64> {
@@ -33,7 +33,7 @@ impl Contestant {
                 Plant::Spacecraft(craft) => craft.torque_limit,
                 plant => {
                     let limit = plant.takagi_sugeno().input_limit;
-                    padding::filled(limit.as_slice(), f64::INFINITY)
+                    embedding::filled(limit.as_slice(), f64::INFINITY)
                 }
             },
             (None, None) => Vector3::repeat(f64::INFINITY),

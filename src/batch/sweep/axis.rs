@@ -154,12 +154,12 @@ fn range(
     }
     let last = points - 1;
     let at = |index: usize| {
-        let share = index as f64 / last as f64;
+        let fraction = index as f64 / last as f64;
         match index {
             0 => from,
             index if index == last => to,
-            _ if logarithmic => rounded(from * (to / from).powf(share)),
-            _ => rounded(from * (1.0 - share) + to * share),
+            _ if logarithmic => rounded(from * (to / from).powf(fraction)),
+            _ => rounded(from * (1.0 - fraction) + to * fraction),
         }
     };
     Ok((0..points).map(at).collect())

@@ -18,6 +18,7 @@ use super::outcome::PointOutcome;
 use super::subject::Subject;
 use crate::base::files as output;
 use crate::base::files::OutputError;
+use crate::base::provenance::{sha256_of, GENERATOR};
 
 /// Name of the journal.
 pub const JOURNAL_FILE: &str = "points.jsonl";
@@ -58,16 +59,14 @@ pub struct AxisRecord {
 impl Identity {
     /// Of a sweep of a file with this text.
     pub fn new(text: &str, subject: &Subject, grid: &Grid) -> Self {
-        use sha2::{Digest, Sha256};
-        let digest = Sha256::digest(text.as_bytes());
         let axes = grid.axes().map(|(name, values)| AxisRecord {
             name: name.to_string(),
             values: values.to_vec(),
         });
         Identity {
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             kind: subject.kind().to_string(),
-            file_sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            file_sha256: sha256_of(text),
             design_sha256: subject.design_sha256().map(str::to_string),
             solver: subject.solver(),
             axes: axes.collect(),
@@ -92,14 +91,14 @@ impl Identity {
 /// First line of the journal.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Header {
+struct FirstRecord {
     sweep: Identity,
 }
 
 /// A line of the journal.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Line {
+struct PointRecord {
     point: usize,
     verdict: String,
     reason: Option<String>,
@@ -291,14 +290,14 @@ impl Journal {
 }
 
 fn header(identity: &Identity) -> String {
-    let header = Header {
+    let header = FirstRecord {
         sweep: identity.clone(),
     };
     json_line(&header)
 }
 
 fn line(index: usize, outcome: &PointOutcome) -> String {
-    json_line(&Line {
+    json_line(&PointRecord {
         point: index,
         verdict: outcome.verdict.clone(),
         reason: outcome.reason.clone(),
@@ -367,13 +366,13 @@ fn read(file: &File, identity: &Identity, grid: &Grid) -> Result<Found, ReadErro
             reason,
         };
         if number == 1 {
-            let header: Header =
+            let header: FirstRecord =
                 serde_json::from_slice(&bytes).map_err(|error| damaged(error.to_string()))?;
             if let Some(difference) = header.sweep.difference(identity) {
                 return Err(ReadError::Other(difference));
             }
         } else {
-            let line: Line =
+            let line: PointRecord =
                 serde_json::from_slice(&bytes).map_err(|error| damaged(error.to_string()))?;
             let place = found.known.get_mut(line.point);
             let place = place

@@ -2,7 +2,7 @@
 //!
 //! An [`axis::Axis`] is one number of the file with its values, a [`grid::Grid`] is their product, a
 //! [`subject::Subject`] turns a point into an [`outcome::PointOutcome`], a [`journal::Journal`] keeps those
-//! that are done, [`table`] makes columns of them and [`page`] figures.
+//! that are done, [`table`] makes columns of them.
 
 pub mod axis;
 pub mod finished;
@@ -13,7 +13,7 @@ pub mod subject;
 pub mod table;
 
 use std::panic::{catch_unwind, AssertUnwindSafe};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -23,13 +23,7 @@ use journal::{Journal, JournalError, Known};
 use outcome::{PointOutcome, FAILED};
 use subject::Subject;
 
-/// What a sweep is watched and stopped by.
-pub struct Watch<'a> {
-    /// Called after each point, from several threads.
-    pub done: &'a (dyn Fn() + Sync),
-    /// Set it to stop; the points not begun yet are left out then.
-    pub stop: Arc<AtomicBool>,
-}
+use super::watch::Watch;
 
 /// Why a sweep did not finish.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +57,7 @@ pub fn run(
     watch: &Watch,
 ) -> Result<Vec<PointOutcome>, SweepError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?;
-    let stopped = || watch.stop.load(Ordering::Relaxed);
+    let stopped = || watch.stopped();
     let failure = OnceLock::new();
     let one = |index: usize| {
         if stopped() || failure.get().is_some() {

@@ -5,12 +5,8 @@ use synth::model::Kind;
 use super::grid::Grid;
 use super::outcome::PointOutcome;
 use super::subject::Subject;
+use crate::base::csv::{self, CsvError};
 use crate::base::parquet::{Cells, Column};
-
-/// The table could not be put together.
-#[derive(Debug, thiserror::Error)]
-#[error("the table cannot be written: {0}")]
-pub struct TableError(#[from] csv::Error);
 
 /// Names of the metrics in the order in which they first appear.
 pub fn metric_names(outcomes: &[PointOutcome]) -> Vec<String> {
@@ -82,15 +78,13 @@ fn metric_cells(name: &str, outcomes: &[PointOutcome]) -> Cells {
 ///
 /// # Errors
 /// Never for tables in memory, as far as is known.
-pub fn to_csv(columns: &[Column]) -> Result<String, TableError> {
+pub fn to_csv(columns: &[Column]) -> Result<String, CsvError> {
     let rows = columns.first().map_or(0, |column| column.cells.rows());
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(columns.iter().map(|column| &column.name))?;
-    for row in 0..rows {
-        writer.write_record(columns.iter().map(|column| column.cells.text(row)))?;
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let header = columns.iter().map(|column| column.name.clone());
+    let cells = |row| -> Vec<String> {
+        let cells = columns.iter().map(|column| column.cells.text(row));
+        cells.collect()
+    };
+    let records = (0..rows).map(cells);
+    csv::to_text(std::iter::once(header.collect::<Vec<String>>()).chain(records))
 }

@@ -7,20 +7,22 @@
 //! search has not seen.
 
 pub mod file;
+pub mod interrupted;
 pub mod limits;
 pub mod report;
 pub mod search;
 pub mod shape;
 pub mod trial;
-pub mod watch;
 
 use nalgebra::Vector3;
 
 use file::Requirements;
+use interrupted::{stop, Interrupted};
 use report::TuneReport;
 use search::Search;
 use trial::{starts, Trial};
-use watch::{stop, Interrupted, Watch};
+
+use crate::batch::watch::Watch;
 
 use crate::scenario::ScenarioFile;
 use crate::sim::random::{Purpose, Random};

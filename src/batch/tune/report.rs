@@ -6,6 +6,7 @@ use super::file::Requirements;
 use super::limits::least_time_s;
 use super::search::Search;
 use super::trial::Trial;
+use crate::base::provenance::GENERATOR;
 use crate::controllers::lei2022::LeiFile;
 use crate::controllers::ControllerFile;
 use crate::scenario::ScenarioFile;
@@ -97,7 +98,7 @@ impl TuneReport {
         let numbers = search.shape().numbers().iter();
         TuneReport {
             name: requirements.file.name.clone(),
-            generator: concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string(),
+            generator: GENERATOR.to_string(),
             seed: requirements.search.seed,
             candidates: search.candidates(),
             training_met: search.penalty() == 0.0,

@@ -6,9 +6,10 @@
 use nalgebra::Vector3;
 
 use super::file::{Requirements, Start};
+use super::interrupted::{stop, Interrupted};
 use super::shape::Shape;
 use super::trial::{every, starts, Trial};
-use super::watch::{stop, Interrupted, Watch};
+use crate::batch::watch::Watch;
 
 /// Factor that the search begins with.
 const FIRST_FACTOR: f64 = 1.35;

@@ -34,7 +34,7 @@ const GAIN: f64 = 1.505;
 const PEAK_OVER_MEAN: f64 = 2.1;
 /// Where the matching rule is kept with equality.
 const MATCHING: f64 = 0.97;
-/// Least disturbance that m allows for, as a share of the torque limit.
+/// Least disturbance that m allows for, as a fraction of the torque limit.
 const LEAST_DISTURBANCE: f64 = 0.01;
 /// Frequency of the faster wave of the disturbance over that of the slower.
 const FAST_WAVE: f64 = 4.0;
@@ -297,8 +297,8 @@ fn system(requirements: &Requirements, start: &Start) -> SystemFile {
 /// A bias and two waves about different axes, whose norms add up to the bound.
 fn torque(requirements: &Requirements) -> TorqueFile {
     let file = &requirements.file.disturbance;
-    let part = |share: f64, direction: [f64; 3]| -> [f64; 3] {
-        (Vector3::from(direction).normalize() * (share * file.bound_nm)).into()
+    let part = |fraction: f64, direction: [f64; 3]| -> [f64; 3] {
+        (Vector3::from(direction).normalize() * (fraction * file.bound_nm)).into()
     };
     let wave = |times: f64, sine_nm: [f64; 3], cosine_nm: [f64; 3]| TorqueSineFile {
         frequency_rad_s: times * file.frequency_rad_s,

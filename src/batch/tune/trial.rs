@@ -27,7 +27,7 @@ pub struct Trial {
     pub summary: Option<Summary>,
 }
 
-/// Share of a limit that the search asks for, where chance decides by how much it is met.
+/// Fraction of a limit that the search asks for, where chance decides by how much it is met.
 const AIM: f64 = 0.97;
 /// Penalty of a requirement whose metric the run does not have, and the largest of one that it misses.
 const ABSENT: f64 = 5.0;

@@ -1,7 +1,7 @@
 //! The smallest gamma from both solvers.
 
 use serde::Serialize;
-use synth::synthesis::{CrossCheck, Found};
+use synth::synthesis::{CrossCheck, SolverOptimum};
 
 /// What both solvers say.
 #[derive(Debug, Serialize)]
@@ -28,7 +28,7 @@ struct SolverGamma<'a> {
 impl<'a> CrossCheckReport<'a> {
     /// From the comparison.
     pub fn new(check: &'a CrossCheck) -> Self {
-        let one = |found: &'a Found| SolverGamma {
+        let one = |found: &'a SolverOptimum| SolverGamma {
             solver: &found.solver,
             status: &found.status,
             gamma: found.gamma,

@@ -1,4 +1,4 @@
-//! A run in words.
+//! A run as text.
 
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
@@ -44,7 +44,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
             lines.push(format!("{name}: {value:.5} {unit}").trim_end().to_string());
         }
     }
-    // The inputs of a plant that is no spacecraft have units of their own.
+    // The inputs of another plant have units of their own.
     let (input, unit, impulse_unit) = match summary.system == "rigid_body" {
         true => ("torque", " N m", " N m s"),
         false => ("input", "", ""),
@@ -91,9 +91,9 @@ fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
 /// Switching and prescribed bounds, for the controllers that have them.
 fn describe_bounds(summary: &Summary, lines: &mut Vec<String>) {
     if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
-        let share = 100.0 * summary.on_time_share;
+        let fraction = 100.0 * summary.on_time_share;
         lines.push(format!(
-            "actuators: turned on {on} and off {off} times, {share:.1} % of the time with a torque"
+            "actuators: turned on {on} and off {off} times, {fraction:.1} % of the time with a torque"
         ));
     }
     let usages = [

@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
 use crate::batch::campaign::finish::{finish, finish_again};
-use crate::batch::campaign::parts::{Job, Watch};
+use crate::batch::campaign::parts::Job;
+use crate::batch::watch::Watch;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, Shard, State};
 use crate::batch::campaign::CampaignError;

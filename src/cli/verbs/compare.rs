@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::batch::comparison::{compare, Comparison, Contestant, Curves, Task};
+use crate::batch::comparison::{compare, Comparison, Candidate, Curves, Task};
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;
@@ -71,19 +71,19 @@ pub fn run(args: &CompareArgs) -> Result<Answer, CliError> {
         Some(path) => impose(path, &mut files, command_line.as_ref())?,
         None => require_one_task(&files)?,
     }
-    let mut contestants = Vec::new();
+    let mut candidates = Vec::new();
     for file in &files {
-        contestants.push(contestant(file, command_line.as_ref())?);
+        candidates.push(candidate(file, command_line.as_ref())?);
     }
-    if args.design.is_some() && !contestants.iter().any(Contestant::needs_design) {
+    if args.design.is_some() && !candidates.iter().any(Candidate::needs_design) {
         let path = args.design.as_deref().unwrap_or(Path::new(""));
         let reason = "no scenario uses this design: the controller of none is 'design'";
         return Err(CliError::unsuitable(path, reason));
     }
-    name_apart(&mut contestants, &files);
+    name_apart(&mut candidates, &files);
     let taken_from = args.take_system_from.as_ref();
     let taken_from = taken_from.map(|path| path.display().to_string());
-    let (comparison, curves) = run_all(args, &contestants, taken_from)?;
+    let (comparison, curves) = run_all(args, &candidates, taken_from)?;
     finish(args, &comparison, &curves)
 }
 
@@ -112,7 +112,7 @@ fn finish(
 
 fn run_all(
     args: &CompareArgs,
-    contestants: &[Contestant],
+    candidates: &[Candidate],
     taken_from: Option<String>,
 ) -> Result<(Comparison, Vec<Curves>), CliError> {
     let bar = ProgressBar::new(0);
@@ -123,7 +123,7 @@ fn run_all(
         bar.set_length(total as u64);
         bar.set_position(done as u64);
     };
-    let result = compare(contestants, taken_from, !args.without_faults, &done);
+    let result = compare(candidates, taken_from, !args.without_faults, &done);
     bar.finish_and_clear();
     result.map_err(|error| CliError::Comparison(error.to_string()))
 }
@@ -142,7 +142,7 @@ fn read(path: &Path) -> Result<Read, CliError> {
 fn impose(path: &Path, files: &mut [Read], design: Option<&Design>) -> Result<(), CliError> {
     let source = read(path)?;
     let task = Task::of(&source.name(), &source.file).map_err(comparison)?;
-    let limit = contestant(&source, design)?.torque_limit();
+    let limit = candidate(&source, design)?.torque_limit();
     for read in files {
         Task::of(&read.name(), &read.file).map_err(comparison)?;
         read.file = task.imposed_on(&read.file, &limit);
@@ -178,7 +178,7 @@ fn comparison(error: crate::batch::comparison::ComparisonError) -> CliError {
 
 /// The checked scenario with its design: the command line's, or the scenario's, whose path starts at
 /// the scenario's folder.
-fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliError> {
+fn candidate(read: &Read, design: Option<&Design>) -> Result<Candidate, CliError> {
     let scenario = Scenario::from_file(&read.file, read.sha256.clone())
         .map_err(|error| CliError::value(&read.path, error))?;
     let design = match (&scenario.controller, design) {
@@ -189,7 +189,7 @@ fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliErr
         }
         _ => None,
     };
-    Ok(Contestant {
+    Ok(Candidate {
         label: scenario.name.clone(),
         file: read.file.clone(),
         scenario,
@@ -198,16 +198,16 @@ fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliErr
 }
 
 /// Scenarios with the same name are told apart by their files.
-fn name_apart(contestants: &mut [Contestant], files: &[Read]) {
-    let names: Vec<String> = contestants.iter().map(|one| one.label.clone()).collect();
-    for (contestant, read) in contestants.iter_mut().zip(files) {
+fn name_apart(candidates: &mut [Candidate], files: &[Read]) {
+    let names: Vec<String> = candidates.iter().map(|one| one.label.clone()).collect();
+    for (candidate, read) in candidates.iter_mut().zip(files) {
         if names
             .iter()
-            .filter(|name| **name == contestant.label)
+            .filter(|name| **name == candidate.label)
             .count()
             > 1
         {
-            contestant.label = format!("{} ({})", contestant.label, read.name());
+            candidate.label = format!("{} ({})", candidate.label, read.name());
         }
     }
 }

@@ -21,7 +21,7 @@ use crate::plants::rigid_body::inertia::inertia;
 pub struct YangChoice {
     /// Parameters that the flight code accepts.
     pub parameters: Parameters<3>,
-    /// Whether the simulation tells it the true fault.
+    /// Whether the simulation gives it the true fault.
     pub told_fault: bool,
 }
 

@@ -43,14 +43,14 @@ pub struct YangAttitude {
     reference: Reference,
     /// Whether an encoder sits behind the controller, so that the command itself is not a message.
     linked: bool,
-    /// The true body, when the controller is told its fault.
+    /// The true body, when the controller is given its fault.
     oracle: Option<RigidBody>,
     fault: Option<Vector3<f64>>,
     held: Option<Vector3<f64>>,
 }
 
 impl YangAttitude {
-    /// The controller before its first sample. With the true body as `oracle` it is told the lumped
+    /// The controller before its first sample. With the true body as `oracle` it is given the lumped
     /// fault; otherwise it has to estimate it. `linked`: whether an encoder sends its commands on.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ impl Controller<AttitudeMeasurement, 3> for YangAttitude {
         command
     }
 
-    fn tell(&mut self, truth: &Truth<3>) {
+    fn observe_truth(&mut self, truth: &Truth<3>) {
         self.held = Some(truth.held);
         self.fault = self.oracle.map(|body| self.lumped_fault(&body, truth));
     }

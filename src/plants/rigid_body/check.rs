@@ -11,7 +11,7 @@ use super::inertia::{drawn, inertia};
 use super::RigidBody;
 use crate::base::ranges::{each, not_negative, require};
 use crate::sim::actuator::{ActuatorData, Fault};
-use crate::sim::disturbance::{Disturbance, Harmonic, Pulse, Table};
+use crate::sim::disturbance::{Disturbance, DisturbanceTable, Harmonic, Pulse};
 use crate::sim::reference::Reference;
 use crate::sim::sensor::SensorErrors;
 
@@ -170,7 +170,7 @@ fn torque(file: &TorqueFile) -> Result<Disturbance<3>, ModelError> {
             cosine: Vector3::from(sine.cosine_nm),
         });
     }
-    let mut table = Table::default();
+    let mut table = DisturbanceTable::default();
     for (index, row) in file.table.iter().enumerate() {
         let field = format!("disturbance.table[{index}]");
         let later = table.times_s.last().is_none_or(|&last| row.time_s > last);
@@ -224,7 +224,7 @@ fn actuators(file: &ActuatorsFile) -> Result<ActuatorData<3>, ModelError> {
     })
 }
 
-/// A fault's share of the command that acts, and what acts on top.
+/// A fault's fraction of the command that acts, and what acts on top.
 fn check_fault(field: &str, file: &FaultFile) -> Result<(Fault, Option<Pulse<3>>), ModelError> {
     let ok = (1..=3).contains(&file.axis);
     require(

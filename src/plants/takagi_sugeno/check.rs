@@ -9,7 +9,7 @@ use super::Mixing;
 use crate::base::plant_model::{placeholder, relocated};
 use crate::base::ranges::{each, not_negative, require};
 use crate::sim::disturbance::{Disturbance, Harmonic};
-use crate::sim::padding;
+use crate::sim::embedding;
 
 /// Largest Takagi-Sugeno plant: states (and disturbances).
 pub const MAX_STATES: usize = 24;
@@ -106,7 +106,7 @@ fn signal(file: &TakagiSugenoFile, size: usize) -> Result<Disturbance<MAX_STATES
             return Err(length(field, values.len(), size));
         }
         each(field, values, finite)?;
-        Ok(padding::vector(values))
+        Ok(embedding::vector(values))
     };
     let mut harmonics = Vec::new();
     for (index, sine) in file.disturbance.sines.iter().enumerate() {

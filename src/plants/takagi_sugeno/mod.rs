@@ -46,9 +46,9 @@ impl<const N: usize, const M: usize> TakagiSugenoPlant<N, M> {
     ) -> Self {
         let vertices = system.state_matrices.iter();
         Self {
-            vertices: vertices.map(crate::sim::padding::matrix).collect(),
-            input: crate::sim::padding::matrix(&system.input_matrix),
-            disturbance: crate::sim::padding::matrix(&system.disturbance_matrix),
+            vertices: vertices.map(crate::sim::embedding::matrix).collect(),
+            input: crate::sim::embedding::matrix(&system.input_matrix),
+            disturbance: crate::sim::embedding::matrix(&system.disturbance_matrix),
             mixing,
             rules,
         }

@@ -1,37 +1,43 @@
 //! The page of a comparison: one HTML file with its figures inside.
 
-use std::fmt::Write;
-
-use crate::batch::comparison::table::verdict_name;
-use crate::batch::comparison::{Comparison, Curves, Row};
-use crate::report::figure::{Figure, FigureError};
-use crate::report::html::{document, escape};
+use crate::base::number::{short, short_or_none};
+use crate::batch::comparison::{Comparison, ControllerRow, Curves};
+use crate::report::chart::FigureError;
+use crate::report::figure::Figure;
+use crate::report::html::{
+    cell, cell_of_class, escape, html_cell, html_list, paragraph, Header, HtmlTable, Page, Section,
+};
 use crate::report::series::Line;
 use crate::run::summary::RunVerdict;
 use crate::scenario::RequirementFile;
 use crate::sim::metrics::metric_name;
 
+/// Title and heading.
+const TITLE: &str = "Comparison of controllers";
+
 /// A line of the page's table: its name and its value for a controller.
-type MetricLine = (&'static str, fn(&Row) -> String);
+type MetricLine = (&'static str, fn(&ControllerRow) -> String);
 
 const METRICS: [MetricLine; 16] = [
-    ("Settled from (s)", |row| number(row.settle_seconds)),
-    ("Final error (deg)", |row| number(row.final_error_deg)),
-    ("Rms error over the tail (deg)", |row| {
-        number(row.rms_error_deg)
+    ("Settled from (s)", |row| short_or_none(row.settle_seconds)),
+    ("Final error (deg)", |row| {
+        short_or_none(row.final_error_deg)
     }),
-    ("Largest rate (rad/s)", |row| number(row.max_rate)),
-    ("Largest torque (N m)", |row| number(Some(row.max_torque))),
-    ("Impulse (N m s)", |row| number(Some(row.impulse))),
+    ("Rms error over the tail (deg)", |row| {
+        short_or_none(row.rms_error_deg)
+    }),
+    ("Largest rate (rad/s)", |row| short_or_none(row.max_rate)),
+    ("Largest torque (N m)", |row| short(row.max_torque)),
+    ("Impulse (N m s)", |row| short(row.impulse)),
     ("Torque updates", |row| row.updates.to_string()),
     ("Messages", |row| row.triggers.to_string()),
     ("Bits sent", |row| row.bits.to_string()),
     ("Bytes sent", |row| row.bytes.to_string()),
     ("Shortest time between messages (s)", |row| {
-        number(row.shortest_interval_s)
+        short_or_none(row.shortest_interval_s)
     }),
     ("Mean time between messages (s)", |row| {
-        number(row.mean_interval_s)
+        short_or_none(row.mean_interval_s)
     }),
     ("Bytes on the link to the actuators", |row| {
         row.link
@@ -39,7 +45,7 @@ const METRICS: [MetricLine; 16] = [
             .map_or("no link".to_string(), |link| link.bytes.to_string())
     }),
     ("Largest share of prescribed bounds", |row| {
-        number(row.funnel_ratio)
+        short_or_none(row.funnel_ratio)
     }),
     ("Sampling", |row| row.sampling.clone()),
     ("Proof", |row| {
@@ -52,32 +58,27 @@ const METRICS: [MetricLine; 16] = [
 /// # Errors
 /// A figure that cannot be drawn.
 pub fn page(comparison: &Comparison, curves: &[Curves]) -> Result<String, FigureError> {
-    let mut body = String::new();
-    header(comparison, &mut body);
-    metrics(comparison, &mut body);
-    faults(comparison, &mut body);
-    notes(comparison, &mut body);
+    let mut sections = vec![metrics(comparison)];
+    sections.extend(faults(comparison));
+    sections.push(notes(comparison));
     for figure in figures(comparison, curves) {
-        figure.write_section(&mut body)?;
+        sections.push(figure.section()?);
     }
-    provenance(comparison, &mut body);
-    Ok(document("Comparison of controllers", &body))
+    let page = Page {
+        title: TITLE.to_string(),
+        style: "",
+        header: header(comparison),
+        sections,
+        footer: provenance(comparison),
+    };
+    Ok(page.to_html())
 }
 
-fn number(value: Option<f64>) -> String {
-    value.map_or("none".to_string(), crate::base::number::short)
-}
-
-/// Writing to a string cannot fail.
-fn put(body: &mut String, text: std::fmt::Arguments) {
-    let _ = body.write_fmt(text);
-}
-
-fn header(comparison: &Comparison, body: &mut String) {
-    let broken = |row: &&Row| row.verdict == RunVerdict::ProofBroken;
-    let met = |row: &&Row| row.verdict == RunVerdict::RequirementsMet;
+fn header(comparison: &Comparison) -> Header {
+    let broken = |row: &&ControllerRow| row.verdict == RunVerdict::ProofBroken;
+    let met = |row: &&ControllerRow| row.verdict == RunVerdict::RequirementsMet;
     let total = comparison.runs.len();
-    let (class, sentence) = if let Some(row) = comparison.runs.iter().find(broken) {
+    let (class, verdict) = if let Some(row) = comparison.runs.iter().find(broken) {
         let sentence = format!("{}: {}", row.label, row.verdict.sentence());
         ("alarm", sentence)
     } else if comparison.task.requirements.is_empty() {
@@ -92,28 +93,27 @@ fn header(comparison: &Comparison, body: &mut String) {
     };
     let task = &comparison.task;
     let [a, b, c] = task.torque_limit_nm;
-    put(
-        body,
-        format_args!(
-            "<header>\n<p class=\"verdict {class}\"><strong>{}</strong></p>\n\
-             <h1>Comparison of controllers</h1>\n<p>Runs of {} s; torque that can act: {a}, {b} and {c} \
-             N m; settled: error of at most {} deg; tail: the last {} s.</p>\n",
-            escape(&sentence),
-            task.duration_s,
-            task.settle_tolerance_deg,
-            task.tail_s,
-        ),
-    );
+    let mut body = paragraph(&format!(
+        "Runs of {} s; torque that can act: {a}, {b} and {c} N m; settled: error of at most {} deg; tail: \
+         the last {} s.",
+        task.duration_s, task.settle_tolerance_deg, task.tail_s,
+    ));
     if let Some(file) = &task.taken_from {
-        let file = escape(file);
-        put(body, format_args!("<p>Spacecraft, start, disturbance, limits and requirements of {file} for all.</p>\n"));
+        body += &paragraph(&format!(
+            "Spacecraft, start, disturbance, limits and requirements of {file} for all."
+        ));
     }
     if !task.requirements.is_empty() {
         let required: Vec<String> = task.requirements.iter().map(requirement).collect();
-        let required = escape(&required.join("; "));
-        put(body, format_args!("<p>Required: {required}.</p>\n"));
+        body += &paragraph(&format!("Required: {}.", required.join("; ")));
     }
-    body.push_str("</header>\n");
+    Header {
+        class,
+        verdict,
+        remark: String::new(),
+        title: TITLE.to_string(),
+        body,
+    }
 }
 
 fn requirement(requirement: &RequirementFile) -> String {
@@ -125,94 +125,68 @@ fn requirement(requirement: &RequirementFile) -> String {
     }
 }
 
-fn heads(comparison: &Comparison, first: &str, body: &mut String) {
-    put(
-        body,
-        format_args!("<table>\n<tr><th>{}</th>", escape(first)),
-    );
-    for row in &comparison.runs {
-        put(body, format_args!("<th>{}</th>", escape(&row.label)));
-    }
-    body.push_str("</tr>\n");
+/// A table with a column for each controller.
+fn table(comparison: &Comparison, first: &str) -> HtmlTable {
+    let labels = comparison.runs.iter().map(|row| row.label.as_str());
+    HtmlTable::new("").head(std::iter::once(first).chain(labels))
 }
 
-fn metrics(comparison: &Comparison, body: &mut String) {
-    body.push_str("<section><h2>Without a standard fault</h2>\n");
-    heads(comparison, "", body);
-    body.push_str("<tr><td>Requirements</td>");
-    for row in &comparison.runs {
+fn metrics(comparison: &Comparison) -> Section {
+    let mut table = table(comparison, "");
+    let verdicts = comparison.runs.iter().map(|row| {
         let class = match row.verdict {
             RunVerdict::RequirementsMet => "good",
             _ => "bad",
         };
-        let word = verdict_name(row.verdict).replace('_', " ");
-        put(body, format_args!("<td class=\"{class}\">{word}</td>"));
-    }
-    body.push_str("</tr>\n");
+        cell_of_class(class, row.verdict.name().replace('_', " "))
+    });
+    table.row(std::iter::once(cell("Requirements")).chain(verdicts));
     for (name, value) in METRICS {
-        put(body, format_args!("<tr><td>{}</td>", escape(name)));
-        for row in &comparison.runs {
-            put(body, format_args!("<td>{}</td>", escape(&value(row))));
-        }
-        body.push_str("</tr>\n");
+        let values = comparison.runs.iter().map(|row| cell(value(row)));
+        table.row(std::iter::once(cell(name)).chain(values));
     }
-    body.push_str("</table></section>\n");
+    Section::new("Without a standard fault").with_table(&table)
 }
 
-fn faults(comparison: &Comparison, body: &mut String) {
+fn faults(comparison: &Comparison) -> Option<Section> {
     if comparison.faults.is_empty() {
-        return;
+        return None;
     }
-    body.push_str("<section><h2>Standard faults</h2>\n");
-    heads(comparison, "Fault", body);
+    let mut table = table(comparison, "Fault");
     for (index, (name, description)) in comparison.faults.iter().enumerate() {
-        let name = escape(&name.replace('_', " "));
-        let description = escape(description);
-        put(
-            body,
-            format_args!("<tr><td><strong>{name}</strong>: {description}</td>"),
-        );
-        for outcome in comparison
-            .runs
-            .iter()
-            .filter_map(|row| row.faults.get(index))
-        {
-            let (class, text) = match (outcome.survived, outcome.rms_error_deg) {
-                (true, error) => ("good", format!("survived; rms error {} deg", number(error))),
-                (false, _) => ("bad", outcome.reason.clone()),
-            };
-            put(
-                body,
-                format_args!("<td class=\"{class}\">{}</td>", escape(&text)),
-            );
-        }
-        body.push_str("</tr>\n");
+        let (name, description) = (escape(&name.replace('_', " ")), escape(description));
+        let fault = html_cell(format!("<strong>{name}</strong>: {description}"));
+        let outcomes = comparison.runs.iter();
+        let outcomes = outcomes.filter_map(|row| row.faults.get(index));
+        let outcomes = outcomes.map(|outcome| match (outcome.survived, outcome.rms_error_deg) {
+            (true, error) => {
+                let error = short_or_none(error);
+                cell_of_class("good", format!("survived; rms error {error} deg"))
+            }
+            (false, _) => cell_of_class("bad", &outcome.reason),
+        });
+        table.row(std::iter::once(fault).chain(outcomes));
     }
     let total = comparison.faults.len();
-    body.push_str("<tr><td>Survived</td>");
-    for row in &comparison.runs {
-        put(
-            body,
-            format_args!("<td>{} of {total}</td>", row.faults_survived),
-        );
-    }
-    body.push_str("</tr>\n</table></section>\n");
+    let counts = comparison.runs.iter();
+    let counts = counts.map(|row| cell(format!("{} of {total}", row.faults_survived)));
+    table.row(std::iter::once(cell("Survived")).chain(counts));
+    Some(Section::new("Standard faults").with_table(&table))
 }
 
-fn notes(comparison: &Comparison, body: &mut String) {
-    body.push_str("<section><h2>The controllers</h2>\n<ul>\n");
-    for row in &comparison.runs {
+fn notes(comparison: &Comparison) -> Section {
+    let items = comparison.runs.iter().map(|row| {
         let (label, words) = (escape(&row.label), escape(&row.controller));
-        put(body, format_args!("<li><strong>{label}</strong>: {words}"));
+        let mut item = format!("<strong>{label}</strong>: {words}");
         if let Some(link) = &row.link {
-            put(body, format_args!("; link: {}", escape(&link.encoding)));
+            item += &format!("; link: {}", escape(&link.encoding));
         }
         for note in &row.notes {
-            put(body, format_args!("<br>{}", escape(note)));
+            item += &format!("<br>{}", escape(note));
         }
-        body.push_str("</li>\n");
-    }
-    body.push_str("</ul></section>\n");
+        item
+    });
+    Section::new("The controllers").with(&html_list(items))
 }
 
 fn figures(comparison: &Comparison, curves: &[Curves]) -> Vec<Figure> {
@@ -281,18 +255,12 @@ fn column(curve: &Curves, name: &str) -> Option<Vec<f64>> {
     curve.trajectory.column(name)
 }
 
-fn provenance(comparison: &Comparison, body: &mut String) {
-    put(
-        body,
-        format_args!("<footer>\n<p>{}</p>\n<p>", escape(&comparison.generator)),
-    );
-    for row in &comparison.runs {
-        let (label, scenario) = (escape(&row.label), &row.scenario_sha256);
-        put(body, format_args!("{label}: scenario SHA-256 {scenario}"));
-        if let Some(design) = &row.design_sha256 {
-            put(body, format_args!(", design SHA-256 {design}"));
-        }
-        body.push_str("<br>\n");
-    }
-    body.push_str("</p>\n</footer>\n");
+fn provenance(comparison: &Comparison) -> Vec<Vec<String>> {
+    let files = comparison.runs.iter().map(|row| {
+        let (label, scenario) = (&row.label, &row.scenario_sha256);
+        let design = row.design_sha256.as_ref();
+        let design = design.map_or(String::new(), |design| format!(", design SHA-256 {design}"));
+        format!("{label}: scenario SHA-256 {scenario}{design}")
+    });
+    vec![vec![comparison.generator.clone()], files.collect()]
 }

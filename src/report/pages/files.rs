@@ -11,7 +11,7 @@ use crate::base::table::Table;
 use crate::batch::comparison::{Comparison, Curves};
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::table;
-use crate::report::figure::FigureError;
+use crate::report::chart::FigureError;
 use crate::run::files::{
     read_summary, read_trajectory, summary_text, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE,
 };

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
 use synth::model::{kind_of, Kind};
 
 use super::args::{Exported, FormatArg};
+use crate::base::provenance::sha256_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::export::design::DesignData;
@@ -79,9 +79,7 @@ pub fn trajectory(path: &Path, format: FormatArg) -> Result<Exported, CliError> 
     let summary = folder.join(SUMMARY_FILE);
     let beside = path.file_name() == Some(TRAJECTORY_FILE.as_ref()) && summary.exists();
     let summary = beside.then(|| read_summary(&summary)).transpose()?;
-    let digest = Sha256::digest(text.as_bytes());
-    let digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-    let data = TrajectoryData::new(table, summary.as_ref(), digest);
+    let data = TrajectoryData::new(table, summary.as_ref(), sha256_of(&text));
     let bytes = match format {
         FormatArg::Parquet => data
             .to_parquet()

@@ -7,6 +7,7 @@ use synth::problem::{first_program, Problem};
 use synth::synthesis::{assemble, coupled_problem, scaled_task, Choice, Form, Goal, FIRST_UNITS};
 
 use super::args::ExportArgs;
+use crate::base::provenance::GENERATOR;
 use crate::cli::error::CliError;
 use crate::cli::files;
 
@@ -14,7 +15,7 @@ use crate::cli::files;
 /// the first problem that synthesis solves, in its scaled units; the optimum is gamma.
 pub fn export(args: &ExportArgs) -> Result<String, CliError> {
     let (program, what) = program(args)?;
-    let title = format!("{what}, by steadfast {}", env!("CARGO_PKG_VERSION"));
+    let title = format!("{what}, by {GENERATOR}");
     Ok(program.to_sdpa(&title))
 }
 

@@ -7,6 +7,7 @@ use crate::batch::campaign::record::Results;
 use crate::batch::campaign::table::{column_f64, column_text};
 use crate::batch::campaign::CampaignError;
 use crate::run::files::{REPORT_FILE, TRAJECTORY_FILE};
+use crate::run::summary::RunVerdict;
 
 /// Runs in the list of the worst.
 const LISTED: usize = 20;
@@ -62,12 +63,8 @@ impl CampaignData {
         let margin = |place: usize| margins.get(place).copied().flatten();
         let severity = |place: usize| {
             let verdict = verdicts.get(place).and_then(Option::as_deref);
-            match verdict {
-                Some("proof_broken") => 0,
-                Some("diverged") => 1,
-                Some("requirements_missed") => 2,
-                _ => 3,
-            }
+            let known = verdict.and_then(RunVerdict::named);
+            known.map_or(RunVerdict::ALL.len(), RunVerdict::severity)
         };
         let mut order: Vec<usize> = (0..verdicts.len()).collect();
         order.sort_by(|&a, &b| {

@@ -1,7 +1,7 @@
 //! Why a campaign has no page.
 
 use crate::batch::campaign::CampaignError;
-use crate::report::figure::FigureError;
+use crate::report::chart::FigureError;
 
 /// Why a campaign's page cannot be made.
 #[derive(Debug, thiserror::Error)]

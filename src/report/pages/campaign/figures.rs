@@ -35,18 +35,18 @@ const OUTER: [f64; 2] = [0.05, 0.95];
 const INNER: [f64; 2] = [0.25, 0.75];
 
 /// Values of all runs at one time, in order.
-struct Spread(Vec<f64>);
+struct Ordered(Vec<f64>);
 
-impl Spread {
+impl Ordered {
     fn new(values: impl Iterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_by(f64::total_cmp);
         Self(sorted)
     }
 
-    /// The quantile of a share, on the straight line between two values; `None` without values.
-    fn at(&self, share: f64) -> Option<f64> {
-        let place = share * self.0.len().checked_sub(1)? as f64;
+    /// The quantile of a fraction, on the straight line between two values; `None` without values.
+    fn at(&self, fraction: f64) -> Option<f64> {
+        let place = fraction * self.0.len().checked_sub(1)? as f64;
         let below = *self.0.get(place.floor() as usize)?;
         let above = *self.0.get(place.ceil() as usize)?;
         Some(below + (above - below) * place.fract())
@@ -65,9 +65,9 @@ pub fn bands(folder: &Path, results: &Results) -> Result<Vec<Figure>, CampaignPa
         let mut spreads = Vec::with_capacity(times.len());
         for index in 0..times.len() {
             let column = column_f64(&path, &format!("{quantity}_{index:03}"))?;
-            let values = Spread::new(column.into_iter().flatten());
+            let values = Ordered::new(column.into_iter().flatten());
             let wanted = [OUTER[0], INNER[0], 0.5, INNER[1], OUTER[1], 1.0];
-            spreads.push(wanted.map(|share| values.at(share).unwrap_or(f64::NAN)));
+            spreads.push(wanted.map(|fraction| values.at(fraction).unwrap_or(f64::NAN)));
         }
         out.push(band_figure(quantity, times, &spreads));
     }
@@ -126,14 +126,14 @@ pub fn distributions(folder: &Path, results: &Results) -> Result<Vec<Figure>, Ca
     Ok(out)
 }
 
-/// Share of all runs with at most that value; runs without the metric never reach it.
+/// Fraction of all runs with at most that value; runs without the metric never reach it.
 fn distribution<'a>(
     title: &str,
     label: &str,
     values: &[Option<f64>],
     limits: impl Iterator<Item = &'a RequirementCount>,
 ) -> Figure {
-    let sorted = Spread::new(values.iter().copied().flatten()).0;
+    let sorted = Ordered::new(values.iter().copied().flatten()).0;
     let marks: Vec<f64> = limits.map(|one| one.limit).collect();
     let within = sorted.iter().chain(&marks).copied();
     let (low, high) = within.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -145,9 +145,9 @@ fn distribution<'a>(
     let shares = (1..=sorted.len()).map(|count| count as f64 / total);
     let mut places = vec![start];
     let mut heights = vec![0.0];
-    for (value, share) in sorted.iter().zip(shares) {
+    for (value, fraction) in sorted.iter().zip(shares) {
         places.push(*value);
-        heights.push(share);
+        heights.push(fraction);
     }
     places.push(end);
     heights.push(sorted.len() as f64 / total);
@@ -199,10 +199,10 @@ mod tests {
 
     #[test]
     fn bands_are_between_the_quantiles_of_the_runs() {
-        let spread = Spread::new((0..=100).map(f64::from));
+        let spread = Ordered::new((0..=100).map(f64::from));
         assert_eq!(spread.at(0.05), Some(5.0));
         assert_eq!(spread.at(0.5), Some(50.0));
-        assert_eq!(Spread::new(std::iter::empty()).at(0.5), None);
+        assert_eq!(Ordered::new(std::iter::empty()).at(0.5), None);
         let spreads = [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [f64::NAN; 6]];
         let figure = band_figure("error_deg", &[0.0, 1.0], &spreads);
         assert_eq!(figure.bands[0].points, [(0.0, 1.0, 5.0)]);

@@ -12,10 +12,11 @@ mod tables;
 use std::path::Path;
 
 use error::CampaignPageError;
-use tables::percent;
 
+use crate::base::number::percent;
 use crate::batch::campaign::record::{CampaignFile, Inputs, Results, State};
-use crate::report::html::{document, escape, put};
+use crate::report::html::{Header, Page};
+use crate::run::summary::RunVerdict;
 
 pub use data::CampaignData;
 
@@ -30,27 +31,29 @@ pub fn page(folder: &Path, link: &str) -> Result<String, CampaignPageError> {
         _ => return Err(CampaignPageError::Running),
     };
     let data = CampaignData::read(folder, results)?;
-    let mut body = String::new();
-    header(&record.inputs, results, &mut body);
-    tables::counts(&record.inputs, results, &mut body);
-    tables::requirements(results, &mut body);
-    for figure in figures::bands(folder, results)? {
-        figure.write_section(&mut body)?;
+    let mut sections = vec![tables::counts(&record.inputs, results)];
+    sections.extend(tables::requirements(results));
+    let mut drawn = figures::bands(folder, results)?;
+    drawn.extend(figures::distributions(folder, results)?);
+    for figure in drawn {
+        sections.push(figure.section()?);
     }
-    for figure in figures::distributions(folder, results)? {
-        figure.write_section(&mut body)?;
-    }
-    tables::metrics(results, &mut body);
-    tables::worst(&data, &record.inputs, results, link, &mut body);
-    provenance(&record.inputs, &mut body);
-    let title = format!("{}: campaign report", record.inputs.scenario);
-    Ok(document(&title, &body))
+    sections.push(tables::metrics(results));
+    sections.push(tables::worst(&data, &record.inputs, results, link));
+    let page = Page {
+        title: format!("{}: campaign report", record.inputs.scenario),
+        style: "",
+        header: header(&record.inputs, results),
+        sections,
+        footer: provenance(&record.inputs),
+    };
+    Ok(page.to_html())
 }
 
 /// The verdict first: how many runs met every requirement, and how well that is known.
-fn header(inputs: &Inputs, results: &Results, body: &mut String) {
-    let verdict = |name: &str| results.verdicts.get(name).copied().unwrap_or(0);
-    let (broken, diverged) = (verdict("proof_broken"), verdict("diverged"));
+fn header(inputs: &Inputs, results: &Results) -> Header {
+    let broken = tables::count(results, RunVerdict::ProofBroken);
+    let diverged = tables::count(results, RunVerdict::Diverged);
     let class = match (broken + diverged, results.failures) {
         (0, 0) => "good",
         (0, _) => "bad",
@@ -58,7 +61,7 @@ fn header(inputs: &Inputs, results: &Results, body: &mut String) {
     };
     let passed = results.runs - results.failures;
     let interval = &results.pass_rate_interval;
-    let mut sentence = match results.requirements.is_empty() {
+    let mut verdict = match results.requirements.is_empty() {
         true => format!(
             "{passed} of {} runs passed; the scenario states no requirement.",
             results.runs
@@ -66,14 +69,14 @@ fn header(inputs: &Inputs, results: &Results, body: &mut String) {
         false => format!("{passed} of {} runs met every requirement.", results.runs),
     };
     if broken > 0 {
-        sentence = format!(
-            "A PROVED BOUND WAS BROKEN in {broken} runs: the proof or the program is wrong. {sentence}"
+        verdict = format!(
+            "A PROVED BOUND WAS BROKEN in {broken} runs: the proof or the program is wrong. {verdict}"
         );
     }
     if diverged > 0 {
-        sentence += &format!(" {diverged} diverged.");
+        verdict += &format!(" {diverged} diverged.");
     }
-    let rate = format!(
+    let remark = format!(
         "Pass rate {}; {} % confidence interval {} to {} ({}).",
         percent(results.pass_rate),
         100.0 * interval.confidence,
@@ -81,32 +84,29 @@ fn header(inputs: &Inputs, results: &Results, body: &mut String) {
         percent(interval.upper),
         interval.method
     );
-    put(
-        body,
-        format_args!(
-            "<header>\n<p class=\"verdict {class}\"><strong>{}</strong> {}</p>\n<h1>{}</h1>\n{}</header>\n",
-            escape(&sentence),
-            escape(&rate),
-            escape(&inputs.scenario),
-            tables::caution(inputs)
-        ),
-    );
+    Header {
+        class,
+        verdict,
+        remark,
+        title: inputs.scenario.clone(),
+        body: tables::caution(inputs),
+    }
 }
 
-fn provenance(inputs: &Inputs, body: &mut String) {
+fn provenance(inputs: &Inputs) -> Vec<Vec<String>> {
     let design = inputs.design_sha256.as_deref().unwrap_or("none");
-    put(
-        body,
-        format_args!(
-            "<footer>\n<p>{}; seed {}; runs {} to {} of {}</p>\n\
-             <p>scenario SHA-256 {}<br>design SHA-256 {}</p>\n</footer>\n",
-            escape(&inputs.generator),
+    vec![
+        vec![format!(
+            "{}; seed {}; runs {} to {} of {}",
+            inputs.generator,
             inputs.seed,
             inputs.first_run,
             inputs.end_run.saturating_sub(1),
-            inputs.runs,
-            escape(&inputs.scenario_sha256),
-            escape(design)
-        ),
-    );
+            inputs.runs
+        )],
+        vec![
+            format!("scenario SHA-256 {}", inputs.scenario_sha256),
+            format!("design SHA-256 {design}"),
+        ],
+    ]
 }

@@ -1,35 +1,35 @@
 //! The tables of a campaign's page.
 
 use super::data::{CampaignData, ListedRun};
-use crate::base::number::short;
+use crate::base::number::{percent, short, short_or_none};
 use crate::batch::campaign::folder::{run_folder_name, FAILED_FOLDER, SCENARIO_FILE};
 use crate::batch::campaign::record::{Inputs, Results};
-use crate::report::html::{escape, numbers, put};
+use crate::report::html::{
+    cell, cell_of_class, escape, html_cell, source, HtmlCell, HtmlTable, Section,
+};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
+use crate::run::summary::RunVerdict;
 use crate::scenario::PlanFile;
 
-/// A share in percent. Only all is 100 % and only none is 0 %.
-pub(crate) fn percent(share: f64) -> String {
-    let text = format!("{:.3}", 100.0 * share);
-    let text = match text.as_str() {
-        "100.000" if share < 1.0 => "99.999".to_string(),
-        "0.000" if share > 0.0 => "0.001".to_string(),
-        _ => text,
-    };
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    format!("{short} %")
+/// How many runs have a verdict.
+pub fn count(results: &Results, verdict: RunVerdict) -> u64 {
+    let count = results.verdicts.get(verdict.name());
+    count.copied().unwrap_or(0)
 }
 
 /// How many runs, drawn how, with which verdicts.
-pub fn counts(inputs: &Inputs, results: &Results, body: &mut String) {
-    let verdict = |name: &str| results.verdicts.get(name).copied().unwrap_or(0).to_string();
+pub fn counts(inputs: &Inputs, results: &Results) -> Section {
+    let count = |verdict| count(results, verdict).to_string();
     let mut rows = vec![
         ("Runs", results.runs.to_string()),
         ("Drawn numbers", sampling(inputs).to_string()),
-        ("Every requirement met", verdict("requirements_met")),
-        ("A requirement missed", verdict("requirements_missed")),
-        ("Diverged", verdict("diverged")),
-        ("A proved bound broken", verdict("proof_broken")),
+        ("Every requirement met", count(RunVerdict::RequirementsMet)),
+        (
+            "A requirement missed",
+            count(RunVerdict::RequirementsMissed),
+        ),
+        ("Diverged", count(RunVerdict::Diverged)),
+        ("A proved bound broken", count(RunVerdict::ProofBroken)),
     ];
     if let Some(covered) = results.covered_runs {
         rows.push(("Covered by the proof of the design", covered.to_string()));
@@ -38,8 +38,7 @@ pub fn counts(inputs: &Inputs, results: &Results, body: &mut String) {
         let text = format!("{} of {}", shard.index, shard.count);
         rows.push(("Part of a larger campaign", text));
     }
-    numbers("Runs", &rows, body);
-    body.push_str("</section>\n");
+    Section::new("Runs").with_table(&HtmlTable::numbers(&rows))
 }
 
 fn sampling(inputs: &Inputs) -> &'static str {
@@ -55,92 +54,70 @@ pub fn caution(inputs: &Inputs) -> String {
     if inputs.sampling == PlanFile::Independent {
         return String::new();
     }
-    format!(
-        "<p class=\"source\">The interval is that of independent runs. These runs are spread evenly ({}), \
-         so it is a guide only.</p>\n",
+    source(&format!(
+        "The interval is that of independent runs. These runs are spread evenly ({}), so it is a guide only.",
         sampling(inputs)
-    )
+    ))
 }
 
-/// Which requirement was missed how often.
-pub fn requirements(results: &Results, body: &mut String) {
+/// Which requirement was missed how often; none without requirements.
+pub fn requirements(results: &Results) -> Option<Section> {
     if results.requirements.is_empty() {
-        return;
+        return None;
     }
-    body.push_str(
-        "<section><h2>Requirements</h2>\n<table>\n\
-         <tr><th>Requirement</th><th>Limit</th><th>Runs that missed it</th><th>Share</th></tr>\n",
-    );
+    let head = ["Requirement", "Limit", "Runs that missed it", "Share"];
+    let mut table = HtmlTable::new("").head(head);
     for requirement in &results.requirements {
         let class = if requirement.missed == 0 {
             "good"
         } else {
             "bad"
         };
-        let share = requirement.missed as f64 / results.runs.max(1) as f64;
-        put(
-            body,
-            format_args!(
-                "<tr><td>{}</td><td>{}</td><td class=\"{class}\">{}</td><td>{}</td></tr>\n",
-                escape(&requirement.name),
-                short(requirement.limit),
-                requirement.missed,
-                percent(share)
-            ),
-        );
+        let fraction = requirement.missed as f64 / results.runs.max(1) as f64;
+        table.row([
+            cell(&requirement.name),
+            cell(short(requirement.limit)),
+            cell_of_class(class, requirement.missed.to_string()),
+            cell(percent(fraction)),
+        ]);
     }
-    body.push_str("</table></section>\n");
+    Some(Section::new("Requirements").with_table(&table))
 }
 
 /// Quantiles of every metric.
-pub fn metrics(results: &Results, body: &mut String) {
-    body.push_str(
-        "<section><h2>Metrics</h2>\n<div class=\"scroll\"><table class=\"ranked\">\n<tr><th>Metric</th>\
-         <th>Runs that have it</th><th>Smallest</th><th>Median</th><th>95 %</th><th>Largest</th></tr>\n",
-    );
-    for (name, spread) in &results.metrics {
-        put(
-            body,
-            format_args!(
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                escape(name),
-                spread.count,
-                short(spread.min),
-                short(spread.median),
-                short(spread.p95),
-                short(spread.max)
-            ),
-        );
+pub fn metrics(results: &Results) -> Section {
+    let head = [
+        "Metric",
+        "Runs that have it",
+        "Smallest",
+        "Median",
+        "95 %",
+        "Largest",
+    ];
+    let mut table = HtmlTable::new("ranked").within("scroll").head(head);
+    for (name, quantiles) in &results.metrics {
+        let numbers = [
+            quantiles.min,
+            quantiles.median,
+            quantiles.p95,
+            quantiles.max,
+        ];
+        let first = [cell(name), cell(quantiles.count.to_string())];
+        let numbers = numbers.map(|number| cell(short(number)));
+        table.row(first.into_iter().chain(numbers));
     }
-    body.push_str("</table></div></section>\n");
+    Section::new("Metrics").with_table(&table)
 }
 
 /// The worst runs, each with what is kept of it, or how to run it again.
-pub fn worst(
-    data: &CampaignData,
-    inputs: &Inputs,
-    results: &Results,
-    link: &str,
-    body: &mut String,
-) {
-    put(
-        body,
-        format_args!(
-            "<section><h2>The {} worst runs</h2>\n<p class=\"source\">Sorted by verdict, then by the \
-             smallest margin relative to its limit (negative: missed).</p>\n\
-             <div class=\"scroll\"><table class=\"ranked\">\n<tr><th>Run</th><th>Verdict</th>\
-             <th>Closest requirement</th><th>Margin</th>",
-            data.worst.len()
-        ),
-    );
-    for name in &data.shown {
-        put(body, format_args!("<th>{}</th>", escape(name)));
-    }
-    body.push_str("<th>Files</th></tr>\n");
+pub fn worst(data: &CampaignData, inputs: &Inputs, results: &Results, link: &str) -> Section {
+    let first = ["Run", "Verdict", "Closest requirement", "Margin"];
+    let head = first.into_iter().chain(data.shown.iter().copied());
+    let head = head.chain(["Files"]);
+    let mut table = HtmlTable::new("ranked").within("scroll").head(head);
     for run in &data.worst {
-        row(run, link, body);
+        table.row(row(run, link));
     }
-    body.push_str("</table></div>\n");
     let design = match inputs.design_sha256 {
         Some(_) => " --design design.json",
         None => "",
@@ -149,46 +126,44 @@ pub fn worst(
         PlanFile::LatinHypercube => format!(" --runs {}", inputs.runs),
         _ => String::new(),
     };
-    put(
-        body,
-        format_args!(
-            "<p>{} failed runs are kept with their trajectories, {} are not. Any run K can be made again, in \
-             the campaign's folder: <code>steadfast simulate {SCENARIO_FILE}{design} --run-index K --seed \
-             {}{total} -o run-K</code></p></section>\n",
-            results.kept.len(),
-            results.not_kept,
-            inputs.seed
-        ),
+    let again = format!(
+        "<p>{} failed runs are kept with their trajectories, {} are not. Any run K can be made again, in the \
+         campaign's folder: <code>steadfast simulate {SCENARIO_FILE}{design} --run-index K --seed \
+         {}{total} -o run-K</code></p>\n",
+        results.kept.len(),
+        results.not_kept,
+        inputs.seed
     );
+    Section::new(&format!("The {} worst runs", data.worst.len()))
+        .with(&source(
+            "Sorted by verdict, then by the smallest margin relative to its limit (negative: missed).",
+        ))
+        .with_table(&table)
+        .with(&again)
 }
 
-fn row(run: &ListedRun, link: &str, body: &mut String) {
-    let (class, verdict) = match run.verdict.as_str() {
-        "requirements_met" => ("good", "met"),
-        "requirements_missed" => ("bad", "missed"),
-        "diverged" => ("bad", "diverged"),
-        "proof_broken" => ("bad", "PROVED BOUND BROKEN"),
-        other => ("bad", other),
+fn row(run: &ListedRun, link: &str) -> Vec<HtmlCell> {
+    let (class, verdict) = match RunVerdict::named(&run.verdict) {
+        Some(RunVerdict::RequirementsMet) => ("good", "met"),
+        Some(RunVerdict::RequirementsMissed) => ("bad", "missed"),
+        Some(RunVerdict::Diverged) => ("bad", "diverged"),
+        Some(RunVerdict::ProofBroken) => ("bad", "PROVED BOUND BROKEN"),
+        None => ("bad", run.verdict.as_str()),
     };
     let margin = match run.margin {
-        Some(margin) if margin.is_finite() => percent_signed(margin),
+        Some(margin) if margin.is_finite() => format!("{:.1}&nbsp;%", 100.0 * margin),
         Some(_) => "has none".to_string(),
         None => String::new(),
     };
-    put(
-        body,
-        format_args!(
-            "<tr><td>{}</td><td class=\"{class}\">{}</td><td>{}</td><td>{margin}</td>",
-            run.run,
-            escape(verdict),
-            escape(run.requirement.as_deref().unwrap_or(""))
-        ),
-    );
-    for value in &run.values {
-        let value = value.map_or("none".to_string(), short);
-        put(body, format_args!("<td>{value}</td>"));
-    }
-    put(body, format_args!("<td>{}</td></tr>\n", files(run, link)));
+    let mut cells = vec![
+        cell(run.run.to_string()),
+        cell_of_class(class, verdict),
+        cell(run.requirement.as_deref().unwrap_or("")),
+        html_cell(margin),
+    ];
+    cells.extend(run.values.iter().map(|&value| cell(short_or_none(value))));
+    cells.push(html_cell(files(run, link)));
+    cells
 }
 
 /// Links to what is kept of a run.
@@ -209,23 +184,4 @@ fn files(run: &ListedRun, link: &str) -> String {
         out.insert(0, one(REPORT_FILE, "page"));
     }
     out.join(", ")
-}
-
-/// A margin in percent of the limit.
-fn percent_signed(margin: f64) -> String {
-    format!("{:.1}&nbsp;%", 100.0 * margin)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::percent;
-
-    #[test]
-    fn only_all_is_100_percent() {
-        assert_eq!(percent(1.0), "100 %");
-        assert_eq!(percent(0.999_999_9), "99.999 %");
-        assert_eq!(percent(0.9988), "99.88 %");
-        assert_eq!(percent(1e-9), "0.001 %");
-        assert_eq!(percent(0.0), "0 %");
-    }
 }

@@ -5,10 +5,10 @@ use crate::report::figure::Figure;
 use crate::report::series::Line;
 use crate::run::summary::Summary;
 
-/// Lines of (column, name) pairs; held values when asked for.
-type Collect<'a> = dyn Fn(&[(&str, &str)], bool) -> Vec<Line> + 'a;
+/// Lines of (column, name) pairs; held values when requested.
+type MakeLines<'a> = dyn Fn(&[(&str, &str)], bool) -> Vec<Line> + 'a;
 /// A figure with a title, a label and lines.
-type Draw<'a> = dyn Fn(&str, &str, Vec<Line>) -> Figure + 'a;
+type MakeFigure<'a> = dyn Fn(&str, &str, Vec<Line>) -> Figure + 'a;
 
 /// The figures that the trajectory's columns allow.
 pub(crate) fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
@@ -76,7 +76,7 @@ pub(crate) fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     out
 }
 
-fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<Figure> {
+fn attitude_figures(summary: &Summary, collect: &MakeLines, figure: &MakeFigure) -> Vec<Figure> {
     let quaternion = [
         ("error_q0_scalar", "q0 (scalar)"),
         ("error_q1", "q1"),
@@ -121,7 +121,7 @@ fn attitude_figures(summary: &Summary, collect: &Collect, figure: &Draw) -> Vec<
     ]
 }
 
-fn state_figures(trajectory: &Table, collect: &Collect, figure: &Draw) -> Vec<Figure> {
+fn state_figures(trajectory: &Table, collect: &MakeLines, figure: &MakeFigure) -> Vec<Figure> {
     let named = |prefix: &str| -> Vec<(String, String)> {
         let columns = trajectory.columns.iter();
         let columns = columns.filter_map(|column| {

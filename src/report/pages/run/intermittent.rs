@@ -9,7 +9,7 @@ use crate::sim::metrics::{metric_name, Metric};
 
 /// The figures that the trajectory's columns allow; none for another controller.
 pub fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
-    let columns = Columns::new(summary, trajectory);
+    let columns = FunnelFigures::new(summary, trajectory);
     let Some(columns) = columns else {
         return Vec::new();
     };
@@ -25,13 +25,13 @@ pub fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     out
 }
 
-struct Columns<'a> {
+struct FunnelFigures<'a> {
     summary: &'a Summary,
     trajectory: &'a Table,
     times: Vec<f64>,
 }
 
-impl<'a> Columns<'a> {
+impl<'a> FunnelFigures<'a> {
     fn new(summary: &'a Summary, trajectory: &'a Table) -> Option<Self> {
         Some(Self {
             summary,

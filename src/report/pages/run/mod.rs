@@ -1,4 +1,4 @@
-//! The page around the figures, verdict first.
+//! The page of a run.
 
 pub mod figures;
 pub mod inner;
@@ -7,10 +7,12 @@ pub mod prescribed;
 
 use figures::figures;
 
-use crate::base::number::short;
+use crate::base::number::{short, short_or_none};
 use crate::base::table::Table;
-use crate::report::figure::FigureError;
-use crate::report::html::{document, escape, numbers, put};
+use crate::report::chart::FigureError;
+use crate::report::html::{
+    cell, cell_of_class, list, paragraph, source, Header, HtmlTable, Page, Section,
+};
 use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
 
@@ -19,26 +21,25 @@ use crate::sim::link::LinkOutcome;
 /// # Errors
 /// A figure that cannot be drawn.
 pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError> {
-    let mut body = String::new();
-    header(summary, &mut body);
-    metrics(summary, &mut body);
-    requirements(summary, &mut body);
-    if let Some(outcome) = &summary.link {
-        link(outcome, &mut body);
-    }
-    if let Some(outcome) = &summary.certificate {
-        certificate(outcome, &mut body);
-    }
-    notes(summary, &mut body);
+    let mut sections = vec![metrics(summary)];
+    sections.extend(requirements(summary));
+    sections.extend(summary.link.as_ref().map(link));
+    sections.extend(summary.certificate.as_ref().map(certificate));
+    sections.extend(notes(summary));
     for figure in figures(summary, trajectory) {
-        figure.write_section(&mut body)?;
+        sections.push(figure.section()?);
     }
-    provenance(summary, &mut body);
-    let title = format!("{}: run report", summary.scenario);
-    Ok(document(&title, &body))
+    let page = Page {
+        title: format!("{}: run report", summary.scenario),
+        style: "",
+        header: header(summary),
+        sections,
+        footer: provenance(summary),
+    };
+    Ok(page.to_html())
 }
 
-fn header(summary: &Summary, body: &mut String) {
+fn header(summary: &Summary) -> Header {
     let class = match summary.verdict {
         RunVerdict::RequirementsMet => "good",
         RunVerdict::RequirementsMissed => "bad",
@@ -59,22 +60,17 @@ fn header(summary: &Summary, body: &mut String) {
         (RunVerdict::RequirementsMet, true) => "The scenario states no requirement.",
         (verdict, _) => verdict.sentence(),
     };
-    put(
-        body,
-        format_args!(
-            "<header>\n<p class=\"verdict {class}\"><strong>{}</strong> {}</p>\n<h1>{}</h1>\n\
-             <p>{}</p>\n<p class=\"source\">{}</p>\n</header>\n",
-            escape(requirements),
-            escape(proof),
-            escape(&summary.scenario),
-            escape(&summary.controller),
-            escape(&summary.source)
-        ),
-    );
+    Header {
+        class,
+        verdict: requirements.to_string(),
+        remark: proof.to_string(),
+        title: summary.scenario.clone(),
+        body: paragraph(&summary.controller) + &source(&summary.source),
+    }
 }
 
-fn metrics(summary: &Summary, body: &mut String) {
-    let number = |value: Option<f64>| value.map_or("none".to_string(), short);
+fn metrics(summary: &Summary) -> Section {
+    let number = short_or_none;
     let mut rows: Vec<(&str, String)> = vec![
         ("Messages", summary.triggers.to_string()),
         ("Samples", summary.samples.to_string()),
@@ -116,12 +112,10 @@ fn metrics(summary: &Summary, body: &mut String) {
     if let Some(mismatch) = summary.largest_membership_mismatch {
         rows.push(("Largest membership mismatch", short(mismatch)));
     }
-    numbers("Numbers", &rows, body);
-    body.push_str("</section>\n");
+    Section::new("Numbers").with_table(&HtmlTable::numbers(&rows))
 }
 
-fn link(outcome: &LinkOutcome, body: &mut String) {
-    let seconds = |value: Option<f64>| value.map_or("none".to_string(), short);
+fn link(outcome: &LinkOutcome) -> Section {
     let rows = [
         ("Encoding", outcome.encoding.clone()),
         ("Messages", outcome.messages.to_string()),
@@ -137,15 +131,14 @@ fn link(outcome: &LinkOutcome, body: &mut String) {
         ("Words refused", outcome.refused_words.to_string()),
         (
             "Shortest time between messages (s)",
-            seconds(outcome.shortest_interval_s),
+            short_or_none(outcome.shortest_interval_s),
         ),
         (
             "Longest disagreement of the two ends (s)",
             short(outcome.longest_disagreement_s),
         ),
     ];
-    numbers("Link to the actuators", &rows, body);
-    body.push_str("</section>\n");
+    Section::new("Link to the actuators").with_table(&HtmlTable::numbers(&rows))
 }
 
 /// Switching and prescribed bounds, for the controllers that have them.
@@ -153,8 +146,8 @@ fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
         rows.push(("Turned on; off", format!("{on}; {off}")));
-        let share = short(100.0 * summary.on_time_share);
-        rows.push(("Time with a torque (%)", share));
+        let fraction = short(100.0 * summary.on_time_share);
+        rows.push(("Time with a torque (%)", fraction));
     }
     let usages = [
         ("Largest error over its prescribed bound", &summary.funnel),
@@ -173,34 +166,28 @@ fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn requirements(summary: &Summary, body: &mut String) {
+fn requirements(summary: &Summary) -> Option<Section> {
     if summary.requirements.is_empty() {
-        return;
+        return None;
     }
-    body.push_str(
-        "<section><h2>Requirements</h2>\n<table>\n\
-         <tr><th>Requirement</th><th>Limit</th><th>Value</th><th></th></tr>\n",
-    );
+    let mut table = HtmlTable::new("").head(["Requirement", "Limit", "Value", ""]);
     for requirement in &summary.requirements {
         let (class, word) = if requirement.met {
             ("good", "met")
         } else {
             ("bad", "missed")
         };
-        let value = requirement.value.map_or("none".to_string(), short);
-        put(
-            body,
-            format_args!(
-                "<tr><td>{}</td><td>{}</td><td>{value}</td><td class=\"{class}\">{word}</td></tr>\n",
-                escape(&requirement.name),
-                short(requirement.limit)
-            ),
-        );
+        table.row([
+            cell(&requirement.name),
+            cell(short(requirement.limit)),
+            cell(short_or_none(requirement.value)),
+            cell_of_class(class, word),
+        ]);
     }
-    body.push_str("</table></section>\n");
+    Some(Section::new("Requirements").with_table(&table))
 }
 
-fn certificate(outcome: &CertificateOutcome, body: &mut String) {
+fn certificate(outcome: &CertificateOutcome) -> Section {
     let yes = |value: bool| if value { "yes" } else { "NO" }.to_string();
     let never =
         |time: Option<f64>| time.map_or("never".to_string(), |t| format!("at {} s", short(t)));
@@ -254,42 +241,33 @@ fn certificate(outcome: &CertificateOutcome, body: &mut String) {
         rows.push(("Largest output over largest disturbance", from));
     }
     rows.extend(inner::rows(outcome));
-    numbers("Certificate", &rows, body);
-    if !outcome.not_covered.is_empty() {
-        body.push_str("<p>The proof does not cover this run because of:</p>\n<ul>\n");
-        for reason in &outcome.not_covered {
-            put(body, format_args!("<li>{}</li>\n", escape(reason)));
-        }
-        body.push_str("</ul>\n");
+    let section = Section::new("Certificate").with_table(&HtmlTable::numbers(&rows));
+    if outcome.not_covered.is_empty() {
+        return section;
     }
-    body.push_str("</section>\n");
+    section
+        .with(&paragraph("The proof does not cover this run because of:"))
+        .with(&list(&outcome.not_covered))
 }
 
-fn notes(summary: &Summary, body: &mut String) {
+fn notes(summary: &Summary) -> Option<Section> {
     if summary.notes.is_empty() {
-        return;
+        return None;
     }
-    body.push_str("<section><h2>Notes</h2>\n<ul>\n");
-    for note in &summary.notes {
-        put(body, format_args!("<li>{}</li>\n", escape(note)));
-    }
-    body.push_str("</ul></section>\n");
+    Some(Section::new("Notes").with(&list(&summary.notes)))
 }
 
-fn provenance(summary: &Summary, body: &mut String) {
+fn provenance(summary: &Summary) -> Vec<Vec<String>> {
     let made = &summary.provenance;
     let design = made.design_sha256.as_deref().unwrap_or("none");
-    put(
-        body,
-        format_args!(
-            "<footer>\n<p>{}; {}; random numbers: {} with seed {}</p>\n\
-             <p>scenario SHA-256 {}<br>design SHA-256 {}</p>\n</footer>\n",
-            escape(&made.generator),
-            escape(&made.integrator),
-            escape(&made.random_generator),
-            made.seed,
-            escape(&made.scenario_sha256),
-            escape(design)
-        ),
-    );
+    vec![
+        vec![format!(
+            "{}; {}; random numbers: {} with seed {}",
+            made.generator, made.integrator, made.random_generator, made.seed
+        )],
+        vec![
+            format!("scenario SHA-256 {}", made.scenario_sha256),
+            format!("design SHA-256 {design}"),
+        ],
+    ]
 }

@@ -2,13 +2,13 @@
 
 use synth::model::Kind;
 
-use super::plot::{Mark, Plot, Series, FAINT, INK};
-use super::scale::number;
+use crate::base::number::label;
 use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::table::metric_names;
-use crate::report::figure::COLOURS;
+use crate::report::chart::COLOURS;
+use crate::report::plot::{Marker, Plot, Series, FAINT, INK};
 
 /// Most curves of one plot.
 const CURVES: usize = COLOURS.len();
@@ -38,7 +38,7 @@ impl Labels {
     }
 }
 
-/// A key in words, its unit in brackets.
+/// A key as text, its unit in brackets.
 pub fn labelled(key: &str, unit: &str) -> String {
     let (end, written) = match unit {
         "" => return key.replace('_', " "),
@@ -127,8 +127,13 @@ pub fn trade_off(outcomes: &[PointOutcome], front: &[usize]) -> Option<Plot> {
         horizontal: "certified angle at rest (deg)".to_string(),
         vertical: "gamma".to_string(),
         series: vec![
-            series("proved", FAINT, Mark::Dots, proved.filter_map(at).collect()),
-            series("Pareto front", COLOURS[0], Mark::Steps, on_front),
+            series(
+                "proved",
+                FAINT,
+                Marker::Dots,
+                proved.filter_map(at).collect(),
+            ),
+            series("Pareto front", COLOURS[0], Marker::Steps, on_front),
         ],
     })
 }
@@ -154,7 +159,7 @@ pub fn curve(
                 series.push(Series {
                     name: std::mem::take(name),
                     colour,
-                    mark: Mark::Joined,
+                    mark: Marker::Joined,
                     points: std::mem::take(run),
                 });
             }
@@ -175,7 +180,7 @@ pub fn curve(
         series.push(Series {
             name: "no value".to_string(),
             colour: INK,
-            mark: Mark::Crosses,
+            mark: Marker::Crosses,
             points: without,
         });
     }
@@ -226,7 +231,7 @@ fn group_name(grid: &Grid, group: &[usize], axis: usize, labels: &Labels) -> Str
         .iter()
         .enumerate()
         .filter(|(other, _)| *other != axis);
-    let names = others.map(|(other, value)| format!("{} {}", labels.axes[other], number(*value)));
+    let names = others.map(|(other, value)| format!("{} {}", labels.axes[other], label(*value)));
     names.collect::<Vec<_>>().join(", ")
 }
 

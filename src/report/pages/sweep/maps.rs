@@ -3,12 +3,13 @@
 use plotters::style::RGBColor;
 
 use super::figures::{shown, Labels};
-use super::plot::{Cell, Map};
 use super::reasons::Reason;
-use super::scale::number;
+use crate::base::number::label;
 use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
+use crate::report::chart::hexadecimal;
+use crate::report::plot::{Cell, Map};
 
 /// Most choices of the axes beyond two that are drawn.
 pub const CHOICES: usize = 4;
@@ -48,7 +49,7 @@ pub fn verdict_colour(verdict: &str) -> RGBColor {
 pub struct Slice {
     axes: [usize; 2],
     first: Vec<usize>,
-    /// The values of the other axes in words; empty where there are none.
+    /// The values of the other axes as text; empty where there are none.
     pub others: String,
 }
 
@@ -74,11 +75,7 @@ pub fn slices(grid: &Grid, labels: &Labels) -> (Vec<Slice>, usize) {
         }
         let named = others.iter().map(|&axis| {
             let value = grid.axes().nth(axis).map(|(_, values)| values[first[axis]]);
-            format!(
-                "{} {}",
-                labels.axes[axis],
-                number(value.unwrap_or(f64::NAN))
-            )
+            format!("{} {}", labels.axes[axis], label(value.unwrap_or(f64::NAN)))
         });
         Slice {
             axes,
@@ -210,12 +207,12 @@ impl Range {
     }
 
     fn shade(&self, value: f64) -> RGBColor {
-        let share = match (self.logarithmic(), self.high > self.low) {
+        let fraction = match (self.logarithmic(), self.high > self.low) {
             (_, false) => 0.5,
             (true, _) => (value / self.low).ln() / (self.high / self.low).ln(),
             (false, _) => (value - self.low) / (self.high - self.low),
         };
-        let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
+        let place = fraction.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
         let below = (place.floor() as usize).min(SHADES.len() - 2);
         let (a, b, part) = (SHADES[below], SHADES[below + 1], place - below as f64);
         let mix = |a: u8, b: u8| (f64::from(a) * (1.0 - part) + f64::from(b) * part).round() as u8;
@@ -225,11 +222,6 @@ impl Range {
 
 /// The shades as a gradient of CSS.
 pub fn gradient() -> String {
-    let colours = SHADES.map(html);
+    let colours = SHADES.map(hexadecimal);
     format!("linear-gradient(to right, {})", colours.join(", "))
-}
-
-/// A colour as in HTML.
-pub fn html(RGBColor(red, green, blue): RGBColor) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }

@@ -2,25 +2,26 @@
 
 mod figures;
 mod maps;
-mod plot;
 mod reasons;
-mod scale;
 
 use std::collections::HashSet;
-use std::fmt::Write;
 
 use synth::model::Kind;
 
 use figures::{curve, front, labelled, metrics, shown, trade_off, Labels};
-use maps::{html, slices, verdict_colour, Range};
-use plot::Plot;
+use maps::{slices, verdict_colour, Range};
 use reasons::{reasons, Reason};
-use scale::number;
 
+use crate::base::number::label;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PARQUET_FILE};
 use crate::batch::sweep::outcome::PointOutcome;
-use crate::report::figure::FigureError;
-use crate::report::html::{document_with_style, escape};
+use crate::report::chart::{hexadecimal, FigureError};
+use crate::report::html::{
+    cell, cell_of_class, division, escape, figure, legend, paragraph, Header, HtmlCell, HtmlTable,
+    Page, Section,
+};
+use crate::report::plot::Plot;
+use crate::run::summary::RunVerdict;
 
 const STYLE: &str = include_str!("sweep.css");
 
@@ -44,36 +45,33 @@ pub fn page(sweep: &Finished) -> Result<String, FigureError> {
         _ => Vec::new(),
     };
     let reasons = reasons(sweep.outcomes);
-    let mut body = String::new();
-    header(sweep, &labels, &mut body);
-    pareto(sweep, &labels, &front, &mut body)?;
-    maps(sweep, &labels, &reasons, &mut body)?;
-    curves(sweep, &labels, &mut body)?;
-    why(sweep, &labels, &reasons, &mut body);
-    points(sweep, &labels, &front, &mut body);
-    footer(sweep, &mut body);
-    let title = format!("Sweep of {}", sweep.file);
-    Ok(document_with_style(&title, STYLE, &body))
-}
-
-/// Writing to a string cannot fail.
-fn put(body: &mut String, text: std::fmt::Arguments) {
-    let _ = body.write_fmt(text);
+    let mut sections = Vec::new();
+    sections.extend(pareto(sweep, &labels, &front)?);
+    sections.extend(maps(sweep, &labels, &reasons)?);
+    sections.extend(curves(sweep, &labels)?);
+    sections.extend(why(sweep, &labels, &reasons));
+    sections.push(points(sweep, &labels, &front));
+    let page = Page {
+        title: format!("Sweep of {}", sweep.file),
+        style: STYLE,
+        header: header(sweep, &labels),
+        sections,
+        footer: vec![provenance(sweep)],
+    };
+    Ok(page.to_html())
 }
 
 fn words(verdict: &str) -> String {
-    escape(&verdict.replace('_', " "))
+    verdict.replace('_', " ")
 }
 
-fn header(sweep: &Finished, labels: &Labels, body: &mut String) {
+fn header(sweep: &Finished, labels: &Labels) -> Header {
     let (good, total) = (
         sweep.outcomes.iter().filter(|point| point.good()).count(),
         sweep.outcomes.len(),
     );
-    let alarm = sweep
-        .outcomes
-        .iter()
-        .any(|point| point.verdict == "proof_broken");
+    let broken = RunVerdict::ProofBroken.name();
+    let alarm = sweep.outcomes.iter().any(|point| point.verdict == broken);
     let class = match (alarm, good == total) {
         (true, _) => "alarm",
         (_, true) => "good",
@@ -83,157 +81,105 @@ fn header(sweep: &Finished, labels: &Labels, body: &mut String) {
         Kind::Model => "are proved",
         _ => "meet every requirement",
     };
-    put(
-        body,
-        format_args!(
-            "<header>\n<p class=\"verdict {class}\"><strong>{good} of {total} points {answer}.</strong></p>\n\
-             <h1>Sweep of {}</h1>\n",
-            escape(sweep.file)
-        ),
-    );
-    body.push_str("<table class=\"numbers\">\n");
-    for ((label, name), (_, values)) in labels
-        .axes
-        .iter()
-        .zip(sweep.grid.names())
-        .zip(sweep.grid.axes())
-    {
-        put(
-            body,
-            format_args!(
-                "<tr><th>{}</th><td>{}</td><td>{}</td></tr>\n",
-                escape(label),
-                escape(&listed(values)),
-                escape(&name)
-            ),
-        );
+    let mut table = HtmlTable::new("numbers");
+    let axes = sweep.grid.names().into_iter().zip(sweep.grid.axes());
+    for (name, (written, (_, values))) in labels.axes.iter().zip(axes) {
+        table.named_row(name, [cell(listed(values)), cell(written)]);
     }
     for (verdict, count) in sweep.verdicts() {
-        let verdict = words(verdict);
-        put(
-            body,
-            format_args!("<tr><th>{verdict}</th><td>{count}</td><td></td></tr>\n"),
-        );
+        table.named_row(&words(verdict), [cell(count.to_string()), cell("")]);
     }
-    body.push_str("</table>\n</header>\n");
+    Header {
+        class,
+        verdict: format!("{good} of {total} points {answer}."),
+        remark: String::new(),
+        title: format!("Sweep of {}", sweep.file),
+        body: table.to_html(),
+    }
 }
 
-/// Values in words: all of a few, the ends of many.
+/// Values as text: all of a few, the ends of many.
 fn listed(values: &[f64]) -> String {
     match values {
         [first, .., last] if values.len() > 8 => {
             format!(
                 "{} values from {} to {}",
                 values.len(),
-                number(*first),
-                number(*last)
+                label(*first),
+                label(*last)
             )
         }
         few => few
             .iter()
-            .map(|&value| number(value))
+            .map(|&value| label(value))
             .collect::<Vec<_>>()
             .join(", "),
     }
 }
 
-fn figure(title: &str, legend: &str, svg: &str, body: &mut String) {
-    let title = escape(title);
-    put(
-        body,
-        format_args!("<figure><figcaption>{title}</figcaption>\n{legend}{svg}</figure>\n"),
-    );
-}
-
-fn plot(plot: &Plot, body: &mut String) -> Result<(), FigureError> {
+fn drawn(plot: &Plot) -> Result<String, FigureError> {
     let named = plot.series.iter().filter(|series| !series.name.is_empty());
-    let mut legend = String::new();
-    for series in named {
-        let (colour, name) = (html(series.colour), escape(&series.name));
-        put(
-            &mut legend,
-            format_args!("<span style=\"border-color: {colour}\">{name}</span>"),
-        );
-    }
-    if !legend.is_empty() {
-        legend = format!("<p class=\"legend\">{legend}</p>\n");
-    }
-    figure(&plot.title, &legend, &plot.to_svg()?, body);
-    Ok(())
+    let names = named.map(|series| (&series.name, hexadecimal(series.colour)));
+    Ok(figure("", &plot.title, &(legend(names) + &plot.to_svg()?)))
 }
 
 fn pareto(
     sweep: &Finished,
     labels: &Labels,
     front: &[usize],
-    body: &mut String,
-) -> Result<(), FigureError> {
+) -> Result<Option<Section>, FigureError> {
     let Some(trade_off) = trade_off(sweep.outcomes, front) else {
-        return Ok(());
+        return Ok(None);
     };
-    body.push_str("<section><h2>Trade-off</h2>\n<div class=\"plots\">\n");
-    plot(&trade_off, body)?;
-    body.push_str(
-        "<figure class=\"wide\"><figcaption>Points that no other beats: a larger proved angle costs a \
-         larger gamma</figcaption>\n<table class=\"front\">\n<tr>",
-    );
-    for label in &labels.axes {
-        put(body, format_args!("<th>{}</th>", escape(label)));
-    }
-    body.push_str("<th>certified angle (deg)</th><th>gamma</th><th>guaranteed gain</th></tr>\n");
+    let metrics = ["certified_angle_deg", "gamma", "guaranteed_gain"];
+    let names = ["certified angle (deg)", "gamma", "guaranteed gain"];
+    let axes = labels.axes.iter().map(String::as_str);
+    let mut table = HtmlTable::new("front").head(axes.chain(names));
     for &index in front {
         let point = &sweep.outcomes[index];
-        body.push_str("<tr>");
-        cells(point.values.iter().copied().map(Some), body);
-        let shown = ["certified_angle_deg", "gamma", "guaranteed_gain"];
-        cells(shown.into_iter().map(|metric| point.metric(metric)), body);
-        body.push_str("</tr>\n");
+        let values = point.values.iter().copied().map(Some);
+        let shown = metrics.into_iter().map(|metric| point.metric(metric));
+        table.row(values.chain(shown).map(number_cell));
     }
-    body.push_str("</table></figure>\n</div></section>\n");
-    Ok(())
+    let title = "Points that no other beats: a larger proved angle costs a larger gamma";
+    let best = figure("wide", title, &table.to_html());
+    let plots = division("plots", &(drawn(&trade_off)? + &best));
+    Ok(Some(Section::new("Trade-off").with(&plots)))
 }
 
-fn cells(values: impl Iterator<Item = Option<f64>>, body: &mut String) {
-    for value in values {
-        let text = value.map_or(String::new(), number);
-        put(body, format_args!("<td>{text}</td>"));
-    }
+fn number_cell(value: Option<f64>) -> HtmlCell {
+    cell(value.map_or(String::new(), label))
 }
 
 fn maps(
     sweep: &Finished,
     labels: &Labels,
     reasons: &[Reason],
-    body: &mut String,
-) -> Result<(), FigureError> {
+) -> Result<Option<Section>, FigureError> {
     let (slices, total) = slices(sweep.grid, labels);
     if slices.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
-    body.push_str("<section><h2>Feasibility</h2>\n<p class=\"key\">");
-    for (verdict, _) in sweep.verdicts() {
-        let colour = html(verdict_colour(verdict));
-        let verdict = words(verdict);
-        put(
-            body,
-            format_args!("<span><i style=\"background: {colour}\"></i>{verdict}</span>"),
-        );
-    }
-    body.push_str("</p>\n");
+    let key = sweep.verdicts().into_keys().map(|verdict| {
+        let colour = hexadecimal(verdict_colour(verdict));
+        let verdict = escape(&words(verdict));
+        format!("<span><i style=\"background: {colour}\"></i>{verdict}</span>")
+    });
+    let key = key.collect::<String>();
+    let mut section = Section::new("Feasibility").with(&format!("<p class=\"key\">{key}</p>\n"));
     if !reasons.is_empty() {
-        body.push_str("<p>Letters stand for the <a href=\"#why\">reasons</a>.</p>\n");
+        section = section.with("<p>Letters stand for the <a href=\"#why\">reasons</a>.</p>\n");
     }
     if slices.len() < total {
         let count = slices.len();
-        put(
-            body,
-            format_args!("<p>{count} of {total} choices of the other axes are drawn.</p>\n"),
-        );
+        section = section.with(&paragraph(&format!(
+            "{count} of {total} choices of the other axes are drawn."
+        )));
     }
-    body.push_str("<div class=\"plots\">\n");
+    let mut plots = String::new();
     for slice in &slices {
         let map = slice.answers(sweep.grid, labels, sweep.outcomes, reasons);
-        figure(&map.title, "", &map.to_svg()?, body);
+        plots += &figure("", &map.title, &map.to_svg()?);
         if sweep.subject.kind() != Kind::Model {
             continue;
         }
@@ -241,14 +187,13 @@ fn maps(
             let Some(range) = Range::of(sweep.subject, sweep.outcomes, metric) else {
                 continue;
             };
-            let label = labelled(metric, sweep.subject.unit(metric));
+            let name = labelled(metric, sweep.subject.unit(metric));
             let data = (sweep.subject, sweep.outcomes);
-            let map = slice.shades(sweep.grid, labels, data, metric, &label);
-            figure(&map.title, &shades(&range), &map.to_svg()?, body);
+            let map = slice.shades(sweep.grid, labels, data, metric, &name);
+            plots += &figure("", &map.title, &(shades(&range) + &map.to_svg()?));
         }
     }
-    body.push_str("</div></section>\n");
-    Ok(())
+    Ok(Some(section.with(&division("plots", &plots))))
 }
 
 fn shades(range: &Range) -> String {
@@ -259,13 +204,13 @@ fn shades(range: &Range) -> String {
     };
     format!(
         "<p class=\"legend\">{}<i class=\"shades\" style=\"background: {}\"></i>{}{scale}; x: no proved value</p>\n",
-        number(range.low),
+        label(range.low),
         maps::gradient(),
-        number(range.high)
+        label(range.high)
     )
 }
 
-fn curves(sweep: &Finished, labels: &Labels, body: &mut String) -> Result<(), FigureError> {
+fn curves(sweep: &Finished, labels: &Labels) -> Result<Option<Section>, FigureError> {
     let (metrics, constant) = metrics(sweep.subject, sweep.outcomes);
     let sizes = sweep.grid.axes().map(|(_, values)| values.len());
     let axes: Vec<usize> = sizes
@@ -278,150 +223,118 @@ fn curves(sweep: &Finished, labels: &Labels, body: &mut String) -> Result<(), Fi
         .flat_map(|metric| axes.iter().map(move |&axis| (metric, axis)));
     let wanted: Vec<(&String, usize)> = wanted.collect();
     if wanted.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
-    body.push_str("<section><h2>Curves</h2>\n<div class=\"plots\">\n");
+    let mut plots = String::new();
     for &(metric, axis) in wanted.iter().take(PLOTS) {
         let (subject, grid) = (sweep.subject, sweep.grid);
-        plot(
-            &curve(subject, grid, sweep.outcomes, metric, axis, labels),
-            body,
-        )?;
+        let plot = curve(subject, grid, sweep.outcomes, metric, axis, labels);
+        plots += &drawn(&plot)?;
     }
-    body.push_str("</div>\n");
+    let mut section = Section::new("Curves").with(&division("plots", &plots));
     if wanted.len() > PLOTS {
-        let (count, file) = (wanted.len(), CSV_FILE);
-        put(
-            body,
-            format_args!("<p>{PLOTS} of {count} plots are drawn; every number is in {file}.</p>\n"),
-        );
+        let count = wanted.len();
+        section = section.with(&paragraph(&format!(
+            "{PLOTS} of {count} plots are drawn; every number is in {CSV_FILE}."
+        )));
     }
     if !constant.is_empty() {
-        let names = escape(&constant.join(", "));
-        put(
-            body,
-            format_args!("<p>The same at every point: {names}.</p>\n"),
-        );
+        let names = constant.join(", ");
+        section = section.with(&paragraph(&format!("The same at every point: {names}.")));
     }
-    body.push_str("</section>\n");
-    Ok(())
+    Ok(Some(section))
 }
 
-fn why(sweep: &Finished, labels: &Labels, reasons: &[Reason], body: &mut String) {
+fn why(sweep: &Finished, labels: &Labels, reasons: &[Reason]) -> Option<Section> {
     if reasons.is_empty() {
-        return;
+        return None;
     }
-    body.push_str(
-        "<section id=\"why\"><h2>Why points failed</h2>\n<div class=\"wide\"><table>\n\
-         <tr><th></th><th>Points</th><th>Verdict</th><th>Reason, with the numbers of the first</th>\
-         <th>The first</th></tr>\n",
-    );
+    let mut table = HtmlTable::new("").within("wide").head([
+        "",
+        "Points",
+        "Verdict",
+        "Reason, with the numbers of the first",
+        "The first",
+    ]);
     for reason in reasons.iter().take(REASONS) {
         let first = reason
             .points
             .first()
             .and_then(|&point| sweep.outcomes.get(point));
-        let place = first.map_or(String::new(), |point| place(point, labels));
-        put(
-            body,
-            format_args!(
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                reason.letter,
-                reason.points.len(),
-                words(&reason.verdict),
-                escape(&reason.example),
-                escape(&place)
-            ),
-        );
+        table.row([
+            cell(&reason.letter),
+            cell(reason.points.len().to_string()),
+            cell(words(&reason.verdict)),
+            cell(&reason.example),
+            cell(first.map_or(String::new(), |point| place(point, labels))),
+        ]);
     }
-    body.push_str("</table></div>\n");
-    if reasons.len() > REASONS {
-        let rest = reasons.len() - REASONS;
-        put(
-            body,
-            format_args!("<p>{rest} more are in {CSV_FILE}.</p>\n"),
-        );
+    let section = Section::new("Why points failed")
+        .id("why")
+        .with_table(&table);
+    if reasons.len() <= REASONS {
+        return Some(section);
     }
-    body.push_str("</section>\n");
+    let rest = reasons.len() - REASONS;
+    Some(section.with(&paragraph(&format!("{rest} more are in {CSV_FILE}."))))
 }
 
-/// The values of a point in words.
+/// The values of a point as text.
 fn place(point: &PointOutcome, labels: &Labels) -> String {
     let values = labels.axes.iter().zip(&point.values);
-    let values = values.map(|(label, &value)| format!("{label} {}", number(value)));
+    let values = values.map(|(axis, &value)| format!("{axis} {}", label(value)));
     values.collect::<Vec<_>>().join(", ")
 }
 
-fn points(sweep: &Finished, labels: &Labels, front: &[usize], body: &mut String) {
+fn points(sweep: &Finished, labels: &Labels, front: &[usize]) -> Section {
     let mut columns = metrics(sweep.subject, sweep.outcomes).0;
     if sweep.subject.kind() == Kind::Model {
         columns.push("worst_margin".to_string());
     }
     columns.truncate(8);
-    body.push_str("<section><h2>Points</h2>\n<div class=\"wide\"><table class=\"points\">\n<tr>");
-    for label in &labels.axes {
-        put(body, format_args!("<th>{}</th>", escape(label)));
-    }
-    body.push_str("<th>verdict</th>");
-    for name in &columns {
-        let label = labelled(name, sweep.subject.unit(name));
-        put(body, format_args!("<th>{}</th>", escape(&label)));
-    }
-    body.push_str("<th>reason</th></tr>\n");
+    let named = columns
+        .iter()
+        .map(|name| labelled(name, sweep.subject.unit(name)));
+    let head = labels.axes.iter().cloned();
+    let head = head.chain(["verdict".to_string()]).chain(named);
+    let mut table = HtmlTable::new("points")
+        .within("wide")
+        .head(head.chain(["reason".to_string()]));
     let front: HashSet<usize> = front.iter().copied().collect();
     for (index, point) in sweep.outcomes.iter().enumerate().take(ROWS) {
-        let class = if front.contains(&index) {
-            " class=\"front\""
-        } else {
-            ""
-        };
-        put(body, format_args!("<tr{class}>"));
-        cells(point.values.iter().copied().map(Some), body);
-        let class = if point.good() { "good" } else { "bad" };
-        put(
-            body,
-            format_args!("<td class=\"{class}\">{}</td>", words(&point.verdict)),
-        );
-        cells(
-            columns.iter().map(|name| shown(sweep.subject, point, name)),
-            body,
-        );
-        let reason = point.reason.as_deref().unwrap_or_default();
-        put(body, format_args!("<td>{}</td></tr>\n", escape(reason)));
+        let class = if front.contains(&index) { "front" } else { "" };
+        let good = if point.good() { "good" } else { "bad" };
+        let values = point.values.iter().copied().map(Some).map(number_cell);
+        let shown = columns.iter().map(|name| shown(sweep.subject, point, name));
+        let cells = values
+            .chain([cell_of_class(good, words(&point.verdict))])
+            .chain(shown.map(number_cell))
+            .chain([cell(point.reason.as_deref().unwrap_or_default())]);
+        table.row_of_class(class, cells);
     }
-    body.push_str("</table></div>\n");
+    let mut section = Section::new("Points").with_table(&table);
     let total = sweep.outcomes.len();
     if total > ROWS {
-        put(
-            body,
-            format_args!("<p>The first {ROWS} of {total} points; all are in {CSV_FILE}.</p>\n"),
-        );
+        section = section.with(&paragraph(&format!(
+            "The first {ROWS} of {total} points; all are in {CSV_FILE}."
+        )));
     }
     if !front.is_empty() {
-        body.push_str("<p>Points in bold are on the Pareto front.</p>\n");
+        section = section.with(&paragraph("Points in bold are on the Pareto front."));
     }
-    body.push_str("</section>\n");
+    section
 }
 
-fn footer(sweep: &Finished, body: &mut String) {
+fn provenance(sweep: &Finished) -> Vec<String> {
     let identity = sweep.identity;
-    put(
-        body,
-        format_args!(
-            "<footer>\n<p>{}; {} SHA-256 {}",
-            escape(&identity.generator),
-            escape(&identity.kind),
-            escape(&identity.file_sha256)
-        ),
-    );
-    if let Some(solver) = &identity.solver {
-        put(body, format_args!("<br>solver: {}", escape(solver)));
-    }
-    if let Some(design) = &identity.design_sha256 {
-        put(body, format_args!("<br>design SHA-256 {}", escape(design)));
-    }
-    put(
-        body,
-        format_args!("<br>every number: {CSV_FILE} and {PARQUET_FILE}</p>\n</footer>\n"),
-    );
+    let mut lines = vec![format!(
+        "{}; {} SHA-256 {}",
+        identity.generator, identity.kind, identity.file_sha256
+    )];
+    let solver = identity.solver.as_ref();
+    lines.extend(solver.map(|solver| format!("solver: {solver}")));
+    let design = identity.design_sha256.as_ref();
+    lines.extend(design.map(|design| format!("design SHA-256 {design}")));
+    lines.push(format!("every number: {CSV_FILE} and {PARQUET_FILE}"));
+    lines
 }

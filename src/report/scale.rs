@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-/// Share of the range left free at both ends.
+use crate::base::number::label;
+
+/// Fraction of the range left free at both ends.
 const HEADROOM: f64 = 0.05;
 /// Ratio of the largest to the smallest value from which on a scale is logarithmic.
 const LOGARITHMIC_FROM: f64 = 30.0;
@@ -72,7 +74,7 @@ impl Scale {
         self.low
     }
 
-    fn share(&self, value: f64) -> f64 {
+    fn fraction(&self, value: f64) -> f64 {
         match self.logarithmic {
             true => (value / self.low).ln() / (self.high / self.low).ln(),
             false => (value - self.low) / (self.high - self.low),
@@ -85,8 +87,8 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        let share = self.share(*value);
-        from + (f64::from(to - from) * share).round() as i32
+        let fraction = self.fraction(*value);
+        from + (f64::from(to - from) * fraction).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
@@ -116,7 +118,7 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
         return Vec::new();
     }
     let values = (0..=(last - first) as i64).map(|index| (first + index as f64) * step);
-    values.map(|value| (value, number(value))).collect()
+    values.map(|value| (value, label(value))).collect()
 }
 
 fn logarithmic_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
@@ -130,29 +132,7 @@ fn logarithmic_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let powers = (first..=last).filter(|power| power.rem_euclid(every) == 0);
     let values = powers.flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
     let inside = values.filter(|value| (low..=high).contains(value));
-    inside.map(|value| (value, number(value))).collect()
-}
-
-/// A number as short as it can be told from its neighbours; four significant digits at most.
-pub fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude < 1e-300 {
-        return "0".to_string();
-    }
-    let trimmed = |text: String| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
-        false => text,
-    };
-    let exponent = magnitude.log10().floor() as i32;
-    if !(-3..6).contains(&exponent) {
-        let text = format!("{value:.3e}");
-        return match text.split_once('e') {
-            Some((digits, power)) => format!("{}e{power}", trimmed(digits.to_string())),
-            None => text,
-        };
-    }
-    let digits = (3 - exponent).max(0) as usize;
-    trimmed(format!("{value:.digits$}"))
+    inside.map(|value| (value, label(value))).collect()
 }
 
 #[cfg(test)]

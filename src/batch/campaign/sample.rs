@@ -13,9 +13,9 @@ use crate::plants::SystemFile;
 use crate::scenario::distribution::{direction, direction_of_any_size, rotation, Distribution};
 use crate::scenario::{ChangeFile, Dispersion, FaultDispersion, ScenarioFile};
 
-/// What is drawn anew for every run, with what it needs to know of the scenario.
+/// What is sampled for every run, with what it needs to know of the scenario.
 #[derive(Debug, Clone)]
-pub(crate) struct Draw {
+pub(crate) struct Sample {
     pub dispersion: Dispersion,
     pub context: Context,
 }
@@ -56,7 +56,7 @@ fn attitude_columns() -> Vec<String> {
     names
 }
 
-impl Draw {
+impl Sample {
     /// Coordinates that it uses.
     pub fn numbers(&self) -> usize {
         match &self.dispersion {

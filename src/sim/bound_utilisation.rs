@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::lyapunov::exceeds;
 
-/// The largest share of a bound that was used, and when the bound was left.
+/// The largest fraction of a bound that was used, and when the bound was left.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Usage {
-    /// Largest share; 1 is at the bound, more is outside.
+pub struct BoundUtilisation {
+    /// Largest fraction; 1 is at the bound, more is outside.
     pub largest_ratio: f64,
     /// When that was, s.
     pub largest_ratio_at_s: f64,
@@ -17,7 +17,7 @@ pub struct Usage {
     pub first_outside_s: Option<f64>,
 }
 
-impl Default for Usage {
+impl Default for BoundUtilisation {
     fn default() -> Self {
         Self {
             largest_ratio: f64::NEG_INFINITY,
@@ -28,8 +28,8 @@ impl Default for Usage {
     }
 }
 
-impl Usage {
-    /// Takes the share at `time_s`, where there is one. A share that is not a number is outside.
+impl BoundUtilisation {
+    /// Takes the fraction at `time_s`, where there is one. A share that is not a number is outside.
     #[inline]
     pub fn record(usage: &mut Option<Self>, time_s: f64, ratio: Option<f64>) {
         let Some(ratio) = ratio else {
@@ -55,12 +55,12 @@ mod tests {
     #[test]
     fn the_largest_share_and_the_first_exit_are_kept() {
         let mut usage = None;
-        Usage::record(&mut usage, 0.0, None);
+        BoundUtilisation::record(&mut usage, 0.0, None);
         assert_eq!(usage, None);
         for (time, ratio) in [(1.0, 0.5), (2.0, 1.5), (3.0, 1.2), (4.0, 1.0)] {
-            Usage::record(&mut usage, time, Some(ratio));
+            BoundUtilisation::record(&mut usage, time, Some(ratio));
         }
-        let expected = Usage {
+        let expected = BoundUtilisation {
             largest_ratio: 1.5,
             largest_ratio_at_s: 2.0,
             outside_steps: 2,
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn a_share_that_is_no_number_is_outside() {
         let mut usage = None;
-        Usage::record(&mut usage, 1.0, Some(f64::NAN));
+        BoundUtilisation::record(&mut usage, 1.0, Some(f64::NAN));
         let usage = usage.unwrap();
         assert_eq!((usage.outside_steps, usage.largest_ratio), (1, f64::MAX));
     }

@@ -4,9 +4,9 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::chart::{reason, svg, Canvas, FigureError};
 use super::scale::Scale;
-use crate::report::figure::FigureError;
-use crate::report::html::escape;
+use crate::base::number::label;
 
 /// Text and axes.
 pub const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
@@ -14,12 +14,14 @@ pub const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const GRID: RGBColor = RGBColor(0xE1, 0xE1, 0xE1);
 /// What stands back: points that are not on the front.
 pub const FAINT: RGBColor = RGBColor(0x99, 0x99, 0x99);
+/// The page's style sheet finds plots by this class.
+const CLASS: &str = "class=\"plot\" ";
 /// Size of a plot, in pixels.
 pub const SIZE: (u32, u32) = (620, 360);
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
+pub enum Marker {
     /// Dots joined by lines.
     Joined,
     /// Dots.
@@ -38,7 +40,7 @@ pub struct Series {
     /// Its colour.
     pub colour: RGBColor,
     /// How it is drawn.
-    pub mark: Mark,
+    pub mark: Marker,
     /// Its points.
     pub points: Vec<(f64, f64)>,
 }
@@ -78,44 +80,18 @@ pub struct Map {
     pub cells: Vec<Cell>,
 }
 
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}
-
-/// Draws into an SVG element with a label for those who cannot see it.
-fn svg(
-    title: &str,
-    size: (u32, u32),
-    draw: impl FnOnce(&DrawingArea<SVGBackend, plotters::coord::Shift>) -> Result<(), String>,
-) -> Result<String, FigureError> {
-    let mut out = String::new();
-    let root = SVGBackend::with_string(&mut out, size).into_drawing_area();
-    let drawn = draw(&root).and_then(|()| root.present().map_err(text));
-    drop(root);
-    drawn.map_err(|reason| FigureError {
-        title: title.to_string(),
-        reason,
-    })?;
-    let start = out.find("<svg").unwrap_or(0);
-    let open = format!(
-        "<svg class=\"plot\" role=\"img\" aria-label=\"{}\" ",
-        escape(title)
-    );
-    Ok(out[start..].replacen("<svg ", &open, 1))
-}
-
 impl Plot {
     /// The plot as an SVG element.
     ///
     /// # Errors
     /// The drawing library's.
     pub fn to_svg(&self) -> Result<String, FigureError> {
-        svg(&self.title, SIZE, |root| self.draw(root))
+        svg(&self.title, CLASS, SIZE, |root| self.draw(root))
     }
 
-    fn draw(&self, root: &DrawingArea<SVGBackend, plotters::coord::Shift>) -> Result<(), String> {
+    fn draw(&self, root: &Canvas) -> Result<(), String> {
         let points = || self.series.iter().flat_map(|series| &series.points);
-        let heights = self.series.iter().filter(|s| s.mark != Mark::Crosses);
+        let heights = self.series.iter().filter(|s| s.mark != Marker::Crosses);
         let heights = heights.flat_map(|series| &series.points);
         let horizontal = Scale::of(points().map(|point| point.0), 7);
         let vertical = Scale::of(heights.map(|point| point.1), 6);
@@ -125,31 +101,31 @@ impl Plot {
             .x_label_area_size(50)
             .y_label_area_size(80)
             .build_cartesian_2d(horizontal, vertical)
-            .map_err(text)?;
+            .map_err(reason)?;
         mesh(&mut chart, [&self.horizontal, &self.vertical], GRID)?;
         for series in &self.series {
             let (colour, finite) = (series.colour, finite(&series.points));
-            if series.mark == Mark::Joined || series.mark == Mark::Steps {
+            if series.mark == Marker::Joined || series.mark == Marker::Steps {
                 let path = match series.mark {
-                    Mark::Steps => steps(&finite),
+                    Marker::Steps => steps(&finite),
                     _ => finite.clone(),
                 };
                 let line = LineSeries::new(path, colour.stroke_width(2));
-                chart.draw_series(line).map_err(text)?;
+                chart.draw_series(line).map_err(reason)?;
             }
             match series.mark {
-                Mark::Crosses => {
+                Marker::Crosses => {
                     let at = series.points.iter().map(|point| (point.0, floor));
                     let crosses = at.map(|at| {
                         EmptyElement::at(at) + Cross::new((0, -6), 4, colour.stroke_width(2))
                     });
-                    chart.draw_series(crosses).map_err(text)?;
+                    chart.draw_series(crosses).map_err(reason)?;
                 }
                 mark => {
-                    let radius = if mark == Mark::Steps { 5 } else { 3 };
+                    let radius = if mark == Marker::Steps { 5 } else { 3 };
                     let dots = finite.into_iter();
                     let dots = dots.map(|at| Circle::new(at, radius, colour.filled()));
-                    chart.draw_series(dots).map_err(text)?;
+                    chart.draw_series(dots).map_err(reason)?;
                 }
             }
         }
@@ -192,7 +168,7 @@ fn mesh(
         .y_desc(vertical.as_str())
         .label_style(("sans-serif", 16, &INK))
         .draw()
-        .map_err(text)
+        .map_err(reason)
 }
 
 /// Room for a cell's mark, in pixels.
@@ -204,16 +180,12 @@ impl Map {
     /// # Errors
     /// The drawing library's.
     pub fn to_svg(&self) -> Result<String, FigureError> {
-        svg(&self.title, SIZE, |root| self.draw(root))
+        svg(&self.title, CLASS, SIZE, |root| self.draw(root))
     }
 
-    fn draw(&self, root: &DrawingArea<SVGBackend, plotters::coord::Shift>) -> Result<(), String> {
-        let names = |values: &[f64]| -> Vec<String> {
-            values
-                .iter()
-                .map(|&value| super::scale::number(value))
-                .collect()
-        };
+    fn draw(&self, root: &Canvas) -> Result<(), String> {
+        let names =
+            |values: &[f64]| -> Vec<String> { values.iter().map(|&value| label(value)).collect() };
         let (columns, rows) = (self.horizontal.1.len(), self.vertical.1.len());
         let mut chart = ChartBuilder::on(root)
             .margin(12)
@@ -223,7 +195,7 @@ impl Map {
                 Scale::cells(&names(&self.horizontal.1), 8),
                 Scale::cells(&names(&self.vertical.1), 12),
             )
-            .map_err(text)?;
+            .map_err(reason)?;
         mesh(
             &mut chart,
             [&self.horizontal.0, &self.vertical.0],
@@ -238,10 +210,10 @@ impl Map {
             let (x, y) = ((index % columns) as f64, (index / columns) as f64);
             let corners = [(x, y), (x + 1.0, y + 1.0)];
             let square = Rectangle::new(corners, cell.colour.filled());
-            chart.draw_series([square]).map_err(text)?;
+            chart.draw_series([square]).map_err(reason)?;
             if room && !cell.mark.is_empty() {
                 let mark = Text::new(cell.mark.clone(), (x + 0.5, y + 0.5), style.clone());
-                chart.draw_series([mark]).map_err(text)?;
+                chart.draw_series([mark]).map_err(reason)?;
             }
         }
         Ok(())
