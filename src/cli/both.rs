@@ -5,9 +5,11 @@ use std::process::ExitCode;
 use nalgebra::DVector;
 use serde_json::{json, Value};
 use synth::certify::theorem1::Certificate;
-use synth::design::{DesignFile, OuterCertificate, SolverRun};
+use synth::design::{DesignFile, LargeSetCertificate, SolverRun};
 use synth::model::Model;
-use synth::synthesis::{synthesize_both, BothOutcome, Outcome, Tried};
+use synth::synthesis::{
+    synthesize_two_certificates, Outcome, TriedCoupling, TwoCertificatesOutcome,
+};
 
 use super::progress::SolverProgress;
 use super::synthesize::{describe_run, solver_problem, Ending, SynthesizeArgs};
@@ -30,11 +32,12 @@ pub fn synthesize(
     let progress = SolverProgress::start("assembling the conditions");
     let observer = Some(progress.observer());
     let backend = args.solver.backend_for(ending.form);
-    let found = synthesize_both(ending.model, text, ending.form, backend.as_ref(), observer);
+    let found =
+        synthesize_two_certificates(ending.model, text, ending.form, backend.as_ref(), observer);
     drop(progress);
     match found.map_err(|error| solver_problem(&args.model, error))? {
-        BothOutcome::Solved(design, _) => ending.tell(Outcome::Solved(design)),
-        BothOutcome::None {
+        TwoCertificatesOutcome::Solved(design, _) => ending.tell(Outcome::Solved(design)),
+        TwoCertificatesOutcome::None {
             infeasible,
             tried,
             blocking,
@@ -52,7 +55,7 @@ pub fn synthesize(
 fn tell_none(
     ending: &Ending,
     infeasible: bool,
-    tried: &[Tried],
+    tried: &[TriedCoupling],
     blocking: &[(String, f64)],
     runs: &[SolverRun],
 ) {
@@ -137,12 +140,12 @@ pub fn outer_lines(design: &DesignFile, model: &Model) -> Vec<String> {
 }
 
 /// A file that was read has been checked, so its outer certificate can be read again.
-fn outer_of(design: &DesignFile, model: &Model) -> Option<OuterCertificate> {
-    design.outer_certificate(model).ok().flatten()
+fn outer_of(design: &DesignFile, model: &Model) -> Option<LargeSetCertificate> {
+    design.large_set_certificate(model).ok().flatten()
 }
 
 /// x'Ux at each start that the outer set must contain.
-fn start_levels(outer: &OuterCertificate) -> Vec<f64> {
+fn start_levels(outer: &LargeSetCertificate) -> Vec<f64> {
     let level = |certificate: &Certificate, state: &Vec<f64>| {
         let state = DVector::from_column_slice(state);
         (state.transpose() * &certificate.lyapunov * &state)[(0, 0)]

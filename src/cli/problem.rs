@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use serde_json::{json, Value};
 use synth::certify::{Report, Verdict};
 use synth::problem::{
-    self, Excluded, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
+    self, InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome,
+    ProblemSynthesized,
 };
 
 use super::progress::SolverProgress;
@@ -162,8 +163,8 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
                 "vertices": problem.plant.vertices.len(),
                 "conditions": [],
                 "slack": failure.slack,
-                "excluded_radius": failure.excluded.map(|excluded| excluded.radius.min(f64::MAX)),
-                "excluded_margin": failure.excluded.map(|excluded| excluded.margin),
+                "excluded_radius": failure.infeasibility.map(|excluded| excluded.radius.min(f64::MAX)),
+                "excluded_margin": failure.infeasibility.map(|excluded| excluded.margin),
                 "blocking": blocking,
                 "solve_seconds": failure.solve_seconds,
                 "solver_runs": runs,
@@ -174,7 +175,7 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
     }
     print(&headline(problem));
     runs.iter().for_each(|run| print(&describe_run(run)));
-    print(&match (failure.excluded, status) {
+    print(&match (failure.infeasibility, status) {
         (Some(excluded), "infeasible") => format!("INFEASIBLE, proved {}", no_solution(excluded)),
         (Some(excluded), _) => format!(
             "UNDECIDED: no feedback was found; shown {}; solvers returned unknowns up to {:.3e}",
@@ -196,7 +197,7 @@ fn tell_failure(args: &SynthesizeArgs, problem: &Problem, failure: &ProblemFailu
 }
 
 /// What is proved about solutions that there are not.
-fn no_solution(excluded: Excluded) -> String {
+fn no_solution(excluded: InfeasibilityProof) -> String {
     let within = match excluded.radius == f64::INFINITY {
         true => String::new(),
         false => format!(" with every scalar unknown below {:.3e}", excluded.radius),

@@ -7,7 +7,7 @@ use synth::certify::reach::{angle_of_vector_part_deg, Along};
 use synth::certify::Verdict;
 use synth::design::DesignFile;
 use synth::model::Model;
-use synth::synthesis::{reached, Shortfall};
+use synth::synthesis::{reached, LimitingFactors};
 
 use super::print;
 
@@ -70,7 +70,7 @@ impl Reach {
 const BLOCKING: usize = 6;
 
 /// Why what was asked for was not reached, as JSON.
-pub fn shortfall_json(shortfall: &Shortfall) -> Value {
+pub fn shortfall_json(shortfall: &LimitingFactors) -> Value {
     let limits = shortfall.limits.iter().map(|limit| {
         json!({ "what": limit.what, "value": limit.value, "percent_per_percent": limit.per_cent })
     });
@@ -83,7 +83,7 @@ pub fn shortfall_json(shortfall: &Shortfall) -> Value {
 }
 
 /// The same in words.
-pub fn tell_shortfall(model: &Path, shortfall: &Shortfall, blocking: &[(String, f64)]) {
+pub fn tell_shortfall(model: &Path, shortfall: &LimitingFactors, blocking: &[(String, f64)]) {
     print(&format!(
         "{}: UNDECIDED: {}",
         model.display(),

@@ -88,8 +88,8 @@ pub enum FormArg {
 impl From<FormArg> for synthesis::Form {
     fn from(form: FormArg) -> Self {
         match form {
-            FormArg::Reduced => synthesis::Form::Reduced,
-            FormArg::Slack => synthesis::Form::Slack,
+            FormArg::Reduced => synthesis::Form::Chordal,
+            FormArg::Slack => synthesis::Form::VertexRelaxed,
             FormArg::Full => synthesis::Form::Full,
         }
     }
@@ -310,7 +310,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
                 "vertices": args.model.task().system.vertices.len(),
                 "conditions": [],
                 "certified_angle_deg": null,
-                "shortfall": decision.shortfall.as_deref().map(reach::shortfall_json),
+                "shortfall": decision.limiting_factors.as_deref().map(reach::shortfall_json),
                 "feasibility": feasibility::verdict(&decision.answer),
                 "shown": feasibility::shown(&decision.answer),
                 "bound": feasibility::bound(&decision.answer),
@@ -324,7 +324,7 @@ fn tell_failure(args: &Ending, decision: &Decision, status: &str, kept: Option<&
         );
         return;
     }
-    if let Some(shortfall) = decision.shortfall.as_deref() {
+    if let Some(shortfall) = decision.limiting_factors.as_deref() {
         reach::tell_shortfall(args.model_path, shortfall, &decision.blocking);
         return;
     }

@@ -30,7 +30,7 @@ pub fn read(text: &str) -> Design {
 fn design_text(text: &str) -> String {
     let model = Model::from_json(text).unwrap();
     let backend = Clarabel::default();
-    match synthesize(&model, text, Form::Reduced, &backend, None).unwrap() {
+    match synthesize(&model, text, Form::Chordal, &backend, None).unwrap() {
         Outcome::Solved(design) => design.file.to_json(),
         other => panic!("no design: {other:?}"),
     }
