@@ -59,7 +59,7 @@ fn scenario(name: &str) -> Scenario {
 fn design() -> Option<Design> {
     let text = std::fs::read_to_string(models().join("xu2020.json")).ok()?;
     let model = Model::from_json(&text).ok()?;
-    match synthesize(&model, &text, Form::Reduced, &Clarabel::default(), None).ok()? {
+    match synthesize(&model, &text, Form::Chordal, &Clarabel::default(), None).ok()? {
         Outcome::Solved(design) => Design::from_json(&design.file.to_json()).ok(),
         _ => None,
     }

@@ -18,7 +18,7 @@ use std::time::Instant;
 
 use synth::lmi::Semidefinite;
 use synth::model::Model;
-use synth::solve::{Accuracy, Backend, Clarabel, Padding, Solution, Structured};
+use synth::solve::{Accuracy, Backend, Clarabel, DenseColumns, Solution, Structured};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
 /// One line of the table.
@@ -65,8 +65,8 @@ fn problem(form: Form) -> (Semidefinite, Accuracy) {
     (problem, Goal::SmallestGain.accuracy(&task))
 }
 
-fn clarabel(padding: Padding) -> Clarabel {
-    Clarabel { padding }
+fn clarabel(dense_columns: DenseColumns) -> Clarabel {
+    Clarabel { dense_columns }
 }
 
 fn solve((problem, accuracy): &(Semidefinite, Accuracy), backend: &dyn Backend) -> (Solution, f64) {
@@ -78,10 +78,10 @@ fn solve((problem, accuracy): &(Semidefinite, Accuracy), backend: &dyn Backend) 
 }
 
 fn child(form: &str, padding: &str) {
-    let form = Form::named(form).unwrap_or(Form::Reduced);
+    let form = Form::named(form).unwrap_or(Form::Chordal);
     let (solution, seconds) = match padding {
-        "padded" => solve(&problem(form), &clarabel(Padding::default())),
-        "unpadded" => solve(&problem(form), &clarabel(Padding::None)),
+        "padded" => solve(&problem(form), &clarabel(DenseColumns::default())),
+        "unpadded" => solve(&problem(form), &clarabel(DenseColumns::None)),
         _ => solve(&problem(form), &Structured::default()),
     };
     println!(
@@ -127,7 +127,7 @@ fn side_by_side(folder: &Path, quick: bool) -> Vec<Row> {
         rows.push(own_row("full", "unpadded"));
         rows.push(own_row("full", "padded"));
     }
-    for form in [Form::Reduced, Form::Slack, Form::Full] {
+    for form in [Form::Chordal, Form::VertexRelaxed, Form::Full] {
         let name = form.name();
         let file = folder.join(format!("{name}.dat-s"));
         std::fs::write(&file, problem(form).0.to_sdpa(name)).expect("a writable temporary folder");

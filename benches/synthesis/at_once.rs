@@ -35,10 +35,10 @@ pub fn run(folder: &Path, quick: bool) {
             std::fs::write(&path, problem.to_sdpa(name)).expect("a writable temporary folder");
             path
         };
-        let slack = file(Form::Slack);
+        let slack = file(Form::VertexRelaxed);
         let mut rows = Vec::new();
         if vertices <= FEW {
-            rows.push(own("clarabel", &file(Form::Reduced), "Clarabel, reduced"));
+            rows.push(own("clarabel", &file(Form::Chordal), "Clarabel, reduced"));
             rows.push(own("clarabel", &slack, "Clarabel, slack"));
         }
         rows.push(own("structured", &slack, "structured, slack"));

@@ -23,8 +23,8 @@ pub fn run_one(vertices: u32) {
 
 fn print_rows(parameters: &[u32]) {
     let solvers: [(&dyn Backend, Form); 2] = [
-        (&Structured::default(), Form::Slack),
-        (&Clarabel::default(), Form::Reduced),
+        (&Structured::default(), Form::VertexRelaxed),
+        (&Clarabel::default(), Form::Chordal),
     ];
     for (backend, form) in solvers {
         let rows: Vec<Row> = parameters

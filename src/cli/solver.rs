@@ -1,7 +1,7 @@
 //! Which solver: the option shared by the verbs.
 
 use clap::ValueEnum;
-use synth::solve::{Backend, Clarabel, Padding, Structured};
+use synth::solve::{Backend, Clarabel, DenseColumns, Structured};
 use synth::synthesis::Form;
 
 use crate::batch::sweep::subject::SolverChoice;
@@ -24,9 +24,9 @@ impl SolverArg {
     /// The solver with the settings that suit a form.
     pub fn backend_for(self, form: Form) -> Box<dyn Backend> {
         match (self, form) {
-            // Padding makes the full form faster but costs it digits, and it is there for comparison.
+            // Densified columns make the full form faster but cost it digits, and they are there for comparison.
             (SolverArg::Clarabel, Form::Full) => Box::new(Clarabel {
-                padding: Padding::None,
+                dense_columns: DenseColumns::None,
             }),
             _ => self.backend(),
         }
@@ -70,8 +70,8 @@ pub enum FormArg {
 impl From<FormArg> for Form {
     fn from(form: FormArg) -> Self {
         match form {
-            FormArg::Chordal => Form::Reduced,
-            FormArg::VertexRelaxed => Form::Slack,
+            FormArg::Chordal => Form::Chordal,
+            FormArg::VertexRelaxed => Form::VertexRelaxed,
             FormArg::Full => Form::Full,
         }
     }

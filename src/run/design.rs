@@ -5,7 +5,7 @@ use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
-use synth::design::{DesignFile, OuterCertificate};
+use synth::design::{DesignFile, LargeSetCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
@@ -30,7 +30,7 @@ pub struct Design {
     pub certificate: Certificate,
     /// The outer certificate with its model, where there are two; the numbers above are then the inner
     /// one's.
-    pub outer: Option<OuterCertificate>,
+    pub outer: Option<LargeSetCertificate>,
     /// The outcome of the check, made from the file's numbers.
     pub report: Report,
     /// SHA-256 of the file's text, in hexadecimal.
@@ -108,7 +108,7 @@ impl Design {
     pub fn from_json(text: &str) -> Result<Self, FileError> {
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
-        let outer = file.outer_certificate(&model)?;
+        let outer = file.large_set_certificate(&model)?;
         let report = file.verify(&model)?;
         Ok(Self {
             file,

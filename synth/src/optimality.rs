@@ -1,11 +1,11 @@
-//! How far a proved design stays from the best objective that any solver reported.
+//! The gap between a proved design and the best objective that any solver reported.
 
 use serde::Serialize;
 
-/// Above this relative gap a report says that the design is worse than what was seen.
+/// Above this relative gap a report notes that the design is worse than the best objective seen.
 const POOR: f64 = 0.01;
 
-/// A design's objective beside the best one that a solver reported for the same problem. The best one is the
+/// A design's objective and the best one that a solver reported for the same problem. The best one is the
 /// solver's number and not proved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Optimality {

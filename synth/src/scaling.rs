@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::conditions::xu2020::Coverage;
+use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
@@ -33,7 +33,7 @@ impl Scaling {
         Self::with_state_units(system, state_units(system, fraction))
     }
 
-    /// The same for one state unit near a given size, in place of a share of the region.
+    /// The same for one state unit near a given size, in place of a fraction of the region.
     pub fn of_size(system: &TakagiSugeno, size: f64) -> Self {
         let unit = power_of_two(size);
         Self::with_state_units(system, DVector::from_element(system.states(), unit))
@@ -86,16 +86,16 @@ impl Scaling {
         for gain in gains.given.iter_mut().flatten() {
             *gain = &e_inverse * &*gain * &d;
         }
-        let coverage = task.coverage.as_ref().map(|coverage| {
+        let containment = task.containment.as_ref().map(|containment| {
             let scaled = |sets: &[DMatrix<f64>]| sets.iter().map(|set| &d_inverse * set).collect();
-            Coverage {
-                linearisation: &d * &coverage.linearisation * &d_inverse,
-                covered: scaled(&coverage.covered),
-                grown: scaled(&coverage.grown),
+            Containment {
+                linearisation: &d * &containment.linearisation * &d_inverse,
+                contained: scaled(&containment.contained),
+                scaled: scaled(&containment.scaled),
             }
         });
         Task {
-            coverage,
+            containment,
             gains,
             system: TakagiSugeno {
                 vertices: system

@@ -58,8 +58,8 @@ impl SolverChoice {
     /// The form of the decrease condition that the solver is fastest with.
     pub fn form(&self) -> Form {
         match self {
-            SolverChoice::Clarabel => Form::Reduced,
-            SolverChoice::Structured(_) => Form::Slack,
+            SolverChoice::Clarabel => Form::Chordal,
+            SolverChoice::Structured(_) => Form::VertexRelaxed,
         }
     }
 }
@@ -160,7 +160,13 @@ impl Subject {
         if model.file.specs.objective == Objective::Gain {
             let first = Structured::warm();
             // Whatever comes of it: where nothing is remembered, points start cold.
-            let _ = synthesis::synthesize(&model, &text, Form::Slack, &first, Some(until(stop)));
+            let _ = synthesis::synthesize(
+                &model,
+                &text,
+                Form::VertexRelaxed,
+                &first,
+                Some(until(stop)),
+            );
             *solver = first.frozen();
         }
     }

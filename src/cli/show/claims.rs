@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 use synth::certify::reach::{angle_of_vector_part_deg, Along};
 use synth::certify::Verdict;
-use synth::design::{DesignFile, OuterCertificate};
+use synth::design::{DesignFile, LargeSetCertificate};
 use synth::model::Model;
 use synth::synthesis::reached;
 
@@ -75,7 +75,7 @@ impl DesignClaims {
         let along = reached(model, &part.lyapunov);
         let transmissions = TransmissionBound::of_model(model);
         // A file that was read has been checked, so its outer certificate can be read again.
-        let outer = design.outer_certificate(model).ok().flatten();
+        let outer = design.large_set_certificate(model).ok().flatten();
         DesignClaims {
             gamma: Some(part.gamma),
             guaranteed_gain: Some(part.guaranteed_gain),
@@ -131,7 +131,7 @@ impl From<Along> for ContainedState {
 }
 
 impl OuterClaims {
-    fn of(outer: &OuterCertificate) -> Self {
+    fn of(outer: &LargeSetCertificate) -> Self {
         let certificate = &outer.certificate;
         let level = |state: &Vec<f64>| {
             let state = DVector::from_column_slice(state);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use synth::certify::{Report, Verdict};
 use synth::optimality::Optimality;
-use synth::problem::{Excluded, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized};
+use synth::problem::{InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized};
 
 use super::blocking::{blocking_lines, slack_or_none};
 use super::no_design::FailureReport;
@@ -129,7 +129,7 @@ pub struct NoFeedbackReport<'a> {
     excluded_margin: Option<f64>,
     /// Both numbers.
     #[serde(skip)]
-    excluded: Option<Excluded>,
+    excluded: Option<InfeasibilityProof>,
 }
 
 impl<'a> NoFeedbackReport<'a> {
@@ -140,7 +140,7 @@ impl<'a> NoFeedbackReport<'a> {
             solve_seconds: found.solve_seconds,
             solver_runs: &found.runs,
         };
-        let excluded = found.excluded;
+        let excluded = found.infeasibility;
         NoFeedbackReport {
             failure: FailureReport::new(solver, &found.blocking),
             claims: ProblemClaims::new(problem, None, Verdict::NotProved),
@@ -190,7 +190,7 @@ pub fn headline(problem: &Problem) -> String {
 }
 
 /// What is proved about solutions that there are not.
-fn no_solution(excluded: Excluded) -> String {
+fn no_solution(excluded: InfeasibilityProof) -> String {
     let within = match excluded.radius == f64::INFINITY {
         true => String::new(),
         false => format!(" with every scalar unknown below {:.3e}", excluded.radius),

@@ -1,7 +1,7 @@
 //! How far a search came, and what stops it there.
 
 use serde::Serialize;
-use synth::synthesis::{Sensitivity, Shortfall};
+use synth::synthesis::{Sensitivity, LimitingFactors};
 
 use super::blocking::titled;
 
@@ -31,7 +31,7 @@ struct LimitingFactor<'a> {
 
 impl<'a> ShortfallReport<'a> {
     /// From the outcome of a search.
-    pub fn new(shortfall: &'a Shortfall) -> Self {
+    pub fn new(shortfall: &'a LimitingFactors) -> Self {
         let limit = |limit: &'a Sensitivity| LimitingFactor {
             what: &limit.what,
             value: limit.value,

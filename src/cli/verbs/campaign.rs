@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use crate::batch::campaign::finish::{finish, finish_again};
 use crate::batch::campaign::parts::Job;
-use crate::batch::watch::Watch;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, Shard, State};
 use crate::batch::campaign::CampaignError;
+use crate::batch::watch::Watch;
 use crate::cli::answer::{note, Answer};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;

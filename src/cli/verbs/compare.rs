@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::batch::comparison::{compare, Comparison, Candidate, Curves, Task};
+use crate::batch::comparison::{compare, Candidate, Comparison, Curves, Task};
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::check_possible;
-use crate::batch::watch::Watch;
 use crate::batch::tune::{tune, Tuned};
+use crate::batch::watch::Watch;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;

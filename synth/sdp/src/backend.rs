@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::lmi::{Cone, Semidefinite};
 
-/// How a solver ended, in its own opinion.
+/// Solver status, unverified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
     /// Converged to full accuracy.
@@ -21,7 +21,7 @@ pub enum Status {
     Cancelled,
 }
 
-/// What a solver tells between iterations.
+/// What a solver reports between iterations.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress {
     /// Iterations so far.
@@ -38,9 +38,9 @@ pub type Observer = Arc<dyn Fn(&Progress) -> bool + Send + Sync>;
 /// A candidate solution.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// The solver's opinion.
+    /// Solver status, unverified.
     pub status: Status,
-    /// The solver's own word for it.
+    /// The status as the solver names it.
     pub status_text: String,
     /// Values of the scalar unknowns.
     pub values: Vec<f64>,
@@ -63,7 +63,7 @@ pub enum SolveError {
     Refused {
         /// Name of the backend.
         backend: &'static str,
-        /// Its own words.
+        /// Its message.
         reason: String,
     },
     /// A number of the problem is not finite.
@@ -109,7 +109,7 @@ pub trait Backend {
         None
     }
 
-    /// Minimises the objective of `problem` to the accuracy asked for; the observer is called between
+    /// Minimises the objective of `problem` to the requested accuracy; the observer is called between
     /// iterations.
     fn solve(
         &self,

@@ -1,8 +1,8 @@
-//! A dual solution moved to the middle of those that will do.
+//! The analytic centre of the dual solutions that suffice for a proof.
 //!
 //! A solver's dual solution lies on the edge of its cones and satisfies its equations to rounding
 //! only; both spoil a proof. Any `Z_k > 0` with `sum_k <F_ik, Z_k> = c_i` and a sum
-//! `sum_k <F0_k, Z_k>` that is negative enough is as good. From the solver's point, pushed inside, a
+//! `sum_k <F0_k, Z_k>` that is negative enough is as good. From the solver's point, shifted inside, a
 //! damped Newton method finds the one with the largest product of determinants.
 
 use faer::linalg::solvers::Solve;
@@ -14,17 +14,17 @@ use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
 /// Largest number of unknowns: the equations are dense.
 const MOST_UNKNOWNS: usize = 3000;
 
-/// How far the start is pushed inside, as a part of the mean eigenvalue: less is fewer steps where it
-/// works.
-const PUSHES: [f64; 2] = [1e-4, 1e-2];
+/// Shift of the start into the interior, as a fraction of the mean eigenvalue: a smaller one takes fewer steps where
+/// it suffices.
+const SHIFTS: [f64; 2] = [1e-4, 1e-2];
 
-/// How many times the push may grow tenfold where the solver's matrix is indefinite.
-const PUSH_DECADES: i32 = 12;
+/// How many times the shift may grow tenfold where the solver's matrix is indefinite.
+const SHIFT_DECADES: i32 = 12;
 
 /// Steps at most.
 const STEPS: usize = 40;
 
-/// Steps shorter than this lead nowhere.
+/// Steps shorter than this count as a failure.
 const SHORTEST_STEP: f64 = 0.05;
 
 /// Newton decrement, per unit of the cones' sides, at which the point is central enough.
@@ -58,14 +58,14 @@ pub fn centred(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Optio
         return None;
     }
     let equations = Equations::new(problem, target);
-    PUSHES.iter().find_map(|&part| {
-        let start = pushed_inside(problem, duals, part)?;
+    SHIFTS.iter().find_map(|&part| {
+        let start = shifted_inside(problem, duals, part)?;
         equations.centre(start)
     })
 }
 
 /// The dual matrices with a multiple of the identity added; `None` when they are not finite.
-fn pushed_inside(
+fn shifted_inside(
     problem: &Semidefinite,
     duals: &[Vec<f64>],
     part: f64,
@@ -77,17 +77,17 @@ fn pushed_inside(
         .zip(duals)
         .map(|(side, dual)| (0..side).map(|k| dual[svec_index(k, k)]).sum::<f64>())
         .sum();
-    let push = part * trace / total as f64;
-    if !(push > 0.0 && push.is_finite()) {
+    let shift = part * trace / total as f64;
+    if !(shift > 0.0 && shift.is_finite()) {
         return None;
     }
     let full = sides.zip(duals).map(|(side, dual)| {
         let at = |r: usize, c: usize| dual[svec_index(r.min(c), r.max(c))];
         let matrix = DMatrix::from_fn(side, side, at);
-        // Each push makes up for a negative eigenvalue that is ten times larger.
-        let pushes = (0..PUSH_DECADES).map(|decade| push * 10_f64.powi(decade));
-        let mut pushed = pushes.map(|push| &matrix + push * DMatrix::identity(side, side));
-        pushed.find(|pushed| pushed.clone().cholesky().is_some())
+        // Each shift makes up for a negative eigenvalue that is ten times larger.
+        let shifts = (0..SHIFT_DECADES).map(|decade| shift * 10_f64.powi(decade));
+        let mut shifted = shifts.map(|shift| &matrix + shift * DMatrix::identity(side, side));
+        shifted.find(|shifted| shifted.clone().cholesky().is_some())
     });
     full.collect()
 }
@@ -149,7 +149,7 @@ impl<'a> Equations<'a> {
             if length < 1.0 {
                 continue;
             }
-            // A whole step satisfies the equations but for rounding.
+            // A full step satisfies the equations up to rounding.
             best = Some(point.clone());
             if decrement < CENTRAL * sides as f64 {
                 polishing += 1;

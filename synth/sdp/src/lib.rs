@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`lmi`] | matrix unknowns and affine matrix expressions, lowered to a semidefinite program; SDPA text |
 //! | [`solve`] | Clarabel and the structured solver behind one trait; what they return is a candidate |
-//! | [`centre`] | moves a dual solution to the analytic centre of those that will do, so that it can be proved |
+//! | [`centre`] | the analytic centre of the dual solutions that suffice for a proof |
 //! | [`exclusion`] | proves from dual weights, in interval arithmetic, that a program has no solution |
 //!
 //! Nothing here knows of control: unknowns are matrices, and a condition is a name with an affine matrix expression.

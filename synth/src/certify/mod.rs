@@ -1,4 +1,4 @@
-//! The check: is the closed loop of a design file proved to do what the file says?
+//! The check: is the closed loop of a design file proved to do what the file states?
 //!
 //! Nothing but the numbers of the file is used. Each condition of Theorem 1 is assembled in interval
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
@@ -65,21 +65,21 @@ impl Report {
 
 /// Checks every condition of Theorem 1 for the given numbers.
 pub fn check(model: &Model, certificate: &Certificate) -> Report {
-    judge_all(not_covered(model, certificate), |tell| {
+    judge_all(not_covered(model, certificate), |emit| {
         for_each_condition::<Interval>(model, certificate, |statement| {
-            tell(statement.name, statement.matrix);
+            emit(statement.name, statement.matrix);
         });
     })
 }
 
-/// Judges every statement that `tell` makes: a name and a matrix that must be positive definite.
+/// Judges every statement that `emit` receives: a name and a matrix that must be positive definite.
 pub fn judge_all(
     not_covered: Vec<String>,
-    tell: impl FnOnce(&mut dyn FnMut(String, Matrix<Interval>)),
+    emit: impl FnOnce(&mut dyn FnMut(String, Matrix<Interval>)),
 ) -> Report {
     let mut conditions = Vec::new();
     let mut verdict = Verdict::Proved;
-    tell(&mut |name, matrix| {
+    emit(&mut |name, matrix| {
         let statement = Statement { name, matrix };
         let (proved, margin) = judge(&statement);
         if !proved {

@@ -58,23 +58,23 @@ pub fn for_each_condition<S: Scalar>(
     mut check: impl FnMut(Statement<S>),
 ) {
     let assembly = Assembly::new(model, certificate);
-    let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
-    inertia_positive(model, &mut tell);
-    assembly.positivity(&mut tell);
-    assembly.mismatch(&mut tell);
-    assembly.decrease(&mut tell);
-    assembly.anti_windup(&mut tell);
-    assembly.peak_gain(&mut tell);
-    assembly.region(&mut tell);
-    assembly.must_contain(model, &mut tell);
-    assembly.certified_attitudes(model, &mut tell);
+    let mut emit = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
+    inertia_positive(model, &mut emit);
+    assembly.positivity(&mut emit);
+    assembly.mismatch(&mut emit);
+    assembly.decrease(&mut emit);
+    assembly.anti_windup(&mut emit);
+    assembly.peak_gain(&mut emit);
+    assembly.region(&mut emit);
+    assembly.must_contain(model, &mut emit);
+    assembly.certified_attitudes(model, &mut emit);
 }
 
 /// Every inertia of the set is positive definite.
-fn inertia_positive<S: Scalar>(model: &Model, tell: &mut impl FnMut(String, Matrix<S>)) {
+fn inertia_positive<S: Scalar>(model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
     if let Plant::Spacecraft(craft) = &model.plant {
         for (index, bound) in inertia_bounds(craft).into_iter().enumerate() {
-            tell(format!("inertia positive {}", index + 1), bound);
+            emit(format!("inertia positive {}", index + 1), bound);
         }
     }
 }
@@ -117,23 +117,23 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         }
     }
 
-    fn positivity(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn positivity(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         let certificate = self.certificate;
-        tell("lyapunov positive".into(), self.lyapunov.clone());
+        emit("lyapunov positive".into(), self.lyapunov.clone());
         let integral = Matrix::exactly(&certificate.integral_weight);
-        tell("integral weight positive".into(), integral);
+        emit("integral weight positive".into(), integral);
         let trigger = Matrix::exactly(&certificate.trigger_weight);
-        tell("trigger weight positive".into(), trigger);
+        emit("trigger weight positive".into(), trigger);
         if certificate.trigger_multiple != 1.0 {
             let multiple = S::from_f64(certificate.trigger_multiple);
-            tell(
+            emit(
                 "trigger multiple positive".into(),
                 Matrix::identity(1, multiple),
             );
         }
         for (input, &weight) in certificate.sector_weight.iter().enumerate() {
             let name = format!("sector weight input {}", input + 1);
-            tell(name, Matrix::identity(1, S::from_f64(weight)));
+            emit(name, Matrix::identity(1, S::from_f64(weight)));
         }
     }
 
@@ -142,7 +142,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     /// It is affine in (zeta(t), zeta(t_k)). Where these are independent, every vertex with every gain
     /// decides. Where |zeta(t_k) - zeta(t)| <= kappa, every rule with its own gain decides once the most
     /// that the difference can add is added ([`Assembly::mismatch`]).
-    fn decrease(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn decrease(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         let count = self.gains.len();
         for interval in [1, 2] {
             let added = self.mismatch_term(interval);
@@ -162,7 +162,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
                             Some(_) => name,
                             None => name + &gain_suffix(count, rule),
                         };
-                        tell(name, self.with_vertex(&common, vertex).negated());
+                        emit(name, self.with_vertex(&common, vertex).negated());
                     }
                 }
             }
@@ -184,12 +184,12 @@ impl<'a, S: Scalar> Assembly<'a, S> {
 
     /// P_j > N_j - R and P_j > R - N_j with N_j the form of gain j. As sum_j delta_j = 0 for delta =
     /// zeta(t_k) - zeta(t), the gains add sum_j delta_j (N_j - R) <= kappa sum_j P_j.
-    fn mismatch(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn mismatch(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         for interval in [1, 2] {
             let Some((_, slack)) = self.slack(interval) else {
                 if self.slack_needed {
                     let name = format!("mismatch r={interval} slack present");
-                    tell(name, Matrix::identity(1, -S::one()));
+                    emit(name, Matrix::identity(1, -S::one()));
                 }
                 continue;
             };
@@ -198,8 +198,8 @@ impl<'a, S: Scalar> Assembly<'a, S> {
                 let difference = self.gain_form(gains).minus(&common);
                 let bound = Matrix::exactly(bound);
                 let name = |side| format!("mismatch r={interval} gain {} {side}", rule + 1);
-                tell(name("above"), bound.minus(&difference));
-                tell(name("below"), bound.plus(&difference));
+                emit(name("above"), bound.minus(&difference));
+                emit(name("below"), bound.plus(&difference));
             }
         }
     }
@@ -350,7 +350,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 
     /// (19) with k2 for every gain and input.
-    fn anti_windup(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn anti_windup(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         for (rule, (gain, anti_windup)) in self.gains.iter().enumerate() {
             let difference = gain.minus(anti_windup);
             for (input, limit) in self.plant.input_limit.iter().enumerate() {
@@ -360,22 +360,22 @@ impl<'a, S: Scalar> Assembly<'a, S> {
                 out.set(0, 1, &difference.row(input).transposed());
                 out.set(1, 1, &Matrix::identity(1, S::one()));
                 let name = format!("anti-windup input {}", input + 1);
-                tell(name + &gain_suffix(self.gains.len(), rule), out.finish());
+                emit(name + &gain_suffix(self.gains.len(), rule), out.finish());
             }
         }
     }
 
     /// (20): C'C <= gamma phi U and gamma > xi; and the claimed guaranteed gain G: C'C <= G^2/xi phi U.
-    fn peak_gain(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn peak_gain(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         let xi = S::from_f64(self.certificate.disturbance_weight);
         let gamma = S::from_f64(self.certificate.gain_bound);
         let claim = S::from_f64(self.certificate.guaranteed_gain);
-        tell("peak gain".into(), self.gain_block(gamma.clone()));
+        emit("peak gain".into(), self.gain_block(gamma.clone()));
         let above = Matrix::identity(1, gamma - xi.clone());
-        tell("gain bound above disturbance weight".into(), above);
+        emit("gain bound above disturbance weight".into(), above);
         // Comes last of the two: dividing by xi needs xi > 0, which (18) has shown.
         let implied = claim.clone() * claim / xi;
-        tell("guaranteed gain".into(), self.gain_block(implied));
+        emit("guaranteed gain".into(), self.gain_block(implied));
     }
 
     fn gain_block(&self, bound: S) -> Matrix<S> {
@@ -388,7 +388,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 
     /// The set x'Ux <= k2 lies in the region of the model.
-    fn region(&self, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn region(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         for bound in &self.plant.region {
             let factor = bound.bound_squared.clone() / self.level.clone();
             let rows = bound.rows.nrows();
@@ -396,17 +396,17 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             out.set(0, 0, &self.lyapunov.scaled(&factor));
             out.set(0, 1, &bound.rows.transposed());
             out.set(1, 1, &Matrix::identity(rows, S::one()));
-            tell(format!("box {}", bound.name), out.finish());
+            emit(format!("box {}", bound.name), out.finish());
         }
     }
 
-    /// x0' U x0 < 1 for every state that the model asks for.
-    fn must_contain(&self, model: &Model, tell: &mut impl FnMut(String, Matrix<S>)) {
+    /// x0' U x0 < 1 for every state that the model requires.
+    fn must_contain(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
         for (index, state) in model.file.specs.must_contain.iter().enumerate() {
             let state = Matrix::from_fn(state.len(), 1, |r, _| S::from_f64(state[r]));
             let value = state.transposed().times(&self.lyapunov).times(&state);
             let room = S::one() - value.at(0, 0).clone();
-            tell(
+            emit(
                 format!("must contain state {}", index + 1),
                 Matrix::identity(1, room),
             );
@@ -414,7 +414,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 
     /// s^2 U_qq < I: every attitude at rest with |q| <= s is in the set x'Ux <= 1.
-    fn certified_attitudes(&self, model: &Model, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn certified_attitudes(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
         let radius = match (&model.plant, self.certificate.certified_vector_part) {
             (Plant::Spacecraft(_), Some(radius)) => S::from_f64(radius),
             _ => return,
@@ -424,7 +424,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let unit = if r == c { S::one() } else { S::zero() };
             unit - square.clone() * self.lyapunov.at(r + 3, c + 3).clone()
         });
-        tell("certified attitudes".into(), room);
+        emit("certified attitudes".into(), room);
     }
 }
 

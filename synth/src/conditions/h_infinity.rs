@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 
 use super::state_feedback::{
-    power_of_two, DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant,
+    power_of_two, DesignProblem, Proof, StateFeedback, Transformed, Units, VertexPlant,
 };
 use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 use verified::matrix::{self, Matrix};
@@ -61,7 +61,7 @@ impl DesignProblem for HInfinity {
     fn conditions(
         &self,
         plant: &VertexPlant,
-        hatted: &Hatted,
+        transformed: &Transformed,
         strictness: &Strictness,
     ) -> Vec<Condition> {
         let (n, d, p) = (
@@ -70,16 +70,20 @@ impl DesignProblem for HInfinity {
             self.output.nrows(),
         );
         let gamma = |side| {
-            hatted
+            transformed
                 .objective
                 .times_matrix(&DMatrix::identity(side, side))
         };
-        let q = &hatted.inverse;
-        let output = &self.output * q + &self.input_to_output * &hatted.gain;
+        let q = &transformed.inverse;
+        let output = &self.output * q + &self.input_to_output * &transformed.gain;
         let mut out = vec![strictness.positive("inverse positive", q.clone())];
         for (index, a) in plant.vertices.iter().enumerate() {
             let mut lhs = SymmetricBlocks::new(&[n, d, p]);
-            lhs.add(0, 0, &hatted.decay(a, &plant.input, &hatted.gain, 0.0));
+            lhs.add(
+                0,
+                0,
+                &transformed.decay(a, &plant.input, &transformed.gain, 0.0),
+            );
             lhs.add(0, 1, &Affine::constant(&self.disturbance));
             lhs.add(0, 2, &output.transposed());
             lhs.add(1, 1, &-gamma(d));
@@ -101,7 +105,7 @@ impl DesignProblem for HInfinity {
         found.guarantee = objective * (units.output / units.disturbance);
     }
 
-    fn statements<S: Scalar>(&self, proof: &Proof<S>, tell: &mut dyn FnMut(String, Matrix<S>)) {
+    fn statements<S: Scalar>(&self, proof: &Proof<S>, emit: &mut dyn FnMut(String, Matrix<S>)) {
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
         let (n, d, p) = (
             proof.lyapunov.nrows(),
@@ -111,7 +115,7 @@ impl DesignProblem for HInfinity {
         let feedthrough = exactly(&self.input_to_output).times(&proof.gain);
         let output = exactly(&self.output).plus(&feedthrough);
         let gamma = |side| Matrix::identity(side, proof.guarantee.clone());
-        tell("lyapunov positive".into(), proof.lyapunov.clone());
+        emit("lyapunov positive".into(), proof.lyapunov.clone());
         for (index, a) in proof.vertices.iter().enumerate() {
             let mut out = matrix::SymmetricBlockMatrix::new(&[n, d, p]);
             let driven = proof.lyapunov.times(&exactly(&self.disturbance));
@@ -122,7 +126,7 @@ impl DesignProblem for HInfinity {
             let direct = exactly(&self.disturbance_to_output.transpose());
             out.set(1, 2, &direct.negated());
             out.set(2, 2, &gamma(p));
-            tell(format!("bounded real vertex {}", index + 1), out.finish());
+            emit(format!("bounded real vertex {}", index + 1), out.finish());
         }
     }
 

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::fuzzy::TakagiSugeno;
 
-/// What the closed loop must do, beside the model it must do it for.
+/// The requirements of the closed loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Specification {
     /// Decay rate `phi` of the Lyapunov functional [1/s].
@@ -70,8 +70,8 @@ pub struct Task {
     pub disturbance_weight_unit: f64,
     /// The gains.
     pub gains: GainPlan,
-    /// Sets to be covered, where a search asks for them.
-    pub coverage: Option<Coverage>,
+    /// Sets to be contained, where a search requires them.
+    pub containment: Option<Containment>,
 }
 
 impl Task {
@@ -82,7 +82,7 @@ impl Task {
             specification,
             disturbance_weight_unit: 1.0,
             gains: GainPlan::constant(),
-            coverage: None,
+            containment: None,
         }
     }
 
@@ -98,22 +98,22 @@ impl Task {
 /// What x'Ux <= 1 must cover: ellipsoids {D z, |z| <= 1}, a single column being a state and its negative.
 /// n states.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coverage {
-    /// P, n x n, in the units of the task. Near P = Uh^-1 Qh of the sought point nothing is lost.
+pub struct Containment {
+    /// P, n x n, in the units of the task. At P = Uh^-1 Qh of the solution the linearisation is exact.
     pub linearisation: DMatrix<f64>,
-    /// The D, n x k each, to be covered as they are.
-    pub covered: Vec<DMatrix<f64>>,
-    /// The D to be covered after multiplication by one common scale, which may be maximised.
-    pub grown: Vec<DMatrix<f64>>,
+    /// The D, n x k each, to be contained at scale 1.
+    pub contained: Vec<DMatrix<f64>>,
+    /// The D to be contained after multiplication by one common scale, which may be maximised.
+    pub scaled: Vec<DMatrix<f64>>,
 }
 
-impl Coverage {
+impl Containment {
     /// The scalar case P = rho I, which needs no known point.
     pub fn scalar(states: usize, rho: f64) -> Self {
-        Coverage {
+        Containment {
             linearisation: DMatrix::identity(states, states) * rho,
-            covered: Vec::new(),
-            grown: Vec::new(),
+            contained: Vec::new(),
+            scaled: Vec::new(),
         }
     }
 }

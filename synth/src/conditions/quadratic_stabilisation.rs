@@ -8,7 +8,7 @@
 
 use nalgebra::DMatrix;
 
-use super::state_feedback::{DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant};
+use super::state_feedback::{DesignProblem, Proof, StateFeedback, Transformed, Units, VertexPlant};
 use sdp::lmi::{Affine, Condition, Strictness};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
@@ -21,8 +21,8 @@ pub struct QuadraticStabilisation {
     pub decay_rate: f64,
 }
 
-/// Relative room left in the claimed c and in P > I, so that the check can prove them.
-const CLAIM_ROOM: f64 = 1e-5;
+/// Relative allowance in the claimed c and in P > I, so that the check can prove them.
+const CLAIM_ALLOWANCE: f64 = 1e-5;
 
 impl DesignProblem for QuadraticStabilisation {
     const NAME: &'static str = "quadratic_stabilisation";
@@ -42,18 +42,18 @@ impl DesignProblem for QuadraticStabilisation {
     fn conditions(
         &self,
         plant: &VertexPlant,
-        hatted: &Hatted,
+        transformed: &Transformed,
         strictness: &Strictness,
     ) -> Vec<Condition> {
         let n = plant.states();
-        let q = &hatted.inverse;
-        let kappa = hatted.objective.times_matrix(&DMatrix::identity(n, n));
+        let q = &transformed.inverse;
+        let kappa = transformed.objective.times_matrix(&DMatrix::identity(n, n));
         let mut out = vec![
             strictness.positive("inverse above identity", q - &Affine::identity(n, 1.0)),
             Condition::semidefinite("inverse bounded", &kappa - q),
         ];
         for (index, a) in plant.vertices.iter().enumerate() {
-            let decay = hatted.decay(a, &plant.input, &hatted.gain, self.decay_rate);
+            let decay = transformed.decay(a, &plant.input, &transformed.gain, self.decay_rate);
             out.push(strictness.positive(format!("decay vertex {}", index + 1), -decay));
         }
         out
@@ -63,24 +63,24 @@ impl DesignProblem for QuadraticStabilisation {
     fn claim(&self, found: &mut StateFeedback, _objective: f64, _units: &Units) {
         let eigenvalues = found.lyapunov.symmetric_eigenvalues();
         let (smallest, largest) = (eigenvalues.min(), eigenvalues.max());
-        found.lyapunov *= (1.0 + CLAIM_ROOM) / smallest;
-        found.guarantee = (largest / smallest).sqrt() * (1.0 + CLAIM_ROOM);
+        found.lyapunov *= (1.0 + CLAIM_ALLOWANCE) / smallest;
+        found.guarantee = (largest / smallest).sqrt() * (1.0 + CLAIM_ALLOWANCE);
     }
 
-    fn statements<S: Scalar>(&self, proof: &Proof<S>, tell: &mut dyn FnMut(String, Matrix<S>)) {
+    fn statements<S: Scalar>(&self, proof: &Proof<S>, emit: &mut dyn FnMut(String, Matrix<S>)) {
         let rate = S::from_f64(self.decay_rate);
         for (index, a) in proof.vertices.iter().enumerate() {
             let decay = proof.decay(a, &proof.gain, &rate);
-            tell(format!("decay vertex {}", index + 1), decay);
+            emit(format!("decay vertex {}", index + 1), decay);
         }
         let p = &proof.lyapunov;
         let identity = |value| Matrix::identity(p.nrows(), value);
-        tell(
+        emit(
             "lyapunov above identity".into(),
             p.minus(&identity(S::one())),
         );
         let square = proof.guarantee.clone() * proof.guarantee.clone();
-        tell("overshoot".into(), identity(square).minus(p));
+        emit("overshoot".into(), identity(square).minus(p));
     }
 
     fn assumptions(&self) -> Vec<String> {

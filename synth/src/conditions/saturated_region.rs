@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::state_feedback::{
-    power_of_two, DesignProblem, Hatted, Proof, StateFeedback, Units, VertexPlant,
+    power_of_two, DesignProblem, Proof, StateFeedback, Transformed, Units, VertexPlant,
 };
 use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 use verified::matrix::Matrix;
@@ -27,7 +27,7 @@ pub struct SaturatedRegion {
     pub region: Vec<(DMatrix<f64>, f64)>,
 }
 
-/// A set X; the largest beta with beta X inside the ellipsoid is sought.
+/// A set X; the largest beta with beta X inside the ellipsoid is computed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReferenceSet {
     /// x'Wx <= 1 with W symmetric positive definite, n x n.
@@ -50,8 +50,8 @@ impl ReferenceSet {
     }
 }
 
-/// Relative room left in the claimed beta, so that the check can prove it.
-const CLAIM_ROOM: f64 = 1e-5;
+/// Relative allowance in the claimed beta, so that the check can prove it.
+const CLAIM_ALLOWANCE: f64 = 1e-5;
 
 /// The largest multiple of the normalised reference set that is looked for, in scaled units: the region
 /// of a stable plant has no end.
@@ -116,11 +116,15 @@ impl DesignProblem for SaturatedRegion {
     fn conditions(
         &self,
         plant: &VertexPlant,
-        hatted: &Hatted,
+        transformed: &Transformed,
         strictness: &Strictness,
     ) -> Vec<Condition> {
         let n = plant.states();
-        let (q, y, z) = (&hatted.inverse, &hatted.gain, &hatted.auxiliary[0]);
+        let (q, y, z) = (
+            &transformed.inverse,
+            &transformed.gain,
+            &transformed.auxiliary[0],
+        );
         let mut out = vec![strictness.positive("inverse positive", q.clone())];
         for (vertex, a) in plant.vertices.iter().enumerate() {
             for choice in self.choices() {
@@ -128,7 +132,7 @@ impl DesignProblem for SaturatedRegion {
                 let from_h = DMatrix::from_diagonal(&taken);
                 let from_f = DMatrix::from_diagonal(&taken.map(|share| 1.0 - share));
                 let mixed = from_f * y + from_h * z;
-                let decay = hatted.decay(a, &plant.input, &mixed, self.decay_rate);
+                let decay = transformed.decay(a, &plant.input, &mixed, self.decay_rate);
                 out.push(strictness.positive(name_of(vertex, &choice), -decay));
             }
         }
@@ -153,11 +157,11 @@ impl DesignProblem for SaturatedRegion {
                 *bound,
             );
         }
-        out.extend(self.containment(n, hatted));
+        out.extend(self.containment(n, transformed));
         let least = Affine::identity(1, LARGEST_SCALE.powi(-2));
         out.push(Condition::semidefinite(
             "largest scale",
-            &hatted.objective - &least,
+            &transformed.objective - &least,
         ));
         out
     }
@@ -179,37 +183,37 @@ impl DesignProblem for SaturatedRegion {
                 values.fold(0.0, f64::max)
             }
         };
-        found.guarantee = (1.0 - CLAIM_ROOM) / largest.sqrt();
+        found.guarantee = (1.0 - CLAIM_ALLOWANCE) / largest.sqrt();
     }
 
-    fn statements<S: Scalar>(&self, proof: &Proof<S>, tell: &mut dyn FnMut(String, Matrix<S>)) {
+    fn statements<S: Scalar>(&self, proof: &Proof<S>, emit: &mut dyn FnMut(String, Matrix<S>)) {
         let rate = S::from_f64(self.decay_rate);
         let h = &proof.auxiliary[0];
-        tell("lyapunov positive".into(), proof.lyapunov.clone());
+        emit("lyapunov positive".into(), proof.lyapunov.clone());
         for (vertex, a) in proof.vertices.iter().enumerate() {
             for choice in self.choices() {
                 let mixed = Matrix::from_fn(h.nrows(), h.ncols(), |s, c| match choice[s] {
                     true => h.at(s, c).clone(),
                     false => proof.gain.at(s, c).clone(),
                 });
-                tell(name_of(vertex, &choice), proof.decay(a, &mixed, &rate));
+                emit(name_of(vertex, &choice), proof.decay(a, &mixed, &rate));
             }
         }
         for (s, &limit) in self.input_limit.iter().enumerate() {
-            tell(
+            emit(
                 format!("limit input {}", s + 1),
                 proof.within(&h.row(s), limit),
             );
         }
         for (index, (row, bound)) in self.region.iter().enumerate() {
             let row = Matrix::exactly(row);
-            tell(format!("box row {}", index + 1), proof.within(&row, *bound));
+            emit(format!("box row {}", index + 1), proof.within(&row, *bound));
         }
         let square = proof.guarantee.clone() * proof.guarantee.clone();
         match &self.reference {
             ReferenceSet::Ellipsoid(w) => {
                 let room = Matrix::exactly(w).minus(&proof.lyapunov.scaled(&square));
-                tell("contains reference ellipsoid".into(), room);
+                emit("contains reference ellipsoid".into(), room);
             }
             ReferenceSet::Points(points) => {
                 for (index, point) in points.iter().enumerate() {
@@ -217,7 +221,7 @@ impl DesignProblem for SaturatedRegion {
                     let value = point.transposed().times(&proof.lyapunov).times(&point);
                     let room = S::one() - square.clone() * value.at(0, 0).clone();
                     let name = format!("contains reference point {}", index + 1);
-                    tell(name, Matrix::identity(1, room));
+                    emit(name, Matrix::identity(1, room));
                 }
             }
         }
@@ -231,24 +235,24 @@ impl DesignProblem for SaturatedRegion {
 }
 
 impl SaturatedRegion {
-    fn containment(&self, n: usize, hatted: &Hatted) -> Vec<Condition> {
+    fn containment(&self, n: usize, transformed: &Transformed) -> Vec<Condition> {
         let contains = |name: String, corner: Affine, columns: &DMatrix<f64>| {
             let mut lhs = SymmetricBlocks::new(&[corner.nrows(), n]);
             lhs.add(0, 0, &corner);
             lhs.add(0, 1, &Affine::constant(&columns.transpose()));
-            lhs.add(1, 1, &hatted.inverse);
+            lhs.add(1, 1, &transformed.inverse);
             Condition::semidefinite(name, lhs.finish())
         };
         match &self.reference {
             ReferenceSet::Ellipsoid(w) => vec![contains(
                 "contains reference ellipsoid".to_string(),
-                hatted.objective.times_matrix(w),
+                transformed.objective.times_matrix(w),
                 &DMatrix::identity(n, n),
             )],
             ReferenceSet::Points(points) => {
                 let numbered = points.iter().enumerate().map(|(index, point)| {
                     let name = format!("contains reference point {}", index + 1);
-                    contains(name, hatted.objective.clone(), point)
+                    contains(name, transformed.objective.clone(), point)
                 });
                 numbered.collect()
             }

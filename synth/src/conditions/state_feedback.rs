@@ -2,7 +2,7 @@
 //!
 //! The plant is `x' = A(t) x + B u` with A(t) anywhere in the convex hull of its vertices, the feedback
 //! `u = F x`, the proof a quadratic function x'Px. A [`DesignProblem`] adds the rest: its inequalities
-//! in the hatted unknowns Q = P^-1 and Y = F Q, in which they are linear; the number that it
+//! in the transformed unknowns Q = P^-1 and Y = F Q, in which they are linear; the number that it
 //! guarantees; and the same inequalities in P and F, which are checked without any solver.
 
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use verified::scalar::Scalar;
 
 /// A problem for a [`VertexPlant`].
 pub trait DesignProblem: Sized {
-    /// The key that asks for the problem in a file, such as `h_infinity`.
+    /// The problem's key in a file, such as `h_infinity`.
     const NAME: &'static str;
 
     /// What the guaranteed number is.
@@ -34,11 +34,11 @@ pub trait DesignProblem: Sized {
     /// The problem in other units.
     fn in_units(&self, units: &Units) -> Self;
 
-    /// The conditions on the hatted unknowns, as published.
+    /// The conditions on the transformed unknowns, as published.
     fn conditions(
         &self,
         plant: &VertexPlant,
-        hatted: &Hatted,
+        transformed: &Transformed,
         strictness: &Strictness,
     ) -> Vec<Condition>;
 
@@ -49,7 +49,7 @@ pub trait DesignProblem: Sized {
 
     /// The conditions in P, F and the guaranteed number. Each matrix must be positive definite; together
     /// they are the whole proof.
-    fn statements<S: Scalar>(&self, proof: &Proof<S>, tell: &mut dyn FnMut(String, Matrix<S>));
+    fn statements<S: Scalar>(&self, proof: &Proof<S>, emit: &mut dyn FnMut(String, Matrix<S>));
 
     /// What the proof assumes, in words.
     fn assumptions(&self) -> Vec<String>;
@@ -131,18 +131,18 @@ impl VertexPlant {
 
 /// The unknowns of synthesis.
 #[derive(Debug, Clone)]
-pub struct Hatted {
+pub struct Transformed {
     /// Q = P^-1, n x n, symmetric.
     pub inverse: Affine,
     /// Y = F Q, m x n: unknown, or the given feedback times Q.
     pub gain: Affine,
     /// Z = H Q for every auxiliary gain, m x n each.
     pub auxiliary: Vec<Affine>,
-    /// The number that is minimised, 1 x 1: unknown, or fixed while a margin is sought.
+    /// The number that is minimised, 1 x 1: unknown, or fixed while the margin is maximised.
     pub objective: Affine,
 }
 
-impl Hatted {
+impl Transformed {
     /// The unknowns of a problem.
     pub fn new<P: DesignProblem>(unknowns: &mut Unknowns, plant: &VertexPlant) -> Self {
         let (n, m) = (plant.states(), plant.inputs());
@@ -152,7 +152,7 @@ impl Hatted {
             None => unknowns.general("Y", m, n),
         };
         let auxiliary = P::AUXILIARY_GAINS.iter();
-        Hatted {
+        Transformed {
             auxiliary: auxiliary
                 .map(|name| unknowns.general(&format!("{name} Q"), m, n))
                 .collect(),
@@ -162,7 +162,7 @@ impl Hatted {
         }
     }
 
-    /// `A Q + Q A' + B Y + Y'B' + 2 alpha Q` with Y any hatted gain: negative where V decays at
+    /// `A Q + Q A' + B Y + Y'B' + 2 alpha Q` with Y any transformed gain: negative where V decays at
     /// twice the rate alpha.
     pub fn decay(
         &self,

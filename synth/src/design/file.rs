@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::certificate::{CertificateFile, MismatchFile};
-use super::outer::{both, Coupling, OuterCertificate, OuterFile};
+use super::large_set::{both, Coupling, LargeSetCertificate, OuterFile};
 use super::search::SearchRecord;
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::certify::{check, ConditionMargin, Report, Verdict};
@@ -136,7 +136,7 @@ impl DesignFile {
         }
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.certificate(&model)?;
-        let outer = file.outer_certificate(&model)?;
+        let outer = file.large_set_certificate(&model)?;
         if outer.is_none() && model.file.specs.objective == Objective::Both {
             return Err(ModelError::Choice {
                 field: "outer".to_string(),
@@ -213,7 +213,7 @@ impl DesignFile {
     /// Proves the design from the file's numbers alone, or says what is not proved.
     pub fn verify(&self, model: &Model) -> Result<Report, ModelError> {
         let report = check(model, &self.certificate(model)?);
-        Ok(match self.outer_certificate(model)? {
+        Ok(match self.large_set_certificate(model)? {
             None => report,
             Some(outer) => both(report, &check(&outer.model, &outer.certificate)),
         })
@@ -223,18 +223,21 @@ impl DesignFile {
     ///
     /// # Errors
     /// Shapes and ranges; a model without `specs.outer`.
-    pub fn outer_certificate(&self, model: &Model) -> Result<Option<OuterCertificate>, ModelError> {
+    pub fn large_set_certificate(
+        &self,
+        model: &Model,
+    ) -> Result<Option<LargeSetCertificate>, ModelError> {
         let Some(outer) = &self.outer else {
             return Ok(None);
         };
-        let model = model.outer().map_err(|error| error.within("model"))?;
+        let model = model.large_set().map_err(|error| error.within("model"))?;
         check_positive("outer.trigger_multiple", outer.trigger_multiple)?;
         let mut as_plain = self.clone();
         as_plain.certificate.clone_from(&outer.certificate);
         let read = as_plain.certificate(&model);
         let mut certificate = read.map_err(|error| error.within("outer"))?;
         certificate.trigger_multiple = outer.trigger_multiple;
-        Ok(Some(OuterCertificate { model, certificate }))
+        Ok(Some(LargeSetCertificate { model, certificate }))
     }
 }
 

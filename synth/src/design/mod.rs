@@ -2,7 +2,7 @@
 
 mod certificate;
 mod file;
-mod outer;
+mod large_set;
 mod recover;
 mod search;
 
@@ -12,7 +12,7 @@ pub use file::{
     ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, VerdictFile,
     DESIGN_SCHEMA_VERSION,
 };
-pub use outer::{Coupling, OuterCertificate, OuterFile};
+pub use large_set::{Coupling, LargeSetCertificate, OuterFile};
 pub(crate) use recover::add_claims;
 pub use recover::{recover, RecoverError};
 pub use search::{SearchRecord, VariedFile};

@@ -40,17 +40,18 @@ pub fn recover(
     })?;
     let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
     let to_input = DMatrix::from_diagonal(&scaling.input);
-    let weight = |hatted: DMatrix<f64>| {
-        &to_state * &multiplier * hatted * multiplier.transpose() * &to_state
+    let weight = |transformed: DMatrix<f64>| {
+        &to_state * &multiplier * transformed * multiplier.transpose() * &to_state
     };
-    let symmetric = |hatted: DMatrix<f64>| {
-        let full = weight(hatted);
+    let symmetric = |transformed: DMatrix<f64>| {
+        let full = weight(transformed);
         0.5 * (&full + full.transpose())
     };
-    let gain = |hatted: DMatrix<f64>| &to_input * hatted * multiplier.transpose() * &to_state;
+    let gain =
+        |transformed: DMatrix<f64>| &to_input * transformed * multiplier.transpose() * &to_state;
     let (states, inputs) = (to_state.nrows(), to_input.nrows());
-    let anti_windup = |hatted: Option<&Affine>| match hatted {
-        Some(hatted) => gain(hatted.value(values)),
+    let anti_windup = |transformed: Option<&Affine>| match transformed {
+        Some(transformed) => gain(transformed.value(values)),
         None => DMatrix::zeros(inputs, states),
     };
     let first = unknowns.sector.as_ref().map(|sector| &sector.anti_windup);
@@ -63,8 +64,8 @@ pub fn recover(
         Some(sector) => sector_weights(&sector.weight.value(values), scaling),
     };
     let to_slack = slack_coordinates(unknowns, &multiplier, scaling);
-    let slack = |hatted: &Affine| {
-        let full = to_slack.transpose() * hatted.value(values) * &to_slack;
+    let slack = |transformed: &Affine| {
+        let full = to_slack.transpose() * transformed.value(values) * &to_slack;
         0.5 * (&full + full.transpose())
     };
     let c = scaling.disturbance;
@@ -136,7 +137,7 @@ fn sector_weights(inverse: &DMatrix<f64>, scaling: &Scaling) -> DVector<f64> {
 const SECTOR_ROOM: f64 = 1e9;
 
 /// Sector weights M so large that the dead zone does not matter in (18): its Schur complement there is
-/// Q B M^-1 B' Q' / 2, compared with the diagonal blocks of x and x'. Any M > 0 large enough will do,
+/// Q B M^-1 B' Q' / 2, compared with the diagonal blocks of x and x'. Any M > 0 large enough suffices,
 /// because with N = 0 nothing else depends on it.
 fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64> {
     let specs = &model.file.specs;
@@ -204,8 +205,8 @@ fn require_finite(certificate: &Certificate) -> Result<(), RecoverError> {
     Ok(())
 }
 
-/// Relative room left in derived claims, so that the check can prove them.
-const CLAIM_ROOM: f64 = 1e-5;
+/// Relative allowance in derived claims, so that the check can prove them.
+const CLAIM_ALLOWANCE: f64 = 1e-5;
 
 /// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
 /// radius of attitudes at rest inside x'Ux <= 1.
@@ -218,11 +219,11 @@ pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Result
     let spread = &output * inverse * output.transpose() / model.file.specs.phi_per_s;
     let largest = largest_eigenvalue(&spread);
     let xi = certificate.disturbance_weight;
-    let gain = (largest * xi).sqrt() * (1.0 + CLAIM_ROOM);
+    let gain = (largest * xi).sqrt() * (1.0 + CLAIM_ALLOWANCE);
     certificate.guaranteed_gain = gain.min(certificate.gain_bound);
     if let Plant::Spacecraft(_) = model.plant {
         let attitude = certificate.lyapunov.view((3, 3), (3, 3)).into_owned();
-        let radius = (1.0 / largest_eigenvalue(&attitude)).sqrt() * (1.0 - CLAIM_ROOM);
+        let radius = (1.0 / largest_eigenvalue(&attitude)).sqrt() * (1.0 - CLAIM_ALLOWANCE);
         certificate.certified_vector_part = Some(radius.min(1.0));
     }
     Ok(())

@@ -1,12 +1,12 @@
-//! From a solver's dual solution, in scaled units, to weights in SI units.
+//! From a solver's dual solution, in scaled units, to dual multipliers in SI units.
 
 use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::certify::infeasible::{
-    DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
-    VertexWeight, Weights,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
+    RegionDual, VertexDual,
 };
 use crate::conditions::xu2020::{
     condition_name, gain_suffix, terms, Basis, SamplingEnd, Signal, DEAD_ZONE_UNIT,
@@ -19,7 +19,7 @@ use crate::reduce::vertex_slack::ELIMINATED;
 use crate::scaling::Scaling;
 use sdp::lmi::svec_index;
 
-/// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not left to the balance of the multiplier,
+/// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not computed from the stationarity in the multiplier,
 /// which divides by it.
 const SMALLEST_SAMPLE_WEIGHT: f64 = 1e-3;
 
@@ -51,7 +51,7 @@ impl<'a> Duals<'a> {
 
 use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
 
-/// Where the dual solution came from.
+/// A dual solution and the problem that it belongs to.
 pub struct Source<'a> {
     pub model: &'a Model,
     pub scaling: &'a Scaling,
@@ -60,17 +60,17 @@ pub struct Source<'a> {
     pub duals: &'a [Vec<f64>],
     /// About minus the constant that they give.
     pub size: f64,
-    /// The given gains that the weights speak of, in SI units; none where the gain is free.
+    /// The given gains that the dual multipliers are about, in SI units; none where the gain is free.
     pub given: &'a [DMatrix<f64>],
     /// Which of them, and of the model's vertices, the task has.
     pub part: ConditionSubset<'a>,
 }
 
 impl Source<'_> {
-    /// The weights that the dual solution gives, scaled so that their constant is about -1; `None`
+    /// The dual multipliers that the dual solution gives, scaled so that their constant is about -1; `None`
     /// when it is not finite. Where the model's trigger threshold is below that of the problem, the
     /// held state is taken for the sample, which it almost is.
-    pub fn weights(&self) -> Option<Weights> {
+    pub fn weights(&self) -> Option<DualMultipliers> {
         let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
         let count = self.task.gains.count;
         let gains = (0..count).map(|rule| self.gain(&duals, rule));
@@ -83,7 +83,7 @@ impl Source<'_> {
             let unit = (bound.bound_squared / scaled.bound_squared).sqrt();
             let state = self.state(&dual.view((0, 0), (n, n)).into_owned());
             let cross = self.to_state() * dual.view((0, n), (n, rows));
-            Some(RegionWeight {
+            Some(RegionDual {
                 state: state / (unit * unit),
                 cross: cross / unit,
                 unit: dual.view((n, n), (rows, rows)).into_owned(),
@@ -94,7 +94,7 @@ impl Source<'_> {
             let dual = duals.get(&format!("must contain state {state}"))?;
             Some(self.state(dual))
         });
-        Some(Weights {
+        Some(DualMultipliers {
             given: self.given.to_vec(),
             containment_weight: self.task.specification.containment_weight,
             gains: gains.collect::<Option<_>>()?,
@@ -103,8 +103,8 @@ impl Source<'_> {
         })
     }
 
-    /// The weights of one gain of the task.
-    fn gain(&self, duals: &Duals, rule: usize) -> Option<GainWeights> {
+    /// The dual multipliers of one gain of the task.
+    fn gain(&self, duals: &Duals, rule: usize) -> Option<GainDuals> {
         let suffix = gain_suffix(self.task.gains.count, rule);
         let mut start = self.moments(duals, SamplingEnd::Start, &suffix)?;
         let mut end = self.moments(duals, SamplingEnd::End, &suffix)?;
@@ -122,12 +122,12 @@ impl Source<'_> {
         let inputs = (0..self.task.system.inputs()).map(|input| {
             let dual = duals.get(&format!("anti-windup input {}{suffix}", input + 1))?;
             let unit = self.scaling.input[input];
-            Some(InputWeight {
+            Some(InputDual {
                 state: self.state(&dual.view((0, 0), (n, n)).into_owned()) / (unit * unit),
                 unit: dual[(n, n)],
             })
         });
-        Some(GainWeights {
+        Some(GainDuals {
             gain: *self.part.gains.get(rule)?,
             integral: at(Integral, Integral)?,
             integral_cross: match rule {
@@ -152,7 +152,7 @@ impl Source<'_> {
                 Some(chosen) => *chosen.get(vertex)?,
                 None => vertex,
             };
-            Some(VertexWeight { vertex, moments })
+            Some(VertexDual { vertex, moments })
         });
         let dead_zone = match self.given {
             [] => None,

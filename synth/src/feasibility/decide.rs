@@ -2,7 +2,7 @@
 
 use super::candidate::Source;
 
-use crate::certify::infeasible::{refute, Refutation, Weights};
+use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
 use crate::certify::Verdict;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
@@ -24,16 +24,16 @@ pub fn decide(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut search = Session::new(Form::Reduced, backend, observer);
+    let mut search = Session::new(Form::Chordal, backend, observer);
     let task = model.task();
     decide_after(
-        DesignRequest::of_model(model, model_text, &task, Form::Reduced),
+        DesignRequest::of_model(model, model_text, &task, Form::Chordal),
         &mut search,
     )
 }
 
 /// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The other
-/// solver is asked where the structured one, which is faster here, does not know.
+/// solver is tried where the structured one, which is faster here, is undecided.
 pub(super) fn look_for_a_design(
     model: &Model,
     structured: &Structured,
@@ -41,12 +41,12 @@ pub(super) fn look_for_a_design(
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut searches = [
-        Session::new(Form::Slack, structured, observer.clone()),
-        Session::new(Form::Reduced, backend, observer),
+        Session::new(Form::VertexRelaxed, structured, observer.clone()),
+        Session::new(Form::Chordal, backend, observer),
     ];
     let task = model.task();
     decide_with(
-        DesignRequest::of_model(model, "", &task, Form::Reduced),
+        DesignRequest::of_model(model, "", &task, Form::Chordal),
         &mut searches,
         DecisionGoal::Design,
         STATE_UNITS.len(),
@@ -62,17 +62,17 @@ pub(crate) fn decide_after(
     let other = search.alternative();
     // The full form's dual solution has not the blocks of a proof.
     let mut searches = vec![
-        search.fresh(Form::Reduced),
-        search.with_backend(Form::Slack, &structured),
+        search.fresh(Form::Chordal),
+        search.with_backend(Form::VertexRelaxed, &structured),
     ];
     if let Some(other) = other
         .as_deref()
         .filter(|other| other.solver() != structured.solver())
     {
-        searches.push(search.with_backend(Form::Reduced, other));
+        searches.push(search.with_backend(Form::Chordal, other));
     }
     let subject = DesignRequest {
-        form: Form::Reduced,
+        form: Form::Chordal,
         ..subject
     };
     let found = decide_with(
@@ -94,30 +94,30 @@ pub(crate) fn decide_after(
     Ok(decision)
 }
 
-/// Looks for weights that refute the subject's gains in its part of the conditions, and for nothing else, in
-/// at most so many state units.
+/// Looks only for dual multipliers that refute the request's gains in its part of the conditions, in at most
+/// `most_units` state units.
 pub(super) fn refute_part(
     subject: DesignRequest,
     most_units: usize,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
-    let mut searches = [Session::new(Form::Slack, &structured, observer)];
+    let mut searches = [Session::new(Form::VertexRelaxed, &structured, observer)];
     let subject = DesignRequest {
-        form: Form::Slack,
+        form: Form::VertexRelaxed,
         ..subject
     };
     decide_with(subject, &mut searches, DecisionGoal::Refutation, most_units)
 }
 
-/// What is goal.
+/// What a decision is after.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum DecisionGoal {
     /// A design, or a proof that there is none.
     Proof,
-    /// A design; where the solver says that there is none, nothing more.
+    /// A design; where the solver reports that there is none, the decision ends.
     Design,
-    /// A proof that there is none; where the solver says that there is one, nothing more.
+    /// A proof that there is none; where the solver reports that there is one, the decision ends.
     Refutation,
 }
 
@@ -126,17 +126,16 @@ struct SmallestSlack {
     blocking: Vec<(String, f64)>,
 }
 
-/// What one containment weight gave.
+/// The result for one containment weight.
 enum AttemptResult {
     Point(Box<Synthesized>),
     Refuted(Box<WeightsFile>, Refutation),
-    /// The solver says that there is none of what is goal, and nobody asked for a proof of that.
-    Denied,
-    Open,
+    /// The solver reports the opposite of the goal, and a proof of that is not requested.
+    NotPursued,
+    Undecided,
 }
 
-/// Asks one solver after the other, in one state unit after the other (at most so many), until there is an
-/// answer.
+/// Runs the solvers in order, in one state unit after the other (at most `most_units`), until there is an answer.
 fn decide_with(
     subject: DesignRequest,
     searches: &mut [Session],
@@ -149,9 +148,9 @@ fn decide_with(
     };
     let mut refuted = Vec::new();
     let mut design = None;
-    let mut open = false;
+    let mut undecided = false;
     let mut units = FIRST_UNITS;
-    let mut ask = SolverSequence {
+    let mut sequence = SolverSequence {
         searches,
         goal,
         most_units,
@@ -159,13 +158,13 @@ fn decide_with(
     };
     for &containment_weight in containment_weights(subject.model) {
         units.containment_weight = containment_weight;
-        match ask.in_all_units(subject, &mut units)? {
+        match sequence.in_all_units(subject, &mut units)? {
             AttemptResult::Point(found) => {
                 design = Some(found);
                 break;
             }
             AttemptResult::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
-            AttemptResult::Denied | AttemptResult::Open => open = true,
+            AttemptResult::NotPursued | AttemptResult::Undecided => undecided = true,
         }
     }
     let contains = !subject.task.specification.must_contain.is_empty();
@@ -177,10 +176,12 @@ fn decide_with(
             task: &task,
             ..subject
         };
-        ask.goal = DecisionGoal::Refutation;
-        if let AttemptResult::Refuted(weights, refutation) = ask.in_all_units(free, &mut units)? {
+        sequence.goal = DecisionGoal::Refutation;
+        if let AttemptResult::Refuted(weights, refutation) =
+            sequence.in_all_units(free, &mut units)?
+        {
             refuted = vec![(*weights, refutation)];
-            open = false;
+            undecided = false;
         }
     }
     let runs: Vec<SolverRun> = searches.iter().flat_map(|s| s.runs.clone()).collect();
@@ -200,7 +201,7 @@ fn decide_with(
             provenance.solver_runs = runs.clone();
             let file = InfeasibilityFile::new(subject.model, subject.given, weights, provenance);
             let limits = file.limits(subject.model)?;
-            let all = !open && limits.is_empty();
+            let all = !undecided && limits.is_empty();
             let proof = Box::new(Infeasible {
                 file,
                 bound,
@@ -216,13 +217,13 @@ fn decide_with(
         answer,
         slack: out.slack,
         blocking: out.blocking,
-        shortfall: None,
+        limiting_factors: None,
         solve_seconds,
         runs,
     })
 }
 
-/// Which solvers are asked for what.
+/// The solvers that are run in order, and their goal.
 struct SolverSequence<'a, 'b> {
     searches: &'a mut [Session<'b>],
     goal: DecisionGoal,
@@ -231,7 +232,7 @@ struct SolverSequence<'a, 'b> {
 }
 
 impl SolverSequence<'_, '_> {
-    /// Asks one solver after the other, in one state unit after the other, until there is an answer.
+    /// Runs the solvers in order, in one state unit after the other, until there is an answer.
     fn in_all_units(
         &mut self,
         subject: DesignRequest,
@@ -240,13 +241,13 @@ impl SolverSequence<'_, '_> {
         for &state_fraction in STATE_UNITS.iter().take(self.most_units) {
             units.state_fraction = state_fraction;
             for search in self.searches.iter_mut() {
-                let end = attempt(subject, search, *units, self.goal, self.out)?;
-                if !matches!(end, AttemptResult::Open) {
-                    return Ok(end);
+                let result = attempt(subject, search, *units, self.goal, self.out)?;
+                if !matches!(result, AttemptResult::Undecided) {
+                    return Ok(result);
                 }
             }
         }
-        Ok(AttemptResult::Open)
+        Ok(AttemptResult::Undecided)
     }
 }
 
@@ -270,17 +271,17 @@ fn attempt(
     let margin = task.specification.margin;
     if solution.objective < margin {
         if goal == DecisionGoal::Refutation {
-            return Ok(AttemptResult::Denied);
+            return Ok(AttemptResult::NotPursued);
         }
         if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
             return Ok(AttemptResult::Point(design));
         }
     }
     if usable && goal == DecisionGoal::Design {
-        return Ok(AttemptResult::Denied);
+        return Ok(AttemptResult::NotPursued);
     }
     if goal == DecisionGoal::Design || !refutable(&task) {
-        return Ok(AttemptResult::Open);
+        return Ok(AttemptResult::Undecided);
     }
     if subject.model.plant.has_uncertain_inertia() {
         return refute_nominal(subject, search, units);
@@ -288,7 +289,7 @@ fn attempt(
     Ok(refuted(subject, &scaling, &task, &assembled, &solution))
 }
 
-/// The task in its units, with a threshold that leaves its dual an inside.
+/// The task in its units, with a threshold that leaves its dual feasible set an interior.
 fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
     // A larger xi makes k2 > 1 and is no gain: see `certify::infeasible::Level`.
     let mut task = task.clone();
@@ -300,19 +301,19 @@ fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
 }
 
 /// A set of inertias has no design when the nominal one, which belongs to it, has none. Given gains are
-/// left open.
+/// undecided.
 fn refute_nominal(
     subject: DesignRequest,
     search: &mut Session,
     units: ProblemUnits,
 ) -> Result<AttemptResult, SynthesisError> {
     if !subject.given.is_empty() {
-        return Ok(AttemptResult::Open);
+        return Ok(AttemptResult::Undecided);
     }
     let mut nominal = subject.model.clone();
     nominal.plant = nominal.plant.nominal();
     let (scaling, task) = solved_task(&nominal.task(), units);
-    let mut own = search.fresh(Form::Reduced);
+    let mut own = search.fresh(Form::Chordal);
     let solved = own.solve(&task, Goal::SmallestSlack);
     search.runs.append(&mut own.runs);
     let (assembled, solution) = solved?;
@@ -334,7 +335,7 @@ fn refuted(
     let margin = task.specification.margin;
     let excess = solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
-        return AttemptResult::Open;
+        return AttemptResult::Undecided;
     }
     let problem = assembled.problem.lower();
     for kept in KEPT {
@@ -356,37 +357,37 @@ fn refuted(
             }
         }
     }
-    AttemptResult::Open
+    AttemptResult::Undecided
 }
 
-/// Weights speak of one free gain; or of given gains, in any mixture or each with its own vertex.
+/// Dual multipliers are about one free gain; or about given gains, in any mixture or each with its own vertex.
 fn refutable(task: &Task) -> bool {
     let gains = &task.gains;
     let stated = gains.given.is_some() && gains.matched().is_none_or(|kappa| kappa == 0.0);
     *gains == GainPlan::constant() || stated
 }
 
-/// The weights as a reader of their file gets them, `None` where no file may hold them.
-fn as_read(source: &Source) -> Option<(WeightsFile, Weights)> {
+/// The dual multipliers as a reader of their file gets them, `None` where no file may hold them.
+fn as_read(source: &Source) -> Option<(WeightsFile, DualMultipliers)> {
     let file = WeightsFile::new(&source.weights()?)?;
     let weights = file.weights(source.model, source.given).ok()?;
     Some((file, weights))
 }
 
-/// The smallest trigger threshold with which the problem is solved: with 0 its dual solutions have no
-/// inside. A design for a larger threshold is one for the model's; the weights leave the held state
+/// The smallest trigger threshold with which the problem is solved: with 0 its dual feasible set has no
+/// interior. A design for a larger threshold is one for the model's; the dual multipliers leave the held state
 /// out, see [`Source::weights`].
 const SMALLEST_THRESHOLD: f64 = 1e-6;
 
-/// Parts of the slack above the margin that the weights of a proof keep, tried one after the other; the rest
-/// moves them inside. Near the edge only the second leaves room enough.
+/// Fractions of the slack above the margin that the dual multipliers of a proof keep, tried in order; the rest moves
+/// them into the interior. Close to feasibility only the second leaves enough.
 const KEPT: [f64; 2] = [0.25, 0.02];
 
 /// Stands for a gain bound that is not known yet.
 const UNKNOWN_GAIN: f64 = 1e300;
 
-/// Room above the smallest gain bound that a point admits.
-const GAIN_ROOM: f64 = 1e-3;
+/// Relative back-off above the smallest gain bound that a point admits.
+const GAIN_BACK_OFF: f64 = 1e-3;
 
 /// The solver's point as a proved design, with the gain bound it admits.
 fn point(
@@ -403,7 +404,7 @@ fn point(
     };
     let xi = certificate.disturbance_weight;
     let guaranteed = certificate.guaranteed_gain;
-    let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_ROOM);
+    let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);
     if !(gain_bound > 0.0 && gain_bound.is_finite()) {
         return Ok(None);
     }

@@ -16,7 +16,7 @@ const UNITS_ALONE: usize = 3;
 /// State units that are tried for all gains together, a much larger problem.
 const UNITS_TOGETHER: usize = 1;
 
-/// Weights that refute the subject's given gains, where they can be found: from each gain alone, then from
+/// Dual multipliers that refute the subject's given gains, where they can be found: from each gain alone, then from
 /// all together. Gains with a mismatch bound are matched with their own vertices and the rest of their
 /// conditions is left out.
 pub(crate) fn refute_given(

@@ -1,8 +1,8 @@
-//! Does any design exist? A proved yes, a proved no, or an honest unknown.
+//! Does any design exist? Feasible with a proof, infeasible with a proof, or undecided.
 //!
 //! One problem is solved: the smallest slack t with which all conditions hold. Where t is below the
 //! margin its point is a candidate for a design, which the check of designs proves; where t is above,
-//! its dual solution is a candidate for the weights that
+//! its dual solution is a candidate for the dual multipliers that
 //! [`certify::infeasible`](crate::certify::infeasible) proves.
 
 mod candidate;

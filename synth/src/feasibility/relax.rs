@@ -126,7 +126,7 @@ fn scale_region(file: &mut ModelFile, factor: f64) -> Option<f64> {
     }
 }
 
-/// What relaxing one requirement alone does.
+/// The effect of relaxing one requirement alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relaxation {
     /// The requirement.
@@ -165,7 +165,7 @@ pub fn relaxations(
     observer: Option<Observer>,
 ) -> Result<Vec<Relaxation>, SynthesisError> {
     let mut out = Vec::new();
-    // Neighbours of one model: each starts from the way to the last.
+    // Neighbours of one model: each is warm-started from the iterates of the last.
     let structured = Structured::warm();
     for requirement in Requirement::ALL {
         let mut search = Relaxing {
@@ -288,7 +288,7 @@ impl Relaxing<'_> {
 }
 
 /// Where the slack is expected to vanish, moved a little towards the farther end so that both ends
-/// close in; the middle where the slack says nothing.
+/// close in; the middle where the slack gives no information.
 fn between(below: Probe, above: Probe) -> f64 {
     let width = above.at - below.at;
     let share = below.slack / (below.slack - above.slack);

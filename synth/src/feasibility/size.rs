@@ -1,5 +1,5 @@
-//! The designs that an infeasibility certificate does not cover. Where its proof bounds the multiplier, solvers say
-//! how large the multiplier's entries become.
+//! The designs that an infeasibility certificate does not cover. Where its proof bounds the multiplier, solvers
+//! show how large the multiplier's entries become.
 
 use nalgebra::DMatrix;
 
@@ -11,11 +11,11 @@ use crate::programs::{scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS};
 use sdp::solve::{Backend, Clarabel, Structured};
 
 impl InfeasibilityFile {
-    /// The designs that the file's statement does not cover, where its weights are proved; none: no design
-    /// exists. Where a bound on the multiplier is left, solvers are asked how large its entries become.
+    /// The designs that the file's statement does not cover, where its dual multipliers are proved; none: no design
+    /// exists. Where a bound on the multiplier is left, two solvers show how large its entries become.
     ///
     /// # Errors
-    /// Weights that do not fit the model; a problem that a solver refuses.
+    /// Dual multipliers that do not fit the model; a problem that a solver refuses.
     pub fn limits(&self, model: &Model) -> Result<Vec<Limit>, SynthesisError> {
         let sets = self.weights(model)?;
         let refutations: Vec<Refutation> = sets.iter().map(|set| refute(model, set)).collect();
@@ -38,8 +38,8 @@ fn largest_multiplier(model: &Model, given: &[DMatrix<f64>]) -> Result<f64, Synt
         };
     }
     let solvers: [(&dyn Backend, Form); 2] = [
-        (&Structured::default(), Form::Slack),
-        (&Clarabel::default(), Form::Reduced),
+        (&Structured::default(), Form::VertexRelaxed),
+        (&Clarabel::default(), Form::Chordal),
     ];
     let mut largest: f64 = 0.0;
     for (backend, form) in solvers {

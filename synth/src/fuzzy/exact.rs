@@ -118,7 +118,7 @@ impl ExactSpacecraft {
         out
     }
 
-    /// The same spacecraft with the nominal inertia for certain.
+    /// The same spacecraft with exactly the nominal inertia.
     pub fn nominal(&self) -> Self {
         ExactSpacecraft {
             inertia_uncertainty: InertiaUncertainty::default(),

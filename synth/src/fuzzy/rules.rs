@@ -1,6 +1,6 @@
 //! T-S models made of local rules.
 //!
-//! Each rule says what the plant is like about some place; in between, the memberships blend the
+//! Each rule describes the plant near some state; in between, the memberships blend the
 //! rules. Such a model interpolates the plant and does not equal it: whatever is proved with it is
 //! proved for the blend.
 
@@ -129,7 +129,7 @@ fn named((index, mut bound): (usize, BoxCondition)) -> BoxCondition {
     bound
 }
 
-/// Depth first over the states: the rules that still have a weight above 0 on the way down.
+/// Depth first over the states: the rules that still have a weight above 0 at a depth.
 struct CoverSearch<'a> {
     model: &'a RuleModel,
     /// Sets of rules known to cover everything below a depth.

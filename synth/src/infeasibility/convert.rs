@@ -7,16 +7,16 @@ use super::file::{
     MomentsFile, RegionWeightFile, VertexWeightFile, WeightsFile,
 };
 use crate::certify::infeasible::{
-    DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
-    VertexWeight, Weights,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
+    RegionDual, VertexDual,
 };
 use crate::model::{check_matrix, check_positive, check_symmetric, finite, Model, ModelError};
 
 impl WeightsFile {
-    /// The numbers as written, `None` without weights of a gain. Those too small to be allowed in a file
+    /// The numbers as written, `None` without dual multipliers of a gain. Those too small to be allowed in a file
     /// become 0.
-    pub(crate) fn new(weights: &Weights) -> Option<Self> {
-        let region = |weight: &RegionWeight| RegionWeightFile {
+    pub(crate) fn new(weights: &DualMultipliers) -> Option<Self> {
+        let region = |weight: &RegionDual| RegionWeightFile {
             state: rows(&weight.state),
             cross: rows(&weight.cross),
             unit: rows(&weight.unit),
@@ -41,7 +41,7 @@ impl WeightsFile {
         &self,
         model: &Model,
         given: &[DMatrix<f64>],
-    ) -> Result<Weights, ModelError> {
+    ) -> Result<DualMultipliers, ModelError> {
         let system = model.plant.nominal().takagi_sugeno();
         let n = system.states();
         check_length("region", self.region.len(), system.region.len())?;
@@ -56,7 +56,7 @@ impl WeightsFile {
             let field = format!("region[{index}]");
             let k = bound.rows.nrows();
             let cross = (Some(n), Some(k));
-            Ok(RegionWeight {
+            Ok(RegionDual {
                 state: symmetric(&format!("{field}.state"), &weight.state, n)?,
                 cross: check_matrix(&format!("{field}.cross"), &weight.cross, cross)?,
                 unit: symmetric(&format!("{field}.unit"), &weight.unit, k)?,
@@ -73,7 +73,7 @@ impl WeightsFile {
             let weights = further.weights(model, given.len());
             gains.push(weights.map_err(|error| error.within(&format!("further_gains[{index}]")))?);
         }
-        Ok(Weights {
+        Ok(DualMultipliers {
             given: given.to_vec(),
             containment_weight: self.containment(contained > 0)?,
             gains,
@@ -82,8 +82,8 @@ impl WeightsFile {
         })
     }
 
-    /// The weights of the only or first gain.
-    fn first_gain(&self, model: &Model, given: usize) -> Result<GainWeights, ModelError> {
+    /// The dual multipliers of the only or first gain.
+    fn first_gain(&self, model: &Model, given: usize) -> Result<GainDuals, ModelError> {
         let gain = match self.gain {
             Some(gain) if given > 0 => gain_index(gain, given)?,
             Some(gain) => {
@@ -136,7 +136,7 @@ impl WeightsFile {
 }
 
 impl GainWeightsFile {
-    fn new(weights: &GainWeights) -> Option<Self> {
+    fn new(weights: &GainDuals) -> Option<Self> {
         let cross = weights.integral_cross.as_ref()?;
         Some(GainWeightsFile {
             gain: weights.gain + 1,
@@ -149,7 +149,7 @@ impl GainWeightsFile {
         })
     }
 
-    fn weights(&self, model: &Model, given: usize) -> Result<GainWeights, ModelError> {
+    fn weights(&self, model: &Model, given: usize) -> Result<GainDuals, ModelError> {
         let gain = gain_index(self.gain, given)?;
         let part = PartFile {
             ends: [&self.decrease_start, &self.decrease_end],
@@ -163,7 +163,7 @@ impl GainWeightsFile {
             return Err(missing("decrease_end.multiplied_sample", &expected));
         }
         let square = (Some(n), Some(n));
-        Ok(GainWeights {
+        Ok(GainDuals {
             integral_cross: Some(IntegralCross {
                 state: check_matrix("state_integral", &self.state_integral, square)?,
                 sample: check_matrix("sample_integral", &self.sample_integral, square)?,
@@ -173,7 +173,7 @@ impl GainWeightsFile {
     }
 }
 
-/// What the weights of every gain have.
+/// The parts that the dual multipliers of every gain have.
 struct PartFile<'a> {
     ends: [&'a MomentsFile; 2],
     integral: &'a [Vec<f64>],
@@ -181,13 +181,13 @@ struct PartFile<'a> {
 }
 
 impl PartFile<'_> {
-    fn weights(&self, model: &Model, gain: usize, given: bool) -> Result<GainWeights, ModelError> {
+    fn weights(&self, model: &Model, gain: usize, given: bool) -> Result<GainDuals, ModelError> {
         let (n, m, _, _) = model.plant.sizes();
         check_length("anti_windup", self.anti_windup.len(), m)?;
         let inputs = self.anti_windup.iter().enumerate().map(|(index, weight)| {
             let field = format!("anti_windup[{index}]");
             finite(&format!("{field}.unit"), weight.unit)?;
-            Ok(InputWeight {
+            Ok(InputDual {
                 state: symmetric(&format!("{field}.state"), &weight.state, n)?,
                 unit: weight.unit,
             })
@@ -200,7 +200,7 @@ impl PartFile<'_> {
             return Err(missing("decrease_start.multiplied_sample", &expected));
         }
         let end = end.moments(model, given);
-        Ok(GainWeights {
+        Ok(GainDuals {
             gain,
             start,
             end: end.map_err(|error| error.within("decrease_end"))?,
@@ -232,7 +232,7 @@ fn missing(field: &str, expected: &str) -> ModelError {
 }
 
 impl InputWeightFile {
-    fn new(weight: &InputWeight) -> Self {
+    fn new(weight: &InputDual) -> Self {
         InputWeightFile {
             state: rows(&weight.state),
             unit: flushed(weight.unit),
@@ -242,7 +242,7 @@ impl InputWeightFile {
 
 impl MomentsFile {
     fn new(moments: &Moments) -> Self {
-        let vertex = |weight: &VertexWeight| VertexWeightFile {
+        let vertex = |weight: &VertexDual| VertexWeightFile {
             vertex: weight.vertex + 1,
             moments: rows(&weight.moments),
         };
@@ -280,7 +280,7 @@ impl MomentsFile {
                     allowed: format!("1 to {count}"),
                 });
             }
-            Ok(VertexWeight {
+            Ok(VertexDual {
                 vertex: weight.vertex - 1,
                 moments: symmetric(&format!("{field}.moments"), &weight.moments, 2 * n)?,
             })

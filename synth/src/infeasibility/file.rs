@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::certify::infeasible::{refute, Refutation, Weights};
+use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
 use crate::design::Provenance;
 use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
 
@@ -218,7 +218,7 @@ impl InfeasibilityFile {
     }
 
     /// The numbers, every set of weights.
-    pub fn weights(&self, model: &Model) -> Result<Vec<Weights>, ModelError> {
+    pub fn weights(&self, model: &Model) -> Result<Vec<DualMultipliers>, ModelError> {
         if self.infeasibility.is_empty() {
             return Err(ModelError::WrongShape {
                 field: "infeasibility".to_string(),

@@ -268,7 +268,7 @@ fn readable(value: f64) -> String {
     }
 }
 
-/// What a file is, told by keys that only its kind has; `None` when it is none of them.
+/// The kind of a file, from keys that only this kind has; `None` when it is none of them.
 pub fn kind_of(text: &str) -> Option<Kind> {
     let value: serde_json::Value = serde_json::from_str(text).ok()?;
     let keys = value.as_object()?;

@@ -5,7 +5,7 @@ mod explain;
 mod file;
 mod gains;
 mod inertia;
-mod outer;
+mod large_set;
 mod ranges;
 mod read;
 mod rules;
@@ -65,7 +65,7 @@ impl Plant {
         }
     }
 
-    /// The same plant with the nominal inertia for certain.
+    /// The same plant with exactly the nominal inertia.
     pub fn nominal(&self) -> Self {
         match self {
             Plant::Spacecraft(craft) => Plant::Spacecraft(craft.nominal()),

@@ -33,7 +33,7 @@ pub fn read_text_up_to(path: &Path, limit: u64) -> Result<String, FileError> {
     if information.len() > limit {
         return Err(too_large(information.len()));
     }
-    // A pipe or a device does not say its length.
+    // A pipe or a device does not report its length.
     let mut bytes = Vec::new();
     file.take(limit + 1)
         .read_to_end(&mut bytes)

@@ -7,7 +7,7 @@ use super::file::{
     MODEL_SCHEMA_VERSION,
 };
 use super::inertia::{check_set, inertia_uncertainty};
-use super::outer::{self, check_outer};
+use super::large_set::{self, check_large_set};
 use super::ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     finite, require, MAX_BOUNDS, MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
@@ -49,7 +49,7 @@ impl Model {
         };
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
-        check_outer(&file)?;
+        check_large_set(&file)?;
         check_search(&file)?;
         Ok(Model { file, plant })
     }
@@ -90,19 +90,19 @@ impl Model {
         task
     }
 
-    /// The model of the outer certificate: the same plant on the outer box, with the outer decay rate,
+    /// The model of the large-set certificate: the same plant on the outer box, with the outer decay rate,
     /// weight bound and start states.
     ///
     /// # Errors
     /// No `specs.outer`, or a plant that is not `exact`.
-    pub fn outer(&self) -> Result<Model, ModelError> {
+    pub fn large_set(&self) -> Result<Model, ModelError> {
         let Some(specs) = &self.file.specs.outer else {
             let reason =
                 "is missing: a design with two certificates needs the outer one's decay rate, \
                           box, xi_max and must_contain there";
-            return Err(outer::choice(reason));
+            return Err(large_set::choice(reason));
         };
-        Model::new(outer::derived(&self.file, specs)?)
+        Model::new(large_set::derived(&self.file, specs)?)
     }
 }
 

@@ -24,7 +24,7 @@ pub struct Problem {
     pub file: ProblemFile,
     /// The plant.
     pub plant: VertexPlant,
-    /// What is asked.
+    /// What is requested.
     pub task: DesignTask,
 }
 
@@ -48,18 +48,18 @@ impl Problem {
         let ProblemPlantFile::Vertices(hull) = &file.plant;
         let plant = check_plant(hull, file.gain.as_deref())?;
         let task = match &file.problem {
-            ProblemKindFile::QuadraticStabilisation(asked) => {
+            ProblemKindFile::QuadraticStabilisation(requested) => {
                 let field = "problem.quadratic_stabilisation.decay_rate_per_s";
-                check_not_negative(field, asked.decay_rate_per_s)?;
+                check_not_negative(field, requested.decay_rate_per_s)?;
                 DesignTask::QuadraticStabilisation(QuadraticStabilisation {
-                    decay_rate: asked.decay_rate_per_s,
+                    decay_rate: requested.decay_rate_per_s,
                 })
             }
-            ProblemKindFile::HInfinity(asked) => {
-                DesignTask::HInfinity(check_h_infinity(asked, &plant)?)
+            ProblemKindFile::HInfinity(requested) => {
+                DesignTask::HInfinity(check_h_infinity(requested, &plant)?)
             }
-            ProblemKindFile::SaturatedRegion(asked) => {
-                DesignTask::SaturatedRegion(check_region(asked, &plant)?)
+            ProblemKindFile::SaturatedRegion(requested) => {
+                DesignTask::SaturatedRegion(check_region(requested, &plant)?)
             }
         };
         Ok(Problem { file, plant, task })
@@ -83,7 +83,10 @@ fn check_plant(hull: &HullFile, gain: Option<&[Vec<f64>]>) -> Result<VertexPlant
     })
 }
 
-fn check_h_infinity(asked: &HInfinityFile, plant: &VertexPlant) -> Result<HInfinity, ModelError> {
+fn check_h_infinity(
+    requested: &HInfinityFile,
+    plant: &VertexPlant,
+) -> Result<HInfinity, ModelError> {
     let matrix = |key: &str, rows: &[Vec<f64>], size: Size| {
         let field = format!("problem.h_infinity.{key}");
         let matrix = check_matrix(&field, rows, size)?;
@@ -94,17 +97,17 @@ fn check_h_infinity(asked: &HInfinityFile, plant: &VertexPlant) -> Result<HInfin
     let (n, m) = (plant.states(), plant.inputs());
     let disturbance = matrix(
         "disturbance_matrix",
-        &asked.disturbance_matrix,
+        &requested.disturbance_matrix,
         (Some(n), None),
     )?;
-    let output = matrix("output_matrix", &asked.output_matrix, (None, Some(n)))?;
+    let output = matrix("output_matrix", &requested.output_matrix, (None, Some(n)))?;
     let (d, p) = (disturbance.ncols(), output.nrows());
     let direct = |key: &str, rows: &Option<Vec<Vec<f64>>>, columns: usize| match rows {
         Some(rows) => matrix(key, rows, (Some(p), Some(columns))),
         None => Ok(DMatrix::zeros(p, columns)),
     };
-    let from_input = &asked.input_to_output_matrix;
-    let from_disturbance = &asked.disturbance_to_output_matrix;
+    let from_input = &requested.input_to_output_matrix;
+    let from_disturbance = &requested.disturbance_to_output_matrix;
     Ok(HInfinity {
         input_to_output: direct("input_to_output_matrix", from_input, m)?,
         disturbance_to_output: direct("disturbance_to_output_matrix", from_disturbance, d)?,
@@ -114,7 +117,7 @@ fn check_h_infinity(asked: &HInfinityFile, plant: &VertexPlant) -> Result<HInfin
 }
 
 fn check_region(
-    asked: &SaturatedRegionFile,
+    requested: &SaturatedRegionFile,
     plant: &VertexPlant,
 ) -> Result<SaturatedRegion, ModelError> {
     let field = |key: &str| format!("problem.saturated_region.{key}");
@@ -125,18 +128,18 @@ fn check_region(
         m,
         MAX_SATURATED_INPUTS,
     )?;
-    if asked.input_limit.len() != m {
+    if requested.input_limit.len() != m {
         return Err(ModelError::WrongShape {
             field: field("input_limit"),
-            found: format!("{} entries", asked.input_limit.len()),
+            found: format!("{} entries", requested.input_limit.len()),
             expected: format!("{m} entries, one for each input"),
         });
     }
-    for (s, &limit) in asked.input_limit.iter().enumerate() {
+    for (s, &limit) in requested.input_limit.iter().enumerate() {
         check_positive(&field(&format!("input_limit[{s}]")), limit)?;
     }
-    check_not_negative(&field("decay_rate_per_s"), asked.decay_rate_per_s)?;
-    let reference = match &asked.reference {
+    check_not_negative(&field("decay_rate_per_s"), requested.decay_rate_per_s)?;
+    let reference = match &requested.reference {
         None => ReferenceSet::Ellipsoid(DMatrix::identity(n, n)),
         Some(ReferenceFile::Ellipsoid(rows)) => {
             let field = field("reference.ellipsoid");
@@ -146,11 +149,11 @@ fn check_region(
         }
         Some(ReferenceFile::Points(points)) => check_points(&field("reference.points"), points, n)?,
     };
-    let (rows, bounds) = check_bounds(&field("box"), &asked.region, n)?;
+    let (rows, bounds) = check_bounds(&field("box"), &requested.region, n)?;
     let region = bounds.iter().enumerate();
     Ok(SaturatedRegion {
-        input_limit: DVector::from_column_slice(&asked.input_limit),
-        decay_rate: asked.decay_rate_per_s,
+        input_limit: DVector::from_column_slice(&requested.input_limit),
+        decay_rate: requested.decay_rate_per_s,
         reference,
         region: region
             .map(|(i, &bound)| (rows.rows(i, 1).into_owned(), bound))

@@ -7,15 +7,16 @@ use sdp::exclusion::exclude;
 use sdp::lmi::{svec_index, Cone, Semidefinite};
 use sdp::solve::Solution;
 
-/// Part of the slack above the margin that the weights of a proof keep; the rest moves them inside.
+/// Fraction of the slack above the margin that the dual multipliers of a proof keep; the rest moves them into the
+/// interior.
 const KEPT: f64 = 0.25;
 
-/// Shares of their mean eigenvalue by which dual matrices are pushed inside their cones.
-const PUSHES: [f64; 4] = [1e-12, 1e-10, 1e-8, 1e-6];
+/// Fractions of their mean eigenvalue by which dual matrices are shifted into the interior of their cones.
+const SHIFTS: [f64; 4] = [1e-12, 1e-10, 1e-8, 1e-6];
 
 /// Where the conditions have no solution: proved for the numbers of the scaled problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excluded {
+pub struct InfeasibilityProof {
     /// No solution has all scalar unknowns below this in magnitude; infinite when no bound is needed.
     pub radius: f64,
     /// What every condition exceeds in such a solution; 0 excludes solutions that are not strict too. Conditions
@@ -28,7 +29,7 @@ pub struct Excluded {
 /// A radius must exceed what solvers returned by this factor before it counts as no bound at all.
 const RADIUS_FACTOR: f64 = 1e6;
 
-impl Excluded {
+impl InfeasibilityProof {
     /// True when the statement needs no bound on the unknowns, or one so far beyond every point that a solver
     /// returned that it does not matter.
     pub fn conclusive(&self) -> bool {
@@ -36,32 +37,32 @@ impl Excluded {
     }
 }
 
-/// Dual weights of the smallest slack as a proof that there is no solution.
-pub(super) fn excluded<P: DesignProblem>(
-    asked: &P,
+/// The dual solution of the smallest slack as a proof that there is no solution.
+pub(super) fn infeasibility_proof<P: DesignProblem>(
+    requested: &P,
     plant: &VertexPlant,
     smallest_slack: &Program,
     solution: &Solution,
     largest_returned: f64,
-) -> Option<Excluded> {
+) -> Option<InfeasibilityProof> {
     let problem = smallest_slack.problem.lower();
     let excess = solution.objective - SLACK_MARGIN;
     let targets = [SLACK_MARGIN + KEPT * excess.max(0.0), SLACK_MARGIN];
     let centres = targets.map(|target| centred(&problem, &solution.duals, -target));
-    let pushes = PUSHES.iter();
-    let pushed = pushes.map(|&push| pushed(&problem, &solution.duals, push));
+    let shifts = SHIFTS.iter();
+    let shifted = shifts.map(|&shift| shifted(&problem, &solution.duals, shift));
     let carried = targets.map(|target| carried_only(&problem, &solution.duals, -target));
     let centres = centres.into_iter().chain(carried).flatten();
-    let candidates: Vec<_> = centres.chain(pushed).collect();
+    let candidates: Vec<_> = centres.chain(shifted).collect();
     [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
-        let bare = program(asked, plant, ProblemGoal::Margin(margin))
+        let bare = program(requested, plant, ProblemGoal::Margin(margin))
             .problem
             .lower();
         let radii = candidates
             .iter()
             .map(|weights| exclude(&bare, weights).radius);
         let radius = radii.fold(0.0, f64::max);
-        (radius > 0.0).then_some(Excluded {
+        (radius > 0.0).then_some(InfeasibilityProof {
             radius,
             margin,
             largest_returned,
@@ -69,7 +70,7 @@ pub(super) fn excluded<P: DesignProblem>(
     })
 }
 
-/// The centred weights of the cones that carry the dual solution, zero for all others. A weight that must vanish,
+/// The centred dual matrices of the cones that carry the dual solution, zero for all others. A matrix that must vanish,
 /// such as that of a bound on the objective, has no middle and would spoil the others'.
 fn carried_only(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Option<Vec<Vec<f64>>> {
     let trace = |(cone, dual): (&Cone, &Vec<f64>)| -> f64 {
@@ -95,16 +96,16 @@ fn carried_only(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Opti
     Some(out)
 }
 
-/// The dual matrices with a share of the mean of their eigenvalues added to each.
-fn pushed(problem: &Semidefinite, duals: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
+/// The dual matrices shifted by a fraction of the mean of their eigenvalues.
+fn shifted(problem: &Semidefinite, duals: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
     let diagonal = |side: usize| (0..side).map(|k| svec_index(k, k));
     let sides: usize = problem.cones.iter().map(|cone| cone.side).sum();
     let cones = || problem.cones.iter().zip(duals);
     let traces = cones().flat_map(|(cone, dual)| diagonal(cone.side).map(|k| dual[k]));
-    let push = share * traces.sum::<f64>() / sides as f64;
+    let shift = share * traces.sum::<f64>() / sides as f64;
     let one = |(cone, dual): (&Cone, &Vec<f64>)| {
         let mut out = dual.clone();
-        diagonal(cone.side).for_each(|k| out[k] += push);
+        diagonal(cone.side).for_each(|k| out[k] += shift);
         out
     };
     cones().map(one).collect()

@@ -15,7 +15,7 @@ mod run;
 
 pub use checked::Problem;
 pub use design::{FeedbackFile, ProblemDesignFile, ProblemProvenance, ProofFile};
-pub use exclusion::Excluded;
+pub use exclusion::InfeasibilityProof;
 pub use file::{
     HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile,
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,

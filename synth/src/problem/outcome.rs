@@ -1,7 +1,7 @@
-//! What the synthesis of a design problem may come to.
+//! The outcomes of the synthesis of a design problem.
 
 use super::design::ProblemDesignFile;
-use super::exclusion::Excluded;
+use super::exclusion::InfeasibilityProof;
 use crate::certify::Report;
 use crate::design::SolverRun;
 use crate::optimality::Optimality;
@@ -15,7 +15,7 @@ pub struct ProblemSynthesized {
     pub report: Report,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
-    /// The guarantee beside the best one that a solver reported.
+    /// The guarantee with the best one that a solver reported, which is not proved.
     pub optimality: Option<Optimality>,
 }
 
@@ -24,9 +24,9 @@ pub struct ProblemSynthesized {
 pub struct ProblemFailure {
     /// The smallest slack with which all conditions hold, in scaled units, where the solver found it.
     pub slack: Option<f64>,
-    /// What is proved about solutions that there are not; [`Excluded::conclusive`] says whether that is all of them.
-    pub excluded: Option<Excluded>,
-    /// The conditions with the largest share of the dual solution: those that block.
+    /// The proof that there is no solution; [`InfeasibilityProof::conclusive`] says whether it needs no bound that matters.
+    pub infeasibility: Option<InfeasibilityProof>,
+    /// The conditions with the largest fractions of the dual solution's trace: those that block.
     pub blocking: Vec<(String, f64)>,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
@@ -34,7 +34,7 @@ pub struct ProblemFailure {
     pub runs: Vec<SolverRun>,
 }
 
-/// What synthesis found.
+/// The outcome of a synthesis.
 #[derive(Debug, Clone)]
 pub enum ProblemOutcome {
     /// A feedback; its report says whether it is proved.

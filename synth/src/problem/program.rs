@@ -2,7 +2,7 @@
 
 use super::checked::Problem;
 use super::{with_problem, DesignTask};
-use crate::conditions::state_feedback::{DesignProblem, Hatted, VertexPlant};
+use crate::conditions::state_feedback::{DesignProblem, Transformed, VertexPlant};
 use sdp::lmi::{self, Affine, Semidefinite, Strictness, Unknowns};
 use sdp::solve::Accuracy;
 
@@ -12,10 +12,10 @@ const MARGIN: f64 = 1e-6;
 /// Unit of the margin that the second solve maximises.
 const MARGIN_UNIT: f64 = 1e-3;
 
-/// Margin that is asked for where the smallest slack is sought, in scaled units.
+/// Margin in the program for the smallest slack, in scaled units.
 pub(super) const SLACK_MARGIN: f64 = 1e-2;
 
-/// Which optimum is sought.
+/// The optimum that a program is solved for.
 #[derive(Clone, Copy)]
 pub(super) enum ProblemGoal {
     SmallestObjective,
@@ -53,23 +53,25 @@ impl ProblemGoal {
 /// A problem for a solver, with handles on its unknowns.
 pub(super) struct Program {
     pub(super) problem: lmi::LmiProblem,
-    pub(super) hatted: Hatted,
+    pub(super) transformed: Transformed,
 }
 
 /// States a problem in the units of `plant`.
 pub(super) fn program<P: DesignProblem>(
-    asked: &P,
+    requested: &P,
     plant: &VertexPlant,
     goal: ProblemGoal,
 ) -> Program {
     let mut unknowns = Unknowns::new();
-    let mut hatted = Hatted::new::<P>(&mut unknowns, plant);
+    let mut transformed = Transformed::new::<P>(&mut unknowns, plant);
     let (strictness, objective) = match goal {
-        ProblemGoal::SmallestObjective => (Strictness::fixed(MARGIN), hatted.objective.clone()),
-        ProblemGoal::Margin(margin) => (Strictness::fixed(margin), hatted.objective.clone()),
+        ProblemGoal::SmallestObjective => {
+            (Strictness::fixed(MARGIN), transformed.objective.clone())
+        }
+        ProblemGoal::Margin(margin) => (Strictness::fixed(margin), transformed.objective.clone()),
         ProblemGoal::LargestMargin { objective } => {
             let margin = unknowns.scalar("margin");
-            hatted.objective = Affine::identity(1, objective);
+            transformed.objective = Affine::identity(1, objective);
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
         }
         ProblemGoal::SmallestSlack => {
@@ -78,25 +80,25 @@ pub(super) fn program<P: DesignProblem>(
             (Strictness::unknown(margin), slack)
         }
     };
-    let conditions = asked.conditions(plant, &hatted, &strictness);
+    let conditions = requested.conditions(plant, &transformed, &strictness);
     Program {
         problem: lmi::LmiProblem {
             unknowns,
             objective,
             conditions,
         },
-        hatted,
+        transformed,
     }
 }
 
 /// The first problem that is solved, lowered, in its scaled units.
 pub fn first_program(problem: &Problem) -> Semidefinite {
-    fn lowered<P: DesignProblem>(asked: &P, plant: &VertexPlant) -> Semidefinite {
-        let units = asked.units(plant);
-        let (asked, plant) = (asked.in_units(&units), plant.in_units(&units));
-        program(&asked, &plant, ProblemGoal::SmallestObjective)
+    fn lowered<P: DesignProblem>(requested: &P, plant: &VertexPlant) -> Semidefinite {
+        let units = requested.units(plant);
+        let (requested, plant) = (requested.in_units(&units), plant.in_units(&units));
+        program(&requested, &plant, ProblemGoal::SmallestObjective)
             .problem
             .lower()
     }
-    with_problem!(&problem.task, asked => lowered(asked, &problem.plant))
+    with_problem!(&problem.task, requested => lowered(requested, &problem.plant))
 }

@@ -6,12 +6,14 @@ use nalgebra::DMatrix;
 
 use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
-use super::exclusion::excluded;
+use super::exclusion::infeasibility_proof;
 use super::outcome::{ProblemFailure, ProblemOutcome, ProblemSynthesized};
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
 use super::{with_problem, DesignTask};
 use crate::certify::Verdict;
-use crate::conditions::state_feedback::{DesignProblem, Hatted, StateFeedback, Units, VertexPlant};
+use crate::conditions::state_feedback::{
+    DesignProblem, StateFeedback, Transformed, Units, VertexPlant,
+};
 use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
 use crate::optimality::Optimality;
 use crate::programs::{
@@ -19,32 +21,32 @@ use crate::programs::{
 };
 use sdp::solve::{alternative, Backend, Observer, Solution, Status};
 
-/// How far the exported design stays from the optimum, relative to it: the price of a margin. Tried one
-/// after the other until the design is proved.
-const ROOMS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+/// Back-offs of the exported design from the optimum, relative: they leave a margin for the proof. Tried in order
+/// until the design is proved.
+const BACK_OFFS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
-/// Share of that margin which the smallest slack takes when the conditions cannot hold.
+/// The conditions count as infeasible where the smallest slack exceeds this fraction of the margin.
 const SLACK_SHARE: f64 = 0.5;
 
-/// Undoes the hats: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is not possible.
+/// Undoes the transformation of the unknowns: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is not possible.
 fn recover<P: DesignProblem>(
-    asked: &P,
+    requested: &P,
     plant: &VertexPlant,
     units: &Units,
-    hatted: &Hatted,
+    transformed: &Transformed,
     solution: &Solution,
     objective: f64,
 ) -> Option<StateFeedback> {
     let values = &solution.values;
-    let inverse = hatted.inverse.value(values).try_inverse()?;
+    let inverse = transformed.inverse.value(values).try_inverse()?;
     let scaled = 0.5 * (&inverse + inverse.transpose());
     let inputs = DMatrix::from_diagonal(&units.input);
     let in_file_units = |gain: DMatrix<f64>| &inputs * gain / units.state;
-    let auxiliary = hatted.auxiliary.iter().zip(P::AUXILIARY_GAINS);
+    let auxiliary = transformed.auxiliary.iter().zip(P::AUXILIARY_GAINS);
     let mut found = StateFeedback {
         gain: match &plant.gain {
             Some(given) => given.clone(),
-            None => in_file_units(hatted.gain.value(values) * &scaled),
+            None => in_file_units(transformed.gain.value(values) * &scaled),
         },
         auxiliary: auxiliary
             .map(|(z, name)| (name.to_string(), in_file_units(z.value(values) * &scaled)))
@@ -52,7 +54,7 @@ fn recover<P: DesignProblem>(
         lyapunov: scaled / (units.state * units.state),
         guarantee: f64::NAN,
     };
-    asked.claim(&mut found, objective, units);
+    requested.claim(&mut found, objective, units);
     let finite = |matrix: &DMatrix<f64>| matrix.iter().all(|value| value.is_finite());
     let usable = finite(&found.gain)
         && finite(&found.lyapunov)
@@ -74,7 +76,7 @@ struct FeedbackSynthesis<'a> {
 }
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
-/// provenance). Where the given solver finds no feedback that is proved, the other one is asked. Only the check
+/// provenance). Where the given solver finds no feedback that is proved, the other one is tried. Only the check
 /// decides whether the feedback is proved.
 pub fn synthesize(
     problem: &Problem,
@@ -92,14 +94,14 @@ pub fn synthesize(
     };
     let other = alternative(backend);
     let solvers: Vec<&dyn Backend> = [backend].into_iter().chain(other.as_deref()).collect();
-    with_problem!(&problem.task, asked => run.solve(asked, &solvers))
+    with_problem!(&problem.task, requested => run.solve(requested, &solvers))
 }
 
 fn usable(solution: &Solution) -> bool {
     matches!(solution.status, Status::Solved | Status::Inaccurate)
 }
 
-/// What a solver came to without a proved feedback.
+/// The result of a solver without a proved feedback.
 struct FailedAttempt {
     unproved: Option<Box<ProblemSynthesized>>,
     refused: bool,
@@ -108,14 +110,14 @@ struct FailedAttempt {
 impl FeedbackSynthesis<'_> {
     fn solve<P: DesignProblem>(
         &mut self,
-        asked: &P,
+        requested: &P,
         solvers: &[&dyn Backend],
     ) -> Result<ProblemOutcome, SynthesisError> {
-        let units = asked.units(&self.problem.plant);
+        let units = requested.units(&self.problem.plant);
         let mut unproved = None;
         let mut refused = false;
         for &backend in solvers {
-            match self.attempt(asked, &units, backend)? {
+            match self.attempt(requested, &units, backend)? {
                 Ok(design) => return Ok(ProblemOutcome::Solved(design)),
                 Err(attempt) => {
                     unproved = unproved.or(attempt.unproved);
@@ -126,13 +128,15 @@ impl FeedbackSynthesis<'_> {
         if let Some(design) = unproved {
             return Ok(ProblemOutcome::Solved(design));
         }
-        let failure = self.explain(asked, &units, solvers)?;
+        let failure = self.explain(requested, &units, solvers)?;
         let blocked = match failure.slack {
             Some(slack) => slack > SLACK_SHARE * SLACK_MARGIN,
             None => refused,
         };
-        Ok(match failure.excluded {
-            Some(excluded) if excluded.conclusive() => ProblemOutcome::Infeasible(failure),
+        Ok(match failure.infeasibility {
+            Some(infeasibility_proof) if infeasibility_proof.conclusive() => {
+                ProblemOutcome::Infeasible(failure)
+            }
             Some(_) => ProblemOutcome::Undecided(failure),
             None if blocked => ProblemOutcome::Undecided(failure),
             // The solvers contradict themselves, or never got anywhere.
@@ -140,14 +144,14 @@ impl FeedbackSynthesis<'_> {
         })
     }
 
-    /// A proved feedback by one solver, or what it came to.
+    /// A proved feedback by one solver, or its failed attempt.
     fn attempt<P: DesignProblem>(
         &mut self,
-        asked: &P,
+        requested: &P,
         units: &Units,
         backend: &dyn Backend,
     ) -> Result<Result<Box<ProblemSynthesized>, FailedAttempt>, SynthesisError> {
-        let scaled = asked.in_units(units);
+        let scaled = requested.in_units(units);
         let given = &self.problem.plant;
         let plant = given.in_units(units);
         let (program, smallest) =
@@ -155,13 +159,27 @@ impl FeedbackSynthesis<'_> {
         let mut unproved = None;
         if usable(&smallest) && smallest.objective > 0.0 {
             let objective = smallest.objective;
-            let best = recover(asked, given, units, &program.hatted, &smallest, objective);
+            let best = recover(
+                requested,
+                given,
+                units,
+                &program.transformed,
+                &smallest,
+                objective,
+            );
             self.note::<P>(best.map(|best| best.guarantee));
-            for room in ROOMS {
-                let objective = smallest.objective * (1.0 + room);
+            for back_off in BACK_OFFS {
+                let objective = smallest.objective * (1.0 + back_off);
                 let goal = ProblemGoal::LargestMargin { objective };
                 let (inside, solution) = self.run(&scaled, &plant, goal, backend)?;
-                let found = recover(asked, given, units, &inside.hatted, &solution, objective);
+                let found = recover(
+                    requested,
+                    given,
+                    units,
+                    &inside.transformed,
+                    &solution,
+                    objective,
+                );
                 let Some(found) = found else { continue };
                 let design = self.finish::<P>(&found)?;
                 if design.report.verdict == Verdict::Proved {
@@ -198,19 +216,19 @@ impl FeedbackSynthesis<'_> {
 
     fn run<P: DesignProblem>(
         &mut self,
-        asked: &P,
+        requested: &P,
         plant: &VertexPlant,
         goal: ProblemGoal,
         backend: &dyn Backend,
     ) -> Result<(Program, Solution), SynthesisError> {
-        let program = program(asked, plant, goal);
-        let sought = SolveRequest {
+        let program = program(requested, plant, goal);
+        let request = SolveRequest {
             goal: goal.name(),
             vertices: plant.vertices.len(),
             accuracy: goal.accuracy(),
         };
         let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(backend, &program.problem, &sought, observer)?;
+        let (solution, run) = run_solver(backend, &program.problem, &request, observer)?;
         self.runs.push(run);
         let sizes = solution.values.iter().map(|value| match value.is_nan() {
             true => f64::INFINITY,
@@ -251,29 +269,31 @@ impl FeedbackSynthesis<'_> {
         }))
     }
 
-    /// The smallest slack, the conditions that hold it up, and what the solvers' dual weights exclude.
+    /// The smallest slack, the conditions that determine it, and the infeasibility proof from the solvers' dual solutions.
     fn explain<P: DesignProblem>(
         &mut self,
-        asked: &P,
+        requested: &P,
         units: &Units,
         solvers: &[&dyn Backend],
     ) -> Result<ProblemFailure, SynthesisError> {
-        let scaled = asked.in_units(units);
+        let scaled = requested.in_units(units);
         let plant = self.problem.plant.in_units(units);
         let mut found = Vec::new();
         for &backend in solvers {
             found.push(self.run(&scaled, &plant, ProblemGoal::SmallestSlack, backend)?);
         }
         let largest = self.largest_returned;
-        let excluded = found
+        let infeasibility = found
             .iter()
-            .filter_map(|(program, solution)| excluded(&scaled, &plant, program, solution, largest))
+            .filter_map(|(program, solution)| {
+                infeasibility_proof(&scaled, &plant, program, solution, largest)
+            })
             .max_by(|a, b| a.radius.total_cmp(&b.radius));
         let solved = found.iter().filter(|(_, solution)| usable(solution));
         let smallest = solved.min_by(|a, b| a.1.objective.total_cmp(&b.1.objective));
         let carrier = smallest.or(found.first());
         Ok(ProblemFailure {
-            excluded,
+            infeasibility,
             slack: smallest.map(|(_, solution)| solution.objective),
             blocking: carrier.map_or(Vec::new(), |(program, solution)| {
                 blocking(&program.problem.conditions, solution)

@@ -8,13 +8,13 @@ use crate::conditions::Task;
 use crate::fuzzy::TakagiSugeno;
 use sdp::solve::Solution;
 
-/// Vertices chosen before anything is known.
+/// Number of vertices in the first relaxation.
 const FIRST_CHOICE: usize = 8;
 
 /// The same where the inertia is uncertain: the vertices are many, and a wrong start costs rounds.
 const FIRST_CHOICE_OF_SET: usize = 24;
 
-/// ConditionSubset of a condition's margin that a vertex left out may use up before it counts as violated.
+/// Fraction of a condition's margin that a vertex left out may use up before it counts as violated.
 const MARGIN_SHARE: f64 = 0.5;
 
 /// The same for the largest margin where the inertia is uncertain: nearly all vertices come near to the
@@ -23,7 +23,7 @@ const MARGIN_SHARE_OF_SET: f64 = 0.9;
 
 /// Vertices of an uncertain inertia that are closer to each other than this part of the largest distance
 /// are not added in one round: small off-diagonal entries make many that are nearly alike, and one of
-/// them often settles the others.
+/// them often satisfies the others.
 const ALIKE: f64 = 0.25;
 
 /// Vertices far from each other: each next one is the farthest from those already chosen.
@@ -63,10 +63,10 @@ pub(super) fn violated(
         false => MARGIN_SHARE_OF_SET,
     };
     let required = match goal {
-        Goal::SmallestGain | Goal::SmallestPeak | Goal::LargestReach { .. } => {
+        Goal::SmallestGain | Goal::SmallestPeak | Goal::LargestScale { .. } => {
             MARGIN_SHARE * margin
         }
-        Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => {
+        Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => {
             -(1.0 - share) * MARGIN_UNIT * solution.objective
         }
         Goal::SmallestSlack => MARGIN_SHARE * margin - solution.objective,
@@ -84,7 +84,7 @@ pub(super) fn violated(
             let mut at_vertex = matrix.clone();
             let mut corner = at_vertex.view_mut((0, 0), (3 * n, 3 * n));
             corner -= &term;
-            // Most vertices are satisfied, which a factorization says sooner.
+            // Most vertices are satisfied, which a factorization shows sooner.
             let room = &at_vertex - DMatrix::identity(matrix.nrows(), matrix.nrows()) * required;
             match room.cholesky() {
                 Some(_) => required,

@@ -10,9 +10,9 @@ use sdp::solve::{Accuracy, Backend, Solver};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// No sector unknowns, vertex slack and cliques: many small cones.
-    Reduced,
+    Chordal,
     /// No sector unknowns, vertex slack, cliques not split: few unknowns.
-    Slack,
+    VertexRelaxed,
     /// One large cone for each vertex and each end of the sampling interval, as published.
     Full,
 }
@@ -21,8 +21,8 @@ impl Form {
     /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
-            Form::Reduced => "reduced",
-            Form::Slack => "slack",
+            Form::Chordal => "reduced",
+            Form::VertexRelaxed => "slack",
             Form::Full => "full",
         }
     }
@@ -30,8 +30,8 @@ impl Form {
     /// The form that a solver is fastest with.
     pub fn suited_to(solver: Solver) -> Self {
         match solver {
-            Solver::Clarabel => Form::Reduced,
-            Solver::Structured => Form::Slack,
+            Solver::Clarabel => Form::Chordal,
+            Solver::Structured => Form::VertexRelaxed,
         }
     }
 
@@ -45,17 +45,17 @@ impl Form {
 
     /// The form of this name.
     pub fn named(name: &str) -> Option<Self> {
-        let all = [Form::Reduced, Form::Slack, Form::Full];
+        let all = [Form::Chordal, Form::VertexRelaxed, Form::Full];
         all.into_iter().find(|form| form.name() == name)
     }
 }
 
-/// Which optimum is sought.
+/// The optimum that a program is solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal {
     /// The smallest gain bound gamma, every strict inequality with the specification's margin.
     SmallestGain,
-    /// The largest common margin with gamma at the given value: a point well inside.
+    /// The largest common margin with gamma at the given value: a point well inside the feasible set.
     LargestMargin {
         /// The gain bound, at least the smallest one.
         gain_bound: f64,
@@ -63,16 +63,16 @@ pub enum Goal {
     /// The smallest slack t with which all conditions but the gain's hold: positive when they cannot
     /// hold. Any gain bound large enough satisfies the gain's.
     SmallestSlack,
-    /// The largest common scale of the sets to be grown, as the smallest -s^2; with C'C <= peak phi U
+    /// The largest common scale of the sets to be scaled, as the smallest -s^2; with C'C <= peak phi U
     /// where a peak is given.
-    LargestReach {
+    LargestScale {
         /// Bound on g.
         peak: Option<f64>,
     },
     /// The smallest g with C'C <= g phi U: with xi it bounds the gain by sqrt(g xi).
     SmallestPeak,
     /// The largest common margin with g at the given value.
-    LargestRoom {
+    LargestMarginAtPeak {
         /// g.
         peak: f64,
     },
@@ -80,12 +80,12 @@ pub enum Goal {
 
 impl Goal {
     /// When a solver may stop. The margin need not be the largest: any point well
-    /// inside will do, and the check decides.
+    /// inside the feasible set suffices, and the check decides.
     pub fn accuracy(self, task: &Task) -> Accuracy {
         let (relative_gap, objective_unit) = match self {
             Goal::SmallestGain => (1e-8, GAIN_UNIT * task.disturbance_weight_unit),
-            Goal::LargestMargin { .. } | Goal::LargestRoom { .. } => (1e-2, 1.0),
-            Goal::LargestReach { .. } => (1e-4, REACH_UNIT),
+            Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => (1e-2, 1.0),
+            Goal::LargestScale { .. } => (1e-4, REACH_UNIT),
             Goal::SmallestPeak => (1e-5, GAIN_UNIT * task.disturbance_weight_unit),
             Goal::SmallestSlack => (1e-8, SLACK_UNIT),
         };
@@ -101,9 +101,9 @@ impl Goal {
             Goal::SmallestGain => "smallest gain",
             Goal::LargestMargin { .. } => "largest margin",
             Goal::SmallestSlack => "smallest slack",
-            Goal::LargestReach { .. } => "largest reach",
+            Goal::LargestScale { .. } => "largest reach",
             Goal::SmallestPeak => "smallest peak",
-            Goal::LargestRoom { .. } => "largest margin",
+            Goal::LargestMarginAtPeak { .. } => "largest margin",
         }
     }
 }
@@ -144,7 +144,7 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
     let mut unknowns = Unknowns::new();
     let sector = match (form, &task.gains.given) {
         // Only gains that may be chosen need no sector unknowns.
-        (Form::Reduced | Form::Slack, None) => Sector::Unsaturated,
+        (Form::Chordal | Form::VertexRelaxed, None) => Sector::Unsaturated,
         _ => Sector::Unknown,
     };
     let mut design = DesignUnknowns::new(&mut unknowns, task, sector);
@@ -154,12 +154,12 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
         Goal::SmallestGain | Goal::SmallestPeak => {
             (Strictness::fixed(fixed), design.gain_bound.clone())
         }
-        Goal::LargestMargin { gain_bound: bound } | Goal::LargestRoom { peak: bound } => {
+        Goal::LargestMargin { gain_bound: bound } | Goal::LargestMarginAtPeak { peak: bound } => {
             let margin = unknowns.scalar("margin");
             design.gain_bound = Affine::identity(1, bound);
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
         }
-        Goal::LargestReach { peak } => {
+        Goal::LargestScale { peak } => {
             let scale_squared = unknowns.scalar("scale squared");
             design.gain_bound = Affine::identity(1, peak.unwrap_or(0.0));
             reach = scale_squared.clone();
@@ -172,24 +172,24 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
         }
     };
     let mut conditions = match goal {
-        Goal::SmallestSlack | Goal::LargestReach { peak: None } => {
+        Goal::SmallestSlack | Goal::LargestScale { peak: None } => {
             xu2020::conditions_without_gain(task, &design, &strictness)
         }
-        Goal::LargestReach { .. } | Goal::SmallestPeak | Goal::LargestRoom { .. } => {
+        Goal::LargestScale { .. } | Goal::SmallestPeak | Goal::LargestMarginAtPeak { .. } => {
             xu2020::conditions_with_peak(task, &design, &strictness)
         }
         _ => xu2020::side_conditions(task, &design, &strictness),
     };
-    conditions.extend(xu2020::coverage(task, &design, &reach));
-    if let Goal::LargestMargin { .. } | Goal::LargestRoom { .. } = goal {
+    conditions.extend(xu2020::containment(task, &design, &reach));
+    if let Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } = goal {
         conditions.push(bounded_trigger_weight(&design));
     }
     let mut reduced = |cliques| {
         reduce::decrease_conditions(task, chosen, &mut unknowns, &design, &strictness, cliques)
     };
     conditions.extend(match form {
-        Form::Reduced => reduced(Cliques::Split),
-        Form::Slack => reduced(Cliques::Whole),
+        Form::Chordal => reduced(Cliques::Split),
+        Form::VertexRelaxed => reduced(Cliques::Whole),
         Form::Full => full_decrease(task, chosen, &design, &strictness),
     });
     Assembled {
@@ -203,7 +203,7 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
 }
 
 /// Without a threshold (nu = 0) nothing else bounds the trigger weight, and a solver that looks for
-/// the largest margin would let it grow for ever.
+/// the largest margin would increase it without bound.
 pub(crate) fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
     // A solver's feasibility tolerance is relative to the largest constant: keep it at 1.
     let unit = Affine::identity(design.trigger_weight.nrows(), 1.0);

@@ -1,4 +1,5 @@
-//! The semidefinite programs of a synthesis: stated, solved and recorded, and the words for what comes of them.
+//! The semidefinite programs of a synthesis: stated, solved and recorded, with the types of their
+//! outcomes.
 //!
 //! Below both [`feasibility`](crate::feasibility) and [`synthesis`](crate::synthesis), which use each program
 //! in their own order.
@@ -13,7 +14,7 @@ mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
 pub use outcome::{
-    Answer, Cancelled, Decision, Infeasible, Outcome, Sensitivity, Shortfall, SynthesisError,
+    Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,
     Synthesized,
 };
 pub use units::{scaled_task, FIRST_UNITS};

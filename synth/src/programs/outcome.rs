@@ -1,4 +1,4 @@
-//! What a synthesis and a feasibility check may come to.
+//! The outcomes of synthesis and of the feasibility check.
 
 use crate::certify::infeasible::Limit;
 use crate::certify::{Report, Verdict};
@@ -17,11 +17,11 @@ pub struct Synthesized {
     pub report: Report,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
-    /// The objective beside the best one that a solver reported.
+    /// The objective with the best one that a solver reported, which is not proved.
     pub optimality: Option<Optimality>,
 }
 
-/// What synthesis found.
+/// The outcome of a synthesis.
 #[derive(Debug, Clone)]
 pub enum Outcome {
     /// A design; its report says whether it is proved.
@@ -34,7 +34,7 @@ pub enum Outcome {
     SolverFailed(Decision),
 }
 
-/// The observer asked to stop.
+/// Stopped by the observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
@@ -59,7 +59,7 @@ impl Outcome {
         self.rank() >= 3
     }
 
-    /// The more is proved, the higher.
+    /// Higher where more is proved.
     pub(crate) fn rank(&self) -> u8 {
         match self {
             Outcome::Solved(design) if design.report.verdict == Verdict::Proved => 4,
@@ -99,7 +99,7 @@ impl Outcome {
     }
 }
 
-/// Proved weights, and what they leave open.
+/// An infeasibility certificate, and the designs that it does not cover.
 #[derive(Debug, Clone)]
 pub struct Infeasible {
     /// The file that proves it.
@@ -118,11 +118,11 @@ pub enum Answer {
     Feasible(Box<Synthesized>),
     /// No design exists: proved.
     Infeasible(Box<Infeasible>),
-    /// Neither is proved; with what was proved about a part of the designs.
+    /// Neither is proved; with the certificate for a part of the designs, where there is one.
     Undecided(Option<Box<Infeasible>>),
 }
 
-/// The answer and what is known beside it.
+/// The answer, with the evidence of the solvers.
 #[derive(Debug, Clone)]
 pub struct Decision {
     /// The answer.
@@ -131,23 +131,23 @@ pub struct Decision {
     /// the solver found it: an estimate, not proved. Above 0 they cannot hold with the margin of the
     /// model.
     pub slack: Option<f64>,
-    /// The conditions with the largest share of the dual solution: those that block, when t is
+    /// The conditions with the largest fractions of the dual solution's trace: those that block, when t is
     /// above 0.
     pub blocking: Vec<(String, f64)>,
-    /// What a search reached instead, where there was one.
-    pub shortfall: Option<Box<Shortfall>>,
+    /// What a parameter search reached, where there was one.
+    pub limiting_factors: Option<Box<LimitingFactors>>,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
     /// The solver's runs.
     pub runs: Vec<SolverRun>,
 }
 
-/// What a search reached where that is not what was asked for.
+/// What a parameter search reached where it missed a requirement, and what limits it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shortfall {
+pub struct LimitingFactors {
     /// Why, in one sentence with its numbers.
     pub reason: String,
-    /// The largest scale s so that s times every state asked for is in a set that is proved.
+    /// The largest scale s so that s times every requested state is in a proved set.
     pub scale: Option<f64>,
     /// The angle there, the smallest over states that are attitudes at rest (deg).
     pub angle_deg: Option<f64>,

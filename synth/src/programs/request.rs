@@ -1,4 +1,4 @@
-//! What is designed for, and the files that say so.
+//! The request for a design, and the design files made for it.
 
 use nalgebra::DMatrix;
 
@@ -21,7 +21,7 @@ pub(crate) struct DesignRequest<'a> {
     pub model_text: &'a str,
     /// The task in SI units: the model's, or another with given gains.
     pub task: &'a Task,
-    /// The given gains that the answer is about (SI units, m x n each); none where gains are sought.
+    /// The given gains that the answer is about (SI units, m x n each); none where gains are unknown.
     pub given: &'a [DMatrix<f64>],
     /// The part of them, and of the model's vertices, that the task has.
     pub part: ConditionSubset<'a>,
@@ -48,7 +48,7 @@ impl ConditionSubset<'_> {
 }
 
 impl<'a> DesignRequest<'a> {
-    /// A model whose gains are sought.
+    /// A model whose gains are unknown.
     pub fn of_model(model: &'a Model, model_text: &'a str, task: &'a Task, form: Form) -> Self {
         DesignRequest {
             model,
@@ -92,7 +92,7 @@ impl DesignRequest<'_> {
     ) -> Result<Box<Synthesized>, SynthesisError> {
         let (controller, certificate) = CertificateFile::split(certificate);
         let mut model = self.model.file.clone();
-        // One certificate is no proof of what the objective asks of two.
+        // One certificate does not prove what the objective requires of two.
         if outer.is_none() && model.specs.objective == Objective::Both {
             model.specs.objective = Objective::Gain;
         }

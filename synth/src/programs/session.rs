@@ -8,7 +8,7 @@ use crate::conditions::Task;
 use crate::design::SolverRun;
 use sdp::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
 
-/// A solver, what it is asked, and what it has done so far.
+/// A solver with the form of its problems, and its runs so far.
 pub(crate) struct Session<'a> {
     form: Form,
     backend: &'a dyn Backend,
@@ -51,7 +51,7 @@ impl<'a> Session<'a> {
     }
 
     /// Solves with all vertices, or, where there are many, with those that matter: vertices that the
-    /// solution violates are added until there are none, which makes the solution that of the whole.
+    /// solution violates are added until there are none, so that it solves the whole problem.
     pub fn solve(
         &mut self,
         task: &Task,
@@ -71,7 +71,7 @@ impl<'a> Session<'a> {
             let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
             let violated = match usable {
                 true => active::violated(task, goal, &assembled, &solution, &chosen),
-                // A relaxation that cannot be solved settles the whole.
+                // A relaxation that cannot be solved decides the whole problem.
                 false => Vec::new(),
             };
             if violated.is_empty() {
@@ -88,20 +88,20 @@ impl<'a> Session<'a> {
         chosen: &[usize],
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let assembled = assemble_at(task, self.form, goal, chosen);
-        let sought = SolveRequest {
+        let request = SolveRequest {
             goal: goal.name(),
             vertices: chosen.len(),
             accuracy: accuracy(task, goal),
         };
         let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(self.backend, &assembled.problem, &sought, observer)?;
+        let (solution, run) = run_solver(self.backend, &assembled.problem, &request, observer)?;
         self.runs.push(run);
         Ok((assembled, solution))
     }
 }
 
 /// Relative gap that is enough for the smallest gain where vertices are chosen for an uncertain inertia: a
-/// hundredth of the room that the design gets above it. Closing the gap further takes as long again in each round.
+/// hundredth of the design's back-off above it. Closing the gap further doubles the time of each round.
 const GAP_OF_SET: f64 = 1e-5;
 
 fn accuracy(task: &Task, goal: Goal) -> Accuracy {

@@ -14,7 +14,7 @@ use crate::design::SolverRun;
 use sdp::lmi::{svec_index, Condition, LmiProblem};
 use sdp::solve::{Accuracy, Backend, Observer, Solution};
 
-/// What is sought, and at how many vertices, for the record.
+/// The goal and the accuracy of a run, and the number of vertices for its record.
 pub(crate) struct SolveRequest<'a> {
     pub goal: &'a str,
     pub vertices: usize,
@@ -25,7 +25,7 @@ pub(crate) struct SolveRequest<'a> {
 pub(crate) fn run_solver(
     backend: &dyn Backend,
     problem: &LmiProblem,
-    sought: &SolveRequest,
+    request: &SolveRequest,
     observer: Option<&Observer>,
 ) -> Result<(Solution, SolverRun), SynthesisError> {
     let cancelled = Arc::new(AtomicBool::new(false));
@@ -40,13 +40,13 @@ pub(crate) fn run_solver(
         })
     });
     let start = Instant::now();
-    let solution = backend.solve(&problem.lower(), sought.accuracy, observer)?;
+    let solution = backend.solve(&problem.lower(), request.accuracy, observer)?;
     if cancelled.load(Ordering::Relaxed) {
         return Err(Cancelled.into());
     }
     let run = SolverRun {
-        goal: sought.goal.to_string(),
-        vertices: sought.vertices,
+        goal: request.goal.to_string(),
+        vertices: request.vertices,
         solver: backend.name(),
         status: solution.status_text.clone(),
         objective: finite_or_zero(solution.objective),
@@ -56,7 +56,7 @@ pub(crate) fn run_solver(
     Ok((solution, run))
 }
 
-/// Conditions by their share of the dual solution's trace, largest first, those below 1 % left out.
+/// Conditions by their fraction of the dual solution's trace, largest first, those below 1 % left out.
 /// The cliques of a reduced condition (18) count together, at all its vertices.
 pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<(String, f64)> {
     let mut traces = BTreeMap::<String, f64>::new();

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::scaling::Scaling;
 
 /// State units tried one after the other, as fractions of the region's smallest extent, until a design is
-/// proved. Where the certified set of a design that is not proved asks for another unit, that comes next:
+/// proved. Where the certified set of a design that is not proved suggests another unit, that is tried next:
 /// the set may be much smaller than the region.
 pub(crate) const STATE_UNITS: [f64; 7] = [0.5, 1.0, 0.25, 2.0, 0.0625, 0.015625, 0.00390625];
 

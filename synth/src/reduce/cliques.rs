@@ -59,7 +59,7 @@ pub fn members(basis: &Basis, splits: &[Split]) -> Vec<(&'static str, Vec<Signal
     cliques.chain([("root", named(&root))]).collect()
 }
 
-/// Why a matrix cannot be split in the order asked for.
+/// Why a matrix cannot be split in the requested order.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("block {residual} still meets block {other}, which is not in its separator")]
 pub struct NotChordal {
@@ -71,7 +71,7 @@ pub struct NotChordal {
 
 /// Splits `matrix >= 0` (blocks of the given sizes) into one matrix for each clique, named; the last
 /// one holds the blocks that remain. All of them are positive semidefinite for some value of the new
-/// unknowns exactly when the whole is.
+/// unknowns exactly when the given matrix is.
 pub fn split(
     matrix: &Affine,
     sizes: &[usize],

@@ -6,7 +6,7 @@
 //! Z_r the Schur complement of the rest.
 //!
 //! With an uncertain inertia the term is `2 v' (A_i Qh' x - (E_i - I) Qh' x')`, which x(t_k^l) enters too when
-//! eps3 is not 0, because v says what x' is in terms of x, v and x(t_k^l). The slack then acts on these three;
+//! eps3 is not 0, because v determines x' in terms of x, v and x(t_k^l). The slack then acts on these three;
 //! the argument is the same.
 
 use super::cliques::{self, Cliques};

@@ -19,7 +19,7 @@ pub struct Candidate<'a> {
 pub struct SolverOptimum {
     /// Name and version.
     pub solver: String,
-    /// Its own word for how it ended.
+    /// The solver's status, unverified.
     pub status: String,
     /// gamma; `None` when it found none.
     pub gamma: Option<f64>,
@@ -27,7 +27,7 @@ pub struct SolverOptimum {
     pub seconds: f64,
 }
 
-/// What two solvers say of the same problem.
+/// The optima of two solvers for the same problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossCheck {
     /// Each solver's answer.

@@ -8,9 +8,12 @@ mod two_certificates;
 pub use cross_check::{cross_check, Candidate, CrossCheck, SolverOptimum};
 pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
-pub use two_certificates::{coupled_problem, synthesize_both, BothOutcome, Choice, Tried};
+pub use two_certificates::{
+    coupled_problem, synthesize_two_certificates, CouplingChoice, TriedCoupling,
+    TwoCertificatesOutcome,
+};
 
 pub use crate::programs::{
-    assemble, assemble_at, scaled_task, Assembled, Cancelled, Form, Goal, Outcome, Sensitivity,
-    Shortfall, SynthesisError, Synthesized, FIRST_UNITS,
+    assemble, assemble_at, scaled_task, Assembled, Cancelled, Form, Goal, LimitingFactors, Outcome,
+    Sensitivity, SynthesisError, Synthesized, FIRST_UNITS,
 };

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::parameter_search;
-use super::two_certificates::synthesize_both;
+use super::two_certificates::synthesize_two_certificates;
 use crate::certify::Verdict;
 use crate::conditions::GainPlan;
 use crate::design::{recover, ProblemUnits, RecoverError};
@@ -16,23 +16,23 @@ use crate::programs::{
 };
 use sdp::solve::{alternative, Backend, Observer, Status};
 
-/// The gain bound of the exported design, relative to the smallest one: the price of a margin.
-const GAIN_ROOM: f64 = 1e-3;
+/// Back-off of the exported design's gain bound above the smallest one, relative: it leaves a margin for the proof.
+const GAIN_BACK_OFF: f64 = 1e-3;
 
-/// Larger rooms, tried in this order where no design is proved with the first: the solver's smallest gain
-/// bound may be too small to be true, or leave no margin that a proof can use.
-const WIDER_ROOMS: [f64; 3] = [1e-2, 1e-1, 1.0];
+/// Larger back-offs, tried in this order where no design is proved with the first: the solver's smallest gain
+/// bound may be inaccurate, or leave no margin for a proof.
+const WIDER_BACK_OFFS: [f64; 3] = [1e-2, 1e-1, 1.0];
 
-/// Units in which the larger rooms are tried, the first ones that gave a gain bound.
+/// Units in which the larger back-offs are tried, the first ones that gave a gain bound.
 const WIDENED_UNITS: usize = 2;
 
-/// Range of the state units that a certified set may ask for.
+/// Range of the state units that a certified set may suggest.
 const UNIT_RANGE: [f64; 2] = [1.0 / 4096.0, 4.0];
 
 /// One attempt's end.
 enum Attempt {
     Designed(Box<Synthesized>),
-    /// A design that is not proved, and the state unit that its certified set asks for.
+    /// A design that is not proved, and the state unit that its certified set suggests.
     Unproved(Box<Synthesized>, f64),
     Infeasible,
     Stuck,
@@ -43,8 +43,8 @@ struct GainSynthesis<'a> {
     search: Session<'a>,
 }
 
-/// Synthesizes what the model's objective asks for and checks it: one design, the outcome of a search where
-/// the model asks for one, or a design with two certificates. `model_text` is the file's text (its hash goes
+/// Synthesizes for the model's objective and checks the result: one design, the outcome of a parameter search where
+/// the model requests one, or a design with two certificates. `model_text` is the file's text (its hash goes
 /// into the provenance). Only the check decides whether the design is proved.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn synthesize(
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     if model.file.specs.objective == Objective::Both {
-        let found = synthesize_both(model, model_text, form, backend, observer)?;
+        let found = synthesize_two_certificates(model, model_text, form, backend, observer)?;
         return Ok(found.into());
     }
     if parameter_search::wanted(model) {
@@ -136,7 +136,7 @@ fn with_alternative(
     })
 }
 
-/// What the attempts in all units came to.
+/// The results of the attempts in all units.
 #[derive(Default)]
 struct Attempts {
     /// The best proved design.
@@ -150,7 +150,7 @@ struct Attempts {
 }
 
 impl Attempts {
-    /// Adds what another solver came to.
+    /// Adds the results of another solver.
     fn extend(&mut self, other: Attempts) {
         self.best = self.best.take().or(other.best);
         self.unproved = self.unproved.take().or(other.unproved);
@@ -167,7 +167,7 @@ impl Attempts {
 
 impl GainSynthesis<'_> {
     fn search(mut self) -> Result<Outcome, SynthesisError> {
-        let mut found = self.look()?;
+        let mut found = self.try_solver()?;
         let other = self.search.alternative();
         if let Some(other) = other.as_deref().filter(|_| found.best.is_none()) {
             let form = self.subject.form.for_backend(other);
@@ -178,9 +178,9 @@ impl GainSynthesis<'_> {
                 },
                 search: self.search.with_backend(form, other),
             };
-            let looked = second.look();
+            let tried = second.try_solver();
             self.search.runs.append(&mut second.search.runs);
-            found.extend(looked?);
+            found.extend(tried?);
         }
         if let Some(design) = found.best.take() {
             return Ok(Outcome::Solved(self.closed(design, &found)));
@@ -201,25 +201,25 @@ impl GainSynthesis<'_> {
     }
 
     /// Looks for a proved design with one solver.
-    fn look(&mut self) -> Result<Attempts, SynthesisError> {
+    fn try_solver(&mut self) -> Result<Attempts, SynthesisError> {
         let mut found = Attempts::default();
         for &containment_weight in containment_weights(self.subject.model) {
             let first = self.unit_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
         }
         if found.best.is_none() {
-            self.try_wider_rooms(&mut found)?;
+            self.try_wider_back_offs(&mut found)?;
         }
         Ok(found)
     }
 
-    /// Tries larger gain bounds where none was proved with the usual room.
-    fn try_wider_rooms(&mut self, found: &mut Attempts) -> Result<(), SynthesisError> {
+    /// Tries larger gain bounds where none was proved with the usual back-off.
+    fn try_wider_back_offs(&mut self, found: &mut Attempts) -> Result<(), SynthesisError> {
         let bounds: Vec<(ProblemUnits, f64)> =
             found.bounds.iter().take(WIDENED_UNITS).copied().collect();
-        for room in WIDER_ROOMS {
+        for back_off in WIDER_BACK_OFFS {
             for &(units, smallest) in &bounds {
-                match self.attempt_with(units, smallest * (1.0 + room))? {
+                match self.attempt_with(units, smallest * (1.0 + back_off))? {
                     Attempt::Designed(design) => {
                         found.best = Some(better(found.best.take(), design));
                     }
@@ -234,8 +234,8 @@ impl GainSynthesis<'_> {
         Ok(())
     }
 
-    /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that says
-    /// how large the certified set will be.
+    /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that
+    /// shows how large the certified set will be.
     fn unit_of_constant_gain(&mut self, weight: f64) -> Result<Option<f64>, SynthesisError> {
         if self.subject.task.gains.count == 1 || self.subject.task.gains.given.is_some() {
             return Ok(None);
@@ -285,7 +285,7 @@ impl GainSynthesis<'_> {
                     next.push(wanted);
                 }
                 Attempt::Infeasible => {
-                    // A second opinion in other units, then no more.
+                    // Confirmed once in other units, then given up.
                     found.infeasible += 1;
                     if found.infeasible > 1 {
                         return Ok(());
@@ -349,7 +349,7 @@ impl GainSynthesis<'_> {
             return Ok(Attempt::Stuck);
         }
         bounds.push((units, gain_bound));
-        self.attempt_with(units, gain_bound * (1.0 + GAIN_ROOM))
+        self.attempt_with(units, gain_bound * (1.0 + GAIN_BACK_OFF))
     }
 
     /// The design with the largest margin at a gain bound (scaled units).

@@ -289,7 +289,7 @@ fn the_check_of_a_spacecraft_in_descriptor_form_agrees_with_synthesis() {
 
 fn proved_design(text: &str) -> (Model, Certificate) {
     let model = Model::from_json(text).expect("a valid model");
-    let outcome = synthesize(&model, text, Form::Reduced, &Clarabel::default(), None);
+    let outcome = synthesize(&model, text, Form::Chordal, &Clarabel::default(), None);
     let Ok(Outcome::Solved(design)) = outcome else {
         panic!("no design was found");
     };

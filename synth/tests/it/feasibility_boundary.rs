@@ -38,7 +38,7 @@ fn decided(model: &Model) -> Decision {
 fn smallest_slack(model: &Model) -> Option<f64> {
     let (_, task) = scaled_task(model, FIRST_UNITS);
     let goal = Goal::SmallestSlack;
-    let problem = assemble(&task, Form::Reduced, goal).problem.lower();
+    let problem = assemble(&task, Form::Chordal, goal).problem.lower();
     let solution = Clarabel::default().solve(&problem, goal.accuracy(&task), None);
     let solution = solution.expect("the solver starts");
     let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
@@ -121,7 +121,7 @@ fn without_idle_unknowns(mut problem: Semidefinite) -> Semidefinite {
 /// The smallest slack that CSDP finds in the units tried first.
 fn slack_of_csdp(model: &Model) -> Option<f64> {
     let (_, task) = scaled_task(model, FIRST_UNITS);
-    let problem = assemble(&task, Form::Reduced, Goal::SmallestSlack)
+    let problem = assemble(&task, Form::Chordal, Goal::SmallestSlack)
         .problem
         .lower();
     let problem = without_idle_unknowns(problem);

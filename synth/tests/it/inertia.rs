@@ -262,7 +262,7 @@ fn the_reduced_forms_with_an_uncertain_mass_lose_nothing_against_the_full_one() 
         let mut task = cart(percent);
         task.specification.multiplier_weights[2] = eps3;
         let full = smallest_gain(&task, Form::Full);
-        for form in [Form::Reduced, Form::Slack] {
+        for form in [Form::Chordal, Form::VertexRelaxed] {
             let reduced = smallest_gain(&task, form);
             let difference = (reduced - full).abs() / full;
             println!(
@@ -282,12 +282,12 @@ fn gamma_grows_with_the_uncertainty_and_starts_at_that_of_the_known_mass() {
     let mut known = cart(0.0);
     known.system.vertices.truncate(2);
     known.system.descriptors.clear();
-    let plain = smallest_gain(&known, Form::Reduced);
-    let nearly = smallest_gain(&cart(1e-6), Form::Reduced);
+    let plain = smallest_gain(&known, Form::Chordal);
+    let nearly = smallest_gain(&cart(1e-6), Form::Chordal);
     assert!((nearly - plain).abs() < SOLVER * plain, "{nearly} {plain}");
     let mut last = nearly;
     for percent in [5.0, 10.0, 20.0, 30.0] {
-        let gain = smallest_gain(&cart(percent), Form::Reduced);
+        let gain = smallest_gain(&cart(percent), Form::Chordal);
         assert!(gain > last, "{percent} %: {gain} after {last}");
         last = gain;
     }

@@ -1,4 +1,4 @@
-//! Weights that prove infeasibility: their sum is that of the published conditions, exact arithmetic
+//! Dual multipliers that prove infeasibility: their sum is that of the published conditions, exact arithmetic
 //! confirms what is proved, and a changed number is accepted only where that is still true.
 
 use crate::random;
@@ -9,10 +9,10 @@ use crate::numbers::numbers;
 use crate::random::{Point, Sizes};
 use nalgebra::DMatrix;
 use serde_json::Value;
-use synth::certify::infeasible::balance::{for_each_statement, Balance};
+use synth::certify::infeasible::stationarity::{for_each_statement, Stationarity};
 use synth::certify::infeasible::{
-    refute, DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Level, Moments,
-    RegionWeight, VertexWeight, Weights,
+    refute, DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross,
+    Level, Moments, RegionDual, VertexDual,
 };
 use synth::certify::interval::Interval;
 use synth::certify::matrix::Matrix;
@@ -30,12 +30,17 @@ fn symmetric(stream: &mut Stream, side: usize) -> DMatrix<f64> {
 
 /// Random numbers in every place, definite or not. `given`: so many given gains, the weights being about
 /// every other of them.
-fn any_weights(stream: &mut Stream, model: &Model, determined: bool, given: usize) -> Weights {
+fn any_weights(
+    stream: &mut Stream,
+    model: &Model,
+    determined: bool,
+    given: usize,
+) -> DualMultipliers {
     let system = model.plant.takagi_sugeno();
     let (n, m, d) = (system.states(), system.inputs(), system.disturbance.ncols());
     let moments = |stream: &mut Stream, determined: bool| Moments {
         vertices: (0..system.vertices.len())
-            .map(|vertex| VertexWeight {
+            .map(|vertex| VertexDual {
                 vertex,
                 moments: symmetric(stream, 2 * n),
             })
@@ -56,7 +61,7 @@ fn any_weights(stream: &mut Stream, model: &Model, determined: bool, given: usiz
             own: symmetric(stream, m),
         }),
     };
-    let gain = |stream: &mut Stream, gain: usize| GainWeights {
+    let gain = |stream: &mut Stream, gain: usize| GainDuals {
         gain,
         start: moments(stream, false),
         end: moments(stream, determined && gain == 0),
@@ -66,13 +71,13 @@ fn any_weights(stream: &mut Stream, model: &Model, determined: bool, given: usiz
             sample: random::uniform(stream, n, n, 1.0),
         }),
         inputs: (0..m)
-            .map(|_| InputWeight {
+            .map(|_| InputDual {
                 state: symmetric(stream, n),
                 unit: stream.signed_unit(),
             })
             .collect(),
     };
-    Weights {
+    DualMultipliers {
         given: (0..given)
             .map(|_| random::uniform(stream, m, n, 1.0))
             .collect(),
@@ -84,7 +89,7 @@ fn any_weights(stream: &mut Stream, model: &Model, determined: bool, given: usiz
         region: system
             .region
             .iter()
-            .map(|bound| RegionWeight {
+            .map(|bound| RegionDual {
                 state: symmetric(stream, n),
                 cross: random::uniform(stream, n, bound.rows.nrows(), 1.0),
                 unit: symmetric(stream, bound.rows.nrows()),
@@ -104,8 +109,8 @@ fn midpoints(matrix: &Matrix<Interval>) -> DMatrix<f64> {
 
 fn collected(
     model: &Model,
-    weights: &Weights,
-) -> (HashMap<String, DMatrix<f64>>, Balance<Interval>) {
+    weights: &DualMultipliers,
+) -> (HashMap<String, DMatrix<f64>>, Stationarity<Interval>) {
     let mut out = HashMap::new();
     let balance =
         for_each_statement::<Interval>(model, weights, Level::AtLargestWeight, |statement| {
@@ -193,7 +198,7 @@ fn published_sum(
     stream: &mut Stream,
     mut task: Task,
     point: &Point,
-    weights: &Weights,
+    weights: &DualMultipliers,
     matrices: &HashMap<String, DMatrix<f64>>,
 ) -> f64 {
     task.specification.containment_weight = weights.containment_weight;
@@ -307,7 +312,7 @@ fn with(text: &str, pointer: &str, value: Value) -> String {
 fn refuted_gain(text: &str, gains: &[DMatrix<f64>]) -> InfeasibilityFile {
     let model = Model::from_json(text).expect("a valid model");
     let backend = Structured::default();
-    let outcome = analyse(&model, text, gains, "", Form::Slack, &backend, None);
+    let outcome = analyse(&model, text, gains, "", Form::VertexRelaxed, &backend, None);
     match outcome.expect("an outcome") {
         Outcome::Infeasible(Decision {
             answer: Answer::Infeasible(proof),
@@ -329,7 +334,7 @@ fn weak_cart() -> InfeasibilityFile {
 }
 
 /// Whether the weights prove infeasibility, in exact arithmetic.
-fn exactly_true(model: &Model, weights: &Weights) -> bool {
+fn exactly_true(model: &Model, weights: &DualMultipliers) -> bool {
     let level = refute(model, weights).level;
     let mut definite = true;
     let balance = for_each_statement::<Exact>(model, weights, level, |statement| {

@@ -8,7 +8,7 @@ use synth::conditions::xu2020::Strictness;
 use synth::lmi::{
     svec_index, Affine, Condition, LmiProblem, Semidefinite, SymmetricBlocks, Unknowns,
 };
-use synth::solve::{Accuracy, Backend, Clarabel, Padding, Solution, Status};
+use synth::solve::{Accuracy, Backend, Clarabel, DenseColumns, Solution, Status};
 
 /// Nothing is written beside the sources: a failing seed is printed.
 fn cases(count: u32) -> ProptestConfig {
@@ -300,8 +300,8 @@ const TIGHT: Accuracy = Accuracy {
 };
 
 fn solve(problem: &LmiProblem) -> Solution {
-    let solutions = [Padding::None, Padding::FromSide(2)].map(|padding| {
-        let solution = Clarabel { padding }.solve(&problem.lower(), TIGHT, None);
+    let solutions = [DenseColumns::None, DenseColumns::FromSide(2)].map(|dense_columns| {
+        let solution = Clarabel { dense_columns }.solve(&problem.lower(), TIGHT, None);
         solution.expect("a problem with finite numbers")
     });
     let [plain, padded] = solutions;

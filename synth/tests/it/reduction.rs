@@ -423,7 +423,7 @@ fn both_forms_have_the_same_smallest_gain_bound() {
     for model in solvable_models(&mut stream, 7) {
         let (_, task) = scaled_task(&model, FIRST_UNITS);
         let results =
-            [Form::Reduced, Form::Full].map(|form| solve(&task, form, Goal::SmallestGain).1);
+            [Form::Chordal, Form::Full].map(|form| solve(&task, form, Goal::SmallestGain).1);
         let [small, full] = &results;
         let converged =
             [small, full].map(|found| matches!(found.status, Status::Solved | Status::Inaccurate));

@@ -223,7 +223,7 @@ fn the_smallest_gain_bound_does_not_depend_on_the_units() {
     task.specification.margin = 1e-9;
     let results = [0.25, 0.5, 1.0].map(|fraction| {
         let scaled = Scaling::automatic(&task.system, fraction).apply(&task);
-        let assembled = assemble(&scaled, Form::Reduced, Goal::SmallestGain);
+        let assembled = assemble(&scaled, Form::Chordal, Goal::SmallestGain);
         let solution = Clarabel::default()
             .solve(
                 &assembled.problem.lower(),

@@ -6,7 +6,7 @@ use synth::certify::{check, Verdict};
 use synth::design::ProblemUnits;
 use synth::fuzzy::VertexSystem;
 use synth::model::{GainForm, Mismatch, Model, Plant};
-use synth::solve::{Backend, Clarabel, Padding, Status};
+use synth::solve::{Backend, Clarabel, DenseColumns, Status};
 use synth::synthesis::{assemble, scaled_task, synthesize, Form, Goal, Outcome};
 
 /// The units in which the designs of this model are proved.
@@ -24,7 +24,7 @@ fn model(kappa: f64) -> Model {
 }
 
 fn proved(model: &Model) -> Certificate {
-    let outcome = synthesize(model, "", Form::Reduced, &Clarabel::default(), None);
+    let outcome = synthesize(model, "", Form::Chordal, &Clarabel::default(), None);
     let Ok(Outcome::Solved(design)) = outcome else {
         panic!("{outcome:?}");
     };
@@ -110,17 +110,17 @@ fn a_certificate_without_its_slack_is_not_proved() {
 fn full_and_reduced_form_have_the_same_optimum() {
     for kappa in [0.0, 0.2] {
         let (_, task) = scaled_task(&model(kappa), UNITS);
-        let smallest = |form, padding| {
+        let smallest = |form, dense_columns| {
             let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
-            let backend = Clarabel { padding };
+            let backend = Clarabel { dense_columns };
             let accuracy = Goal::SmallestGain.accuracy(&task);
             let solution = backend.solve(&problem, accuracy, None).expect("a run");
             let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
             assert!(usable, "{}", solution.status_text);
             solution.objective
         };
-        let full = smallest(Form::Full, Padding::None);
-        let reduced = smallest(Form::Reduced, Padding::default());
+        let full = smallest(Form::Full, DenseColumns::None);
+        let reduced = smallest(Form::Chordal, DenseColumns::default());
         // The full form has the sector unknowns too, with margins of their own.
         assert!((full - reduced).abs() < 0.02 * reduced, "{full} {reduced}");
     }

@@ -336,7 +336,7 @@ fn gain_problem(model: &Model, form: Form) -> (Semidefinite, Accuracy) {
 
 #[test]
 fn the_result_does_not_depend_on_the_number_of_threads() {
-    let (mut problem, accuracy) = gain_problem(&model("xu2020.json"), Form::Slack);
+    let (mut problem, accuracy) = gain_problem(&model("xu2020.json"), Form::VertexRelaxed);
     // As often as makes every part of the iterations worth two threads.
     let once = problem.cones.clone();
     (1..8).for_each(|_| problem.cones.extend(once.clone()));
@@ -371,7 +371,7 @@ fn assert_same_gamma(name: &str, own: f64, other: f64, relative: f64) {
 #[test]
 fn gamma_agrees_with_csdp_on_every_feasible_model() {
     for name in FEASIBLE_MODELS {
-        let (problem, accuracy) = gain_problem(&model(name), Form::Slack);
+        let (problem, accuracy) = gain_problem(&model(name), Form::VertexRelaxed);
         let own = Structured::default()
             .solve(&problem, accuracy, None)
             .unwrap();
@@ -394,11 +394,11 @@ fn gamma_agrees_with_clarabel_as_far_as_clarabel_goes() {
     ];
     for (name, relative) in models {
         let model = model(name);
-        let (problem, accuracy) = gain_problem(&model, Form::Slack);
+        let (problem, accuracy) = gain_problem(&model, Form::VertexRelaxed);
         let own = Structured::default()
             .solve(&problem, accuracy, None)
             .unwrap();
-        let (reduced, accuracy) = gain_problem(&model, Form::Reduced);
+        let (reduced, accuracy) = gain_problem(&model, Form::Chordal);
         let other = Clarabel::default().solve(&reduced, accuracy, None).unwrap();
         assert_same_gamma(name, own.objective, other.objective, relative);
     }
@@ -416,7 +416,7 @@ fn bisect(solver: &Structured, steps: u32) -> (f64, u32) {
         };
         plant.torque_limit_nm = [middle; 3];
         let model = Model::new(file.clone()).expect("a valid model");
-        let (problem, accuracy) = gain_problem(&model, Form::Slack);
+        let (problem, accuracy) = gain_problem(&model, Form::VertexRelaxed);
         let solution = solver.solve(&problem, accuracy, None).unwrap();
         let solved = matches!(solution.status, Status::Solved | Status::Inaccurate);
         assert!(solved, "{middle}: {}", solution.status_text);
@@ -466,7 +466,10 @@ fn a_frozen_memory_helps_neighbours_and_makes_no_result_depend_on_others() {
             panic!("an exact plant");
         };
         plant.torque_limit_nm = [limit; 3];
-        gain_problem(&Model::new(file).expect("a valid model"), Form::Slack)
+        gain_problem(
+            &Model::new(file).expect("a valid model"),
+            Form::VertexRelaxed,
+        )
     };
     let run = |solver: &Structured, limit: f64| {
         let (problem, accuracy) = at(limit);

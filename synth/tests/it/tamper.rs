@@ -16,7 +16,7 @@ use synth::synthesis::{synthesize, Form, Outcome};
 
 fn synthesized(text: &str) -> Value {
     let model = Model::from_json(text).expect("a valid model");
-    let outcome = synthesize(&model, text, Form::Reduced, &Clarabel::default(), None);
+    let outcome = synthesize(&model, text, Form::Chordal, &Clarabel::default(), None);
     let Ok(Outcome::Solved(design)) = outcome else {
         panic!("no design was found");
     };

@@ -47,7 +47,7 @@ pub struct IntervalMatrix {
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("a matrix of order {order} cannot have {count} entries")]
 pub struct WrongEntryCount {
-    /// Number of rows asked for.
+    /// Requested number of rows.
     pub order: usize,
     /// Number of entries given.
     pub count: usize,
@@ -142,7 +142,7 @@ pub enum Obstacle {
         /// Lower bound of the entry, before scaling.
         lower_bound: f64,
     },
-    /// The smallest eigenvalue is negative or too small to be told from zero.
+    /// The smallest eigenvalue is negative or too small to be distinguished from zero.
     SmallestEigenvalue,
 }
 
@@ -182,7 +182,7 @@ pub struct NotProved {
     /// Bound of the 2-norm of the distance from the midpoint to any member, after scaling;
     /// infinite where the estimate is.
     pub uncertainty: f64,
-    /// What stood in the way.
+    /// The reason.
     pub obstacle: Obstacle,
 }
 
@@ -191,7 +191,7 @@ pub struct NotProved {
 /// # Errors
 ///
 /// [`NotProved`] if a member is not positive definite, or if the matrix is too close to a
-/// singular one to be told apart (relative to a unit diagonal, about `n^2 * 1.1e-16`), or if an
+/// singular one to be distinguished (relative to a unit diagonal, about `n^2 * 1.1e-16`), or if an
 /// entry is not finite.
 pub fn prove_positive_definite(matrix: &IntervalMatrix) -> Result<Margin, NotProved> {
     if let Some(obstacle) = unbounded_entry(matrix) {

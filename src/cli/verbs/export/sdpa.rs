@@ -4,7 +4,9 @@ use synth::design::ProblemUnits;
 use synth::lmi::Semidefinite;
 use synth::model::{kind_of, Kind, Model, Objective};
 use synth::problem::{first_program, Problem};
-use synth::synthesis::{assemble, coupled_problem, scaled_task, Choice, Form, Goal, FIRST_UNITS};
+use synth::synthesis::{
+    assemble, coupled_problem, scaled_task, CouplingChoice, Form, Goal, FIRST_UNITS,
+};
 
 use super::args::ExportArgs;
 use crate::base::provenance::GENERATOR;
@@ -32,7 +34,7 @@ fn program(args: &ExportArgs) -> Result<(Semidefinite, String), CliError> {
         Some(Kind::Design) => of_design(args, &text)?,
         _ => {
             let model = files::model_of(&args.file, &text)?;
-            (model, FIRST_UNITS, Form::Reduced)
+            (model, FIRST_UNITS, Form::Chordal)
         }
     };
     if let Some(found) = both_program(args, &text)? {
@@ -63,7 +65,7 @@ fn both_program(args: &ExportArgs, text: &str) -> Result<Option<(Semidefinite, S
                 return Err(CliError::unsuitable(&args.file, reason));
             }
             let containment_weight = design.provenance.problem.containment_weight;
-            let choice = Choice {
+            let choice = CouplingChoice {
                 containment_weight,
                 coupling,
             };
@@ -78,7 +80,7 @@ fn both_program(args: &ExportArgs, text: &str) -> Result<Option<(Semidefinite, S
         }
     };
     let form = args.form.map(Form::from).or(own_form);
-    let form = form.unwrap_or(Form::Reduced);
+    let form = form.unwrap_or(Form::Chordal);
     let problem = coupled_problem(&model, form, choice);
     let problem = problem.map_err(|error| CliError::value(&args.file, error))?;
     let what = format!(
@@ -103,6 +105,6 @@ fn problem_program(
 
 fn of_design(args: &ExportArgs, text: &str) -> Result<(Model, ProblemUnits, Form), CliError> {
     let (design, model) = files::design_of(&args.file, text)?;
-    let form = Form::named(&design.provenance.form).unwrap_or(Form::Reduced);
+    let form = Form::named(&design.provenance.form).unwrap_or(Form::Chordal);
     Ok((model, design.provenance.problem, form))
 }

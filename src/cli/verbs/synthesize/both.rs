@@ -1,6 +1,6 @@
 //! Designs with two certificates: `synthesize --objective both`.
 
-use synth::synthesis::{synthesize_both, BothOutcome, Outcome};
+use synth::synthesis::{synthesize_two_certificates, TwoCertificatesOutcome, Outcome};
 
 use super::args::SynthesizeArgs;
 use super::conclude::Conclusion;
@@ -26,11 +26,11 @@ pub fn synthesize(
     let (model, form) = (conclusion.model, conclusion.form);
     let backend = args.solver.backend_for(form);
     let found = solve(&args.model, ASSEMBLING, |observer| {
-        synthesize_both(model, text, form, backend.as_ref(), observer)
+        synthesize_two_certificates(model, text, form, backend.as_ref(), observer)
     })?;
     match found {
-        BothOutcome::Solved(design, _) => conclusion.answer(Outcome::Solved(design)),
-        BothOutcome::None {
+        TwoCertificatesOutcome::Solved(design, _) => conclusion.answer(Outcome::Solved(design)),
+        TwoCertificatesOutcome::None {
             infeasible,
             tried,
             blocking,

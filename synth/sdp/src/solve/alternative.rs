@@ -1,4 +1,4 @@
-//! The solver that is asked where the first finds no design.
+//! The solver that is tried where the first finds no design.
 
 use super::clarabel::Clarabel;
 use super::structured::Structured;

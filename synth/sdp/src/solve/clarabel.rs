@@ -18,25 +18,25 @@ use crate::lmi::{svec_index, Cone, Semidefinite};
 /// cones they touch; full columns make the cones go first, each on its own. For wide cones that
 /// share many unknowns that is several times faster; narrow ones are better left sparse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Padding {
-    /// Entries as they are.
+pub enum DenseColumns {
+    /// No zeros are stored.
     None,
     /// Whole columns in cones of at least this side.
     FromSide(usize),
 }
 
-impl Default for Padding {
+impl Default for DenseColumns {
     /// From side 13: the cliques of (18) for a spacecraft (18), not its vertex blocks (12).
     fn default() -> Self {
-        Padding::FromSide(13)
+        DenseColumns::FromSide(13)
     }
 }
 
-impl Padding {
+impl DenseColumns {
     fn covers(self, cone: &Cone) -> bool {
         match self {
-            Padding::None => false,
-            Padding::FromSide(side) => cone.side >= side,
+            DenseColumns::None => false,
+            DenseColumns::FromSide(side) => cone.side >= side,
         }
     }
 }
@@ -45,7 +45,7 @@ impl Padding {
 #[derive(Debug, Clone, Default)]
 pub struct Clarabel {
     /// Storage of zeros.
-    pub padding: Padding,
+    pub dense_columns: DenseColumns,
 }
 
 const NAME: &str = "clarabel";
@@ -69,7 +69,7 @@ impl Backend for Clarabel {
     ) -> Result<Solution, SolveError> {
         check_finite(NAME, problem)?;
         super::lapack::link();
-        let (matrix, rhs, cones) = conic_form(problem, self.padding);
+        let (matrix, rhs, cones) = conic_form(problem, self.dense_columns);
         let unknowns = problem.cost.len();
         let quadratic = CscMatrix::zeros((unknowns, unknowns));
         let settings = settings(accuracy.relative_gap)?;
@@ -139,7 +139,7 @@ fn weight(row: usize, column: usize) -> f64 {
 /// `A y + s = b` with s in the cones: b stacks the constants, -A the coefficients.
 fn conic_form(
     problem: &Semidefinite,
-    padding: Padding,
+    dense_columns: DenseColumns,
 ) -> (CscMatrix<f64>, Vec<f64>, Vec<SupportedConeT<f64>>) {
     let rows: usize = problem.cones.iter().map(height).sum();
     let mut rhs = vec![0.0; rows];
@@ -159,8 +159,8 @@ fn conic_form(
             let column = &mut columns[*unknown];
             let start = column.len();
             column.extend(stacked);
-            if padding.covers(cone) {
-                pad(column, start, base, height(cone));
+            if dense_columns.covers(cone) {
+                densify(column, start, base, height(cone));
             }
         }
         cones.push(match cone.side {
@@ -173,7 +173,7 @@ fn conic_form(
 }
 
 /// Adds the rows of the cone at `base` that `column[start..]` leaves out.
-fn pad(column: &mut Vec<(usize, f64)>, start: usize, base: usize, height: usize) {
+fn densify(column: &mut Vec<(usize, f64)>, start: usize, base: usize, height: usize) {
     let mut present = vec![false; height];
     for (row, _) in &column[start..] {
         present[row - base] = true;

@@ -13,6 +13,6 @@ pub use crate::backend::{
     Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
 pub use alternative::alternative;
-pub use clarabel::{Clarabel, Padding};
+pub use clarabel::{Clarabel, DenseColumns};
 pub use residuals::{residuals, Residuals};
 pub use structured::{Structured, Timings};

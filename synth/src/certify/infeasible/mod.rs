@@ -1,51 +1,51 @@
 //! Infeasibility of Theorem 2, proved.
 //!
 //! The conditions of Theorem 2 (Xu & Huang, corrected, constant gain, not strict, without margin)
-//! are matrices `G_k(y) >= 0`, affine in the unknowns y. Positive semidefinite weights `Z_k` with
+//! are matrices `G_k(y) >= 0`, affine in the unknowns y. Positive semidefinite dual multipliers `Z_k` with
 //! `sum_k <G_k(y), Z_k> = constant < 0` for every y show that no y satisfies all of them.
 //!
-//! The weights of (18) are given as second moments of its coordinates: x, v = eps1 x + eps2 x' +
+//! Those of (18) are given as second moments of its coordinates: x, v = eps1 x + eps2 x' +
 //! eps3 x(t_k^l), x(t_k^l), the held state w, tau and, for r = 2, the integral's coordinate s. Only
 //! the blocks that occur in (18) are given; they form the cliques of a chordal pattern, and clique
 //! matrices that are all positive definite are blocks of one positive definite matrix (R. Grone,
 //! C. R. Johnson, E. M. Sa, H. Wolkowicz, Linear Algebra Appl. 58 (1984) 109-124). The moments of
-//! (x, v) are the sum of one weight for each vertex.
+//! (x, v) are the sum of one multiplier for each vertex.
 //!
-//! What the equalities determine is not given but computed from the rest, in [`balance`]: the sum
+//! What the equalities determine is not given but computed from the rest, in [`stationarity`]: the sum
 //! then does not depend on y at all, whatever the rounding. Where that is impossible (eps3 = 0) one
 //! residual remains, and the proof covers multipliers whose entries stay within a bound.
 //!
 //! With given gains F_j the conditions hold for every vertex with every gain, and there are unknowns of
-//! the dead zone p as well, Nh_j and S: their moments are a further clique {p, v, w} for each gain. Weights
+//! the dead zone p as well, Nh_j and S: their moments are a further clique {p, v, w} for each gain. Dual multipliers
 //! may leave gains and vertices out; what cannot hold for some cannot hold for all.
 //!
-//! Nothing here comes from a solver but the numbers of [`Weights`], and any numbers will do for
+//! Nothing here comes from a solver but the numbers of [`DualMultipliers`], and any numbers suffice for
 //! which the matrices are positive definite and the constant is negative.
 
-pub mod balance;
 mod moments;
+mod multipliers;
 mod scope;
-mod weights;
+pub mod stationarity;
 
-pub use balance::Level;
-pub use scope::{limits, Limit};
-pub use weights::{
-    DeadZoneMoments, GainWeights, HeldMoments, InputWeight, IntegralCross, Moments, RegionWeight,
-    VertexWeight, Weights,
+pub use multipliers::{
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
+    RegionDual, VertexDual,
 };
+pub use scope::{limits, Limit};
+pub use stationarity::Level;
 
-use self::balance::{for_each_statement, Balance};
+use self::stationarity::{for_each_statement, Stationarity};
 use super::{judge, ConditionMargin};
 use crate::model::Model;
 use verified::interval::Interval;
 use verified::rounding::{div_down, mul_up, next_down};
 
-/// The outcome of the check of [`Weights`].
+/// The outcome of the check of [`DualMultipliers`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refutation {
     /// No design exists (with [`Refutation::bound`]).
     pub proved: bool,
-    /// The weights that must be positive definite.
+    /// The dual multipliers that must be positive definite.
     pub conditions: Vec<ConditionMargin>,
     /// Upper bound of `sum_k <F0_k, Z_k>`; it must be negative.
     pub constant: f64,
@@ -63,9 +63,9 @@ impl Refutation {
     }
 }
 
-/// Checks that the weights show that no design exists for the model, with k2 = 1, which covers every xi, or else
+/// Checks that the dual multipliers show that no design exists for the model, with k2 = 1, which covers every xi, or else
 /// with the k2 of xi_max.
-pub fn refute(model: &Model, weights: &Weights) -> Refutation {
+pub fn refute(model: &Model, weights: &DualMultipliers) -> Refutation {
     let first = refute_at(model, weights, Level::One);
     if first.proved {
         return first;
@@ -77,7 +77,7 @@ pub fn refute(model: &Model, weights: &Weights) -> Refutation {
     }
 }
 
-fn refute_at(model: &Model, weights: &Weights, level: Level) -> Refutation {
+fn refute_at(model: &Model, weights: &DualMultipliers, level: Level) -> Refutation {
     let mut conditions = Vec::new();
     if !weights.fits(model) {
         return Refutation {
@@ -89,7 +89,7 @@ fn refute_at(model: &Model, weights: &Weights, level: Level) -> Refutation {
         };
     }
     let mut definite = true;
-    let balance = for_each_statement::<Interval>(model, weights, level, |statement| {
+    let stationarity = for_each_statement::<Interval>(model, weights, level, |statement| {
         let (proved, margin) = judge(&statement);
         definite &= proved;
         conditions.push(ConditionMargin {
@@ -98,26 +98,26 @@ fn refute_at(model: &Model, weights: &Weights, level: Level) -> Refutation {
         });
     });
     let bound = match definite {
-        true => covered(&balance),
+        true => covered(&stationarity),
         false => 0.0,
     };
     Refutation {
         proved: bound > 0.0,
         conditions,
-        constant: balance.constant.hi(),
+        constant: stationarity.constant.hi(),
         level,
         bound,
     }
 }
 
 /// The largest R with `constant + 2 R sum |residual| < 0`, 0 when there is none.
-fn covered(balance: &Balance<Interval>) -> f64 {
-    let constant = balance.constant.hi();
+fn covered(stationarity: &Stationarity<Interval>) -> f64 {
+    let constant = stationarity.constant.hi();
     // Not a number compares as false.
-    if !(constant < 0.0 && balance.constant.is_bounded()) {
+    if !(constant < 0.0 && stationarity.constant.is_bounded()) {
         return 0.0;
     }
-    let Some(residual) = &balance.residual else {
+    let Some(residual) = &stationarity.residual else {
         return f64::MAX;
     };
     let sum = residual.magnitude_sum();

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::weights::{DeadZoneMoments, HeldMoments, Moments};
+use super::multipliers::{DeadZoneMoments, HeldMoments, Moments};
 use verified::matrix::{Matrix, SymmetricBlockMatrix};
 use verified::scalar::Scalar;
 
@@ -127,7 +127,7 @@ impl<S: Scalar> EndMoments<S> {
     }
 
     /// The cliques that both ends have; `place` is `r=1` or `r=2` and the gain.
-    pub fn tell(&self, place: &str, tell: &mut impl FnMut(String, Matrix<S>)) {
+    pub fn emit(&self, place: &str, emit: &mut impl FnMut(String, Matrix<S>)) {
         let (n, d) = (self.xx.nrows(), self.tt.nrows());
         let mut root = SymmetricBlockMatrix::new(&[n, n, n]);
         root.set(0, 0, &self.xx);
@@ -136,12 +136,12 @@ impl<S: Scalar> EndMoments<S> {
         root.set(1, 1, &self.vv);
         root.set(1, 2, &self.vk);
         root.set(2, 2, &self.kk);
-        tell(format!("decrease {place} root"), root.finish());
+        emit(format!("decrease {place} root"), root.finish());
         let mut disturbance = SymmetricBlockMatrix::new(&[n, d]);
         disturbance.set(0, 0, &self.vv);
         disturbance.set(0, 1, &self.vt);
         disturbance.set(1, 1, &self.tt);
-        tell(
+        emit(
             format!("decrease {place} disturbance"),
             disturbance.finish(),
         );
@@ -153,7 +153,7 @@ impl<S: Scalar> EndMoments<S> {
             held.set(1, 1, &self.kk);
             held.set(1, 2, kw);
             held.set(2, 2, ww);
-            tell(format!("decrease {place} held state"), held.finish());
+            emit(format!("decrease {place} held state"), held.finish());
         }
         if let Some([vp, wp, pp]) = &self.dead_zone {
             let ww = self.held.as_ref().map_or(&self.kk, |[_, _, ww]| ww);
@@ -164,7 +164,7 @@ impl<S: Scalar> EndMoments<S> {
             zone.set(1, 1, &self.vv);
             zone.set(1, 2, self.vw());
             zone.set(2, 2, ww);
-            tell(format!("decrease {place} dead zone"), zone.finish());
+            emit(format!("decrease {place} dead zone"), zone.finish());
         }
     }
 }

@@ -1,11 +1,11 @@
-//! What proved weights leave open.
+//! The designs that an infeasibility proof does not cover.
 //!
-//! Weights that prove "no design" may speak of some designs only. What a statement does not cover is part of
-//! the statement: only one without a [`Limit`] says that no design exists.
+//! Dual multipliers that prove "no design" may be about some designs only. What a statement does not cover is part of
+//! the statement: only one without a [`Limit`] states that no design exists.
 
 use std::fmt;
 
-use super::{Level, Refutation, Weights};
+use super::{DualMultipliers, Level, Refutation};
 use crate::certify::plant::DescriptorPlant;
 use crate::model::Model;
 use verified::interval::Interval;
@@ -61,11 +61,11 @@ impl fmt::Display for Limit {
     }
 }
 
-/// What proved sets of weights, one for each rho, do not cover. `largest_returned` is asked for only where a
-/// bound on the multiplier is left.
+/// The designs that proved sets of dual multipliers, one for each rho, do not cover. `largest_returned` is evaluated
+/// only where a bound on the multiplier is left.
 pub fn limits<E>(
     model: &Model,
-    sets: &[Weights],
+    sets: &[DualMultipliers],
     refutations: &[Refutation],
     largest_returned: impl FnOnce() -> Result<f64, E>,
 ) -> Result<Vec<Limit>, E> {

@@ -15,7 +15,7 @@ mod start;
 mod unknowns;
 
 pub use anti_windup::gain_suffix;
-pub use containment::coverage;
+pub use containment::containment;
 pub use decrease::{
     condition_name, decrease, decrease_form, full_condition, full_matched_condition,
 };
@@ -25,7 +25,7 @@ pub use unknowns::{
     DEAD_ZONE_UNIT,
 };
 
-pub use super::Coverage;
+pub use super::Containment;
 pub use sdp::lmi::Strictness;
 
 use super::Task;

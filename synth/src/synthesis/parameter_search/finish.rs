@@ -1,29 +1,30 @@
-//! From the summit of a search to a design that is proved.
+//! From the optimum of a search to a proved design.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::denial::{decision, denied};
-use super::inner::{Aim, Inner, SearchPoint, REGION_MARGIN};
+use super::evaluator::{Aim, Evaluator, SearchPoint, REGION_MARGIN};
 use super::plan::Plan;
-use super::shortfall::sensitivities;
+use super::sensitivities::sensitivities;
 use super::start;
+use super::undecided::{no_design, undecided_decision};
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
 use crate::certify::Verdict;
-use crate::conditions::xu2020::Coverage;
+use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
 use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
-    Assembled, DesignRequest, Form, Goal, Outcome, Session, Shortfall, SynthesisError, Synthesized,
+    Assembled, DesignRequest, Form, Goal, LimitingFactors, Outcome, Session, SynthesisError,
+    Synthesized,
 };
 use crate::scaling::Scaling;
 use sdp::solve::Status;
 
-/// How the design is tried, one way after the other until one is proved.
+/// Settings of one attempt at a design; they are tried in order until a design is proved.
 #[derive(Debug, Clone, Copy)]
 struct AttemptSettings {
-    /// ConditionSubset of the scale found that is given away for room.
+    /// Fraction of the scale found that is given up as back-off.
     shrinking: f64,
     /// Unit of the state, relative to the search's.
     unit: f64,
@@ -32,7 +33,7 @@ struct AttemptSettings {
     margin: f64,
 }
 
-const fn way(shrinking: f64, unit: f64, margin: f64) -> AttemptSettings {
+const fn settings(shrinking: f64, unit: f64, margin: f64) -> AttemptSettings {
     AttemptSettings {
         shrinking,
         unit,
@@ -40,31 +41,34 @@ const fn way(shrinking: f64, unit: f64, margin: f64) -> AttemptSettings {
     }
 }
 
-const REGION_WAYS: [AttemptSettings; 1] = [way(1e-2, 1.0, 0.1 * REGION_MARGIN)];
+const REGION_ATTEMPTS: [AttemptSettings; 1] = [settings(1e-2, 1.0, 0.1 * REGION_MARGIN)];
 
-/// Points of the way to a region's summit that are tried, as parts of it: a summit may lie where the solver's digits
-/// do not suffice.
+/// Iterates of a region's search that are tried, as fractions of their number: the program may be too ill-conditioned
+/// at the optimum.
 const POINTS: [f64; 5] = [1.0, 0.6, 0.4, 0.2, 0.0];
 
-const GAIN_WAYS: [AttemptSettings; 3] =
-    [way(0.0, 1.0, 0.0), way(0.0, 0.25, 0.0), way(0.0, 4.0, 0.0)];
+const GAIN_ATTEMPTS: [AttemptSettings; 3] = [
+    settings(0.0, 1.0, 0.0),
+    settings(0.0, 0.25, 0.0),
+    settings(0.0, 4.0, 0.0),
+];
 
-/// The bound g of the exported design, relative to the smallest: the price of a margin. A region is not after the
-/// gain and can pay more.
-const PEAK_ROOM: f64 = 1e-3;
-const PEAK_ROOM_OF_A_REGION: f64 = 2e-2;
+/// Back-off of the bound g of the exported design above the smallest, relative: it leaves a margin for the proof. Where
+/// the region is the objective, the gain matters less and more is given up.
+const PEAK_BACK_OFF: f64 = 1e-3;
+const PEAK_BACK_OFF_OF_A_REGION: f64 = 2e-2;
 
 /// How far gamma lies above max(g, xi).
-const GAMMA_ROOM: f64 = 1e-6;
+const GAMMA_ALLOWANCE: f64 = 1e-6;
 
-/// Relative room of the part of a state that a design must contain.
-const CLAIM_ROOM: f64 = 1e-6;
+/// Relative allowance of the fraction of a state that a design must contain.
+const CLAIM_ALLOWANCE: f64 = 1e-6;
 
 /// Significant digits of the numbers that the search chose.
 const DIGITS: i32 = 5;
 
-/// What one attempt is made with.
-struct Making<'a> {
+/// The data of one attempt.
+struct AttemptContext<'a> {
     model: &'a Model,
     task: &'a Task,
     scaling: &'a Scaling,
@@ -72,87 +76,91 @@ struct Making<'a> {
     point: &'a SearchPoint,
 }
 
-/// What the design is made for.
+/// The search whose result becomes a design.
 pub struct Finish<'a> {
     pub model: &'a Model,
     pub model_text: &'a str,
     pub form: Form,
     pub plan: &'a Plan,
-    pub inner: &'a Inner<'a>,
+    pub evaluator: &'a Evaluator<'a>,
 }
 
 impl Finish<'_> {
-    /// Makes the design at the last of the points, or at an earlier one where it is not proved, and says
-    /// whether it is what was asked for.
+    /// Makes the design at the last iterate, or at an earlier one where it is not proved. The outcome is `Undecided`
+    /// where the proved design misses a requirement.
     pub fn outcome(
         &self,
-        trail: &[SearchPoint],
+        iterates: &[SearchPoint],
         runs: &mut Session,
     ) -> Result<Outcome, SynthesisError> {
-        let Some(summit) = trail.last() else {
-            return Ok(denied("the search found no point".to_string(), runs));
+        let Some(optimum) = iterates.last() else {
+            return Ok(no_design("the search found no point".to_string(), runs));
         };
-        let (ways, parts) = match self.inner.aim {
-            Aim::Reach { .. } => (&REGION_WAYS[..], &POINTS[..]),
-            Aim::Gain => (&GAIN_WAYS[..], &POINTS[..1]),
+        let (attempts, parts) = match self.evaluator.aim {
+            Aim::Reach { .. } => (&REGION_ATTEMPTS[..], &POINTS[..]),
+            Aim::Gain => (&GAIN_ATTEMPTS[..], &POINTS[..1]),
         };
         let mut unproved = None;
         let mut tried = usize::MAX;
         for part in parts {
-            let index = (part * (trail.len() - 1) as f64).round() as usize;
+            let index = (part * (iterates.len() - 1) as f64).round() as usize;
             if index == tried {
                 continue;
             }
             tried = index;
-            let point = self.rounded(trail.get(index).unwrap_or(summit))?;
-            if let Some(outcome) = self.at(&point, ways, runs, &mut unproved)? {
-                return Ok(self.compared(outcome, summit));
+            let point = self.rounded(iterates.get(index).unwrap_or(optimum))?;
+            if let Some(outcome) = self.at(&point, attempts, runs, &mut unproved)? {
+                return Ok(self.compared(outcome, optimum));
             }
         }
         Ok(match unproved {
             Some(design) => Outcome::Solved(closed(design, runs)),
             None => {
                 let reason = "the search found a point, but no solver could make a design of it";
-                let shortfall = Shortfall {
+                let limiting_factors = LimitingFactors {
                     reason: reason.to_string(),
                     scale: None,
                     angle_deg: None,
-                    limits: sensitivities(self.inner, summit)?,
+                    limits: sensitivities(self.evaluator, optimum)?,
                 };
-                Outcome::SolverFailed(decision(shortfall, summit.value.blocking.clone(), runs))
+                Outcome::SolverFailed(undecided_decision(
+                    limiting_factors,
+                    optimum.value.blocking.clone(),
+                    runs,
+                ))
             }
         })
     }
 
-    /// The outcome with its objective beside the best one that the search saw.
-    fn compared(&self, mut outcome: Outcome, summit: &SearchPoint) -> Outcome {
+    /// The outcome with the relative gap to the best objective of the search.
+    fn compared(&self, mut outcome: Outcome, optimum: &SearchPoint) -> Outcome {
         if let Outcome::Solved(design) = &mut outcome {
-            let height = summit.value.height;
-            design.optimality = match self.inner.aim {
+            let objective = optimum.value.objective;
+            design.optimality = match self.evaluator.aim {
                 Aim::Reach { .. } => {
                     let scale = self.extent(design).0;
-                    scale.and_then(|scale| Optimality::of_largest(scale, height.exp()))
+                    scale.and_then(|scale| Optimality::of_largest(scale, objective.exp()))
                 }
                 Aim::Gain => {
                     let gain = design.file.certificate.guaranteed_gain;
-                    Optimality::of_smallest(gain, (-height).exp())
+                    Optimality::of_smallest(gain, (-objective).exp())
                 }
             };
         }
         outcome
     }
 
-    /// A proved design at a point, if one of the ways leads to it.
+    /// A proved design at a point, if one of the attempts gives it.
     fn at(
         &self,
         point: &SearchPoint,
-        ways: &[AttemptSettings],
+        attempts: &[AttemptSettings],
         runs: &mut Session,
         unproved: &mut Option<Box<Synthesized>>,
     ) -> Result<Option<Outcome>, SynthesisError> {
         let mut missing = None;
-        for &way in ways {
-            let Some(design) = self.attempt(point, way, runs)? else {
+        for &settings in attempts {
+            let Some(design) = self.attempt(point, settings, runs)? else {
                 continue;
             };
             let uncovered = self.extent(&design).0.is_some_and(|scale| scale < 1.0);
@@ -160,9 +168,9 @@ impl Finish<'_> {
                 Verdict::Proved if self.missed(&design).is_none() => {
                     return Ok(Some(Outcome::Solved(closed(design, runs))));
                 }
-                // Giving more away cannot help.
+                // A larger back-off cannot help.
                 Verdict::Proved if uncovered => return self.short(point, design, runs).map(Some),
-                // Another way may keep what this one misses.
+                // Other settings may meet what these miss.
                 Verdict::Proved => missing = missing.or(Some(design)),
                 Verdict::NotProved => *unproved = Some(design),
             }
@@ -173,7 +181,7 @@ impl Finish<'_> {
         }
     }
 
-    /// The point with its numbers in few digits.
+    /// The point with its parameters rounded to a few significant digits.
     fn rounded(&self, point: &SearchPoint) -> Result<SearchPoint, SynthesisError> {
         let space = &self.plan.space;
         let file = space.at(&point.coordinates);
@@ -188,7 +196,7 @@ impl Finish<'_> {
             coordinates: space.inside(&coordinates),
             value: point.value.clone(),
         };
-        let solved = start::again(self.inner, &near)?;
+        let solved = start::again(self.evaluator, &near)?;
         Ok(solved.unwrap_or_else(|| point.clone()))
     }
 
@@ -203,11 +211,11 @@ impl Finish<'_> {
                     .set(&mut file, short(value).clamp(low, high));
             }
         }
-        if let Aim::Reach { .. } = self.inner.aim {
-            // Short of the states themselves the design is for a part of each.
-            let scale = point.value.height.exp() * (1.0 - shrinking);
+        if let Aim::Reach { .. } = self.evaluator.aim {
+            // Below scale 1 the design is for a fraction of each state.
+            let scale = point.value.objective.exp() * (1.0 - shrinking);
             if scale <= 1.0 {
-                let part = scale * (1.0 - CLAIM_ROOM);
+                let part = scale * (1.0 - CLAIM_ALLOWANCE);
                 let states = file.specs.must_contain.iter_mut().flatten();
                 states.for_each(|entry| *entry *= part);
             }
@@ -218,30 +226,30 @@ impl Finish<'_> {
     fn attempt(
         &self,
         point: &SearchPoint,
-        way: AttemptSettings,
+        settings: AttemptSettings,
         runs: &mut Session,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let Some(model) = self.model_at(point, way.shrinking) else {
+        let Some(model) = self.model_at(point, settings.shrinking) else {
             return Ok(None);
         };
-        let mut covered = self.plan.covered.clone();
-        let mut room = PEAK_ROOM;
-        if let Aim::Reach { grown, .. } = self.inner.aim {
-            let scale = point.value.height.exp() * (1.0 - way.shrinking);
-            covered.extend(grown.iter().map(|set| set * scale));
-            room = PEAK_ROOM_OF_A_REGION;
+        let mut contained = self.plan.contained.clone();
+        let mut back_off = PEAK_BACK_OFF;
+        if let Aim::Reach { scaled, .. } = self.evaluator.aim {
+            let scale = point.value.objective.exp() * (1.0 - settings.shrinking);
+            contained.extend(scaled.iter().map(|set| set * scale));
+            back_off = PEAK_BACK_OFF_OF_A_REGION;
         }
         let mut task = model.task();
         task.specification.must_contain.clear();
-        task.specification.margin = task.specification.margin.max(way.margin);
-        task.coverage = Some(Coverage {
+        task.specification.margin = task.specification.margin.max(settings.margin);
+        task.containment = Some(Containment {
             linearisation: point.value.linearisation.clone(),
-            covered,
-            grown: Vec::new(),
+            contained,
+            scaled: Vec::new(),
         });
         let smallest = Scaling::automatic(&task.system, 1.0).state.min();
         let units = ProblemUnits {
-            state_fraction: self.plan.unit * way.unit / smallest,
+            state_fraction: self.plan.unit * settings.unit / smallest,
             containment_weight: 0.5,
         };
         let scaling = Scaling::automatic(&task.system, units.state_fraction);
@@ -252,27 +260,27 @@ impl Finish<'_> {
         if !(usable(smallest.status) && least.is_finite() && least > 0.0) {
             return Ok(None);
         }
-        let making = Making {
+        let context = AttemptContext {
             model: &model,
             task: &task,
             scaling: &scaling,
             units,
             point,
         };
-        // The smallest g keeps the model's margin in every condition, which may do.
-        let first = self.design(&making, &assembled, &smallest.values, least)?;
-        let wide = matches!(self.inner.aim, Aim::Reach { .. });
-        #[allow(clippy::borrowed_box)] // What the options below hold.
+        // The smallest g leaves the model's margin in every condition, which may suffice.
+        let first = self.design(&context, &assembled, &smallest.values, least)?;
+        let wide = matches!(self.evaluator.aim, Aim::Reach { .. });
+        #[allow(clippy::borrowed_box)] // The type inside the options below.
         let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
         if wide && first.as_ref().is_some_and(proved) {
             return Ok(first);
         }
-        let bound =
-            self.inner.peak_bound(&task).unwrap_or(f64::INFINITY) / (1.0 + GAMMA_ROOM).powi(2);
-        // Just above the bound it is left to the judgement.
-        let peak = (least * (1.0 + room)).min(bound.max(least * (1.0 + PEAK_ROOM)));
-        let (assembled, inside) = runs.solve(&scaled, Goal::LargestRoom { peak })?;
-        let second = self.design(&making, &assembled, &inside.values, peak)?;
+        let bound = self.evaluator.peak_bound(&task).unwrap_or(f64::INFINITY)
+            / (1.0 + GAMMA_ALLOWANCE).powi(2);
+        // Just above the bound the requirements decide.
+        let peak = (least * (1.0 + back_off)).min(bound.max(least * (1.0 + PEAK_BACK_OFF)));
+        let (assembled, inside) = runs.solve(&scaled, Goal::LargestMarginAtPeak { peak })?;
+        let second = self.design(&context, &assembled, &inside.values, peak)?;
         Ok(match second {
             Some(second) if proved(&second) => Some(second),
             second => first.filter(proved).or(second),
@@ -282,28 +290,28 @@ impl Finish<'_> {
     /// The design of a solver's point, checked.
     fn design(
         &self,
-        making: &Making<'_>,
+        context: &AttemptContext<'_>,
         assembled: &Assembled,
         values: &[f64],
         peak: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let model = making.model;
-        let Ok(mut certificate) = recover(model, &assembled.design, values, making.scaling) else {
+        let model = context.model;
+        let Ok(mut certificate) = recover(model, &assembled.design, values, context.scaling) else {
             return Ok(None);
         };
         let above = peak.max(certificate.disturbance_weight);
-        certificate.gain_bound = above * (1.0 + GAMMA_ROOM);
+        certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
         if add_claims(model, &mut certificate).is_err() {
             return Ok(None);
         }
-        let subject = DesignRequest::of_model(model, self.model_text, making.task, self.form);
-        let mut design = match subject.design(&certificate, making.units) {
+        let subject = DesignRequest::of_model(model, self.model_text, context.task, self.form);
+        let mut design = match subject.design(&certificate, context.units) {
             Ok(design) => design,
             // Numbers that no design file may hold: a failed attempt.
             Err(SynthesisError::Invalid(_)) => return Ok(None),
             Err(other) => return Err(other),
         };
-        design.file.provenance.search = Some(self.record(making.point, &model.file));
+        design.file.provenance.search = Some(self.record(context.point, &model.file));
         Ok(Some(design))
     }
 
@@ -318,18 +326,18 @@ impl Finish<'_> {
             })
         });
         SearchRecord {
-            objective: match self.inner.aim {
+            objective: match self.evaluator.aim {
                 Aim::Reach { .. } => "region",
                 Aim::Gain => "gain",
             }
             .to_string(),
-            evaluations: self.inner.watch.count(),
+            evaluations: self.evaluator.progress.count(),
             varied: varied.collect(),
             linearisation: rows(&point.value.linearisation),
         }
     }
 
-    /// What a proved design misses of what was asked for, in words.
+    /// The first requirement that a proved design misses, as a sentence.
     fn missed(&self, design: &Synthesized) -> Option<String> {
         let limits = &self.plan.limits;
         let part = &design.file.certificate;
@@ -356,7 +364,7 @@ impl Finish<'_> {
         })
     }
 
-    /// The smallest scale over the states asked for, and the smallest angle.
+    /// The smallest scale over the requested states, and the smallest angle (deg).
     fn extent(&self, design: &Synthesized) -> (Option<f64>, Option<f64>) {
         let reached = reached(self.model, &design.file.certificate.lyapunov);
         let scale = reached.iter().map(|along| along.scale).reduce(f64::min);
@@ -364,7 +372,7 @@ impl Finish<'_> {
         (scale, angles.reduce(f64::min))
     }
 
-    /// How far one gets, with a proof, where that is not what was asked for.
+    /// The outcome for a proved design that misses a requirement.
     fn short(
         &self,
         point: &SearchPoint,
@@ -372,14 +380,18 @@ impl Finish<'_> {
         runs: &Session,
     ) -> Result<Outcome, SynthesisError> {
         let (scale, angle_deg) = self.extent(&design);
-        let shortfall = Shortfall {
+        let limiting_factors = LimitingFactors {
             reason: self.missed(&design).unwrap_or_default(),
             scale,
             angle_deg,
-            limits: sensitivities(self.inner, point)?,
+            limits: sensitivities(self.evaluator, point)?,
         };
         let blocking = point.value.blocking.clone();
-        Ok(Outcome::Undecided(decision(shortfall, blocking, runs)))
+        Ok(Outcome::Undecided(undecided_decision(
+            limiting_factors,
+            blocking,
+            runs,
+        )))
     }
 }
 
@@ -409,7 +421,7 @@ fn closed(mut design: Box<Synthesized>, runs: &Session) -> Box<Synthesized> {
     design
 }
 
-/// A number with few digits.
+/// A number rounded to [`DIGITS`] significant digits.
 fn short(value: f64) -> f64 {
     if !(value.is_finite() && value > 0.0) {
         return value;

@@ -1,45 +1,45 @@
 //! Searches over what the certificate depends on: the box, the multiplier's weights, xi and, where the
-//! engineer leaves room, decay rate and threshold.
+//! engineer gives a range, decay rate and threshold.
 //!
-//! At every point a semidefinite program is solved, whose multipliers say how its optimum changes with all
-//! parameters at once; a quasi-Newton method follows them uphill. Containment is linearised about the last
-//! point, which loses nothing there, so that no weight rho has to be chosen. What the search finds is a
-//! candidate: the design is made by the solver of choice at the point found, and only the check proves it.
+//! At every point a semidefinite program is solved, whose dual solution gives the gradient of its optimum with respect
+//! to all parameters at once; a quasi-Newton method maximises with it. Containment is linearised about the last
+//! point, where that is exact, so that no weight rho has to be chosen. The result of the search is a candidate: the
+//! design is made by the chosen solver at the optimum, and only the check proves it.
 
-mod climb;
-mod denial;
+mod ascent;
+mod evaluator;
 mod finish;
-mod inner;
 mod parameters;
 mod plan;
 mod progress;
-mod shortfall;
+mod sensitivities;
 mod start;
+mod undecided;
 
 pub use finish::reached;
 
-use climb::{climb, Effort};
-use denial::denied;
+use ascent::{ascend, Effort};
+use evaluator::{Aim, Evaluator, SearchPoint};
 use finish::Finish;
-use inner::{Aim, Inner, SearchPoint};
 use plan::{outside_every_box, Plan};
 use progress::SearchProgress;
+use undecided::no_design;
 
 use crate::model::Model;
 use crate::programs::{Form, Outcome, Session, SynthesisError};
 use crate::scaling::Scaling;
 use sdp::solve::{Backend, Observer, Structured};
 
-/// Whether a model asks for a search.
+/// Whether a model requests a search.
 pub fn wanted(model: &Model) -> bool {
     Plan::wanted(model)
 }
 
-/// A rise of the height per round, relative, that is not worth another one.
-const SMALL_RISE: f64 = 2e-3;
+/// Relative increase of the objective in one round below which another round is not worth it.
+const SMALL_INCREASE: f64 = 2e-3;
 
-/// Scale at which sets that must be covered are, with room for the next step.
-const COVERED: f64 = 1.02;
+/// Scale at which the required sets count as contained, with an allowance for the next step.
+const CONTAINED: f64 = 1.02;
 
 /// Searches and makes the design. Only the check decides whether it is proved.
 pub fn search(
@@ -52,85 +52,85 @@ pub fn search(
     let plan = Plan::of(model);
     let mut runs = Session::new(form, backend, observer.clone());
     if let Some(reason) = outside_every_box(model, &plan) {
-        return Ok(denied(reason, &runs));
+        return Ok(no_design(reason, &runs));
     }
-    let watch = SearchProgress::new(observer);
+    let progress = SearchProgress::new(observer);
     // Two points at a time, each on one thread.
     let mut own = Structured::default();
     own.threads = 1;
     let system = model.task().system;
     let smallest = Scaling::automatic(&system, 1.0).state.min();
     let scaling = Scaling::automatic(&system, plan.unit / smallest);
-    let whole = Whole {
+    let whole = ParameterSearch {
         plan: &plan,
         scaling: &scaling,
         backend: &own,
-        watch: &watch,
+        progress: &progress,
     };
     let points = match whole.best(model)? {
         SearchResult::Points(points) => points,
-        SearchResult::Nothing(reason) => return Ok(denied(reason, &runs)),
+        SearchResult::Nothing(reason) => return Ok(no_design(reason, &runs)),
     };
-    let inner = whole.inner(&plan.aim, &plan.covered);
+    let evaluator = whole.evaluator(&plan.aim, &plan.contained);
     let finish = Finish {
         model,
         model_text,
         form,
         plan: &plan,
-        inner: &inner,
+        evaluator: &evaluator,
     };
     finish.outcome(&points, &mut runs)
 }
 
-/// The search from the first start to the summit.
-struct Whole<'a> {
+/// The search from the first start to the optimum.
+struct ParameterSearch<'a> {
     plan: &'a Plan,
     scaling: &'a Scaling,
     backend: &'a Structured,
-    watch: &'a SearchProgress,
+    progress: &'a SearchProgress,
 }
 
-/// What a search came to.
+/// The result of a search.
 enum SearchResult {
-    /// The points passed on the way, the summit last.
+    /// The iterates, the optimum last.
     Points(Vec<SearchPoint>),
-    /// There is no design, as far as the search can tell.
+    /// The search found no design; the reason.
     Nothing(String),
 }
 
-impl<'a> Whole<'a> {
-    fn inner(&self, aim: &'a Aim, covered: &'a [nalgebra::DMatrix<f64>]) -> Inner<'a> {
-        Inner {
+impl<'a> ParameterSearch<'a> {
+    fn evaluator(&self, aim: &'a Aim, contained: &'a [nalgebra::DMatrix<f64>]) -> Evaluator<'a> {
+        Evaluator {
             space: &self.plan.space,
             aim,
-            covered,
+            contained,
             scaling: self.scaling,
             backend: self.backend,
-            watch: self.watch,
+            progress: self.progress,
         }
     }
 
     fn best(&self, model: &Model) -> Result<SearchResult, SynthesisError> {
-        let inner = self.inner(&self.plan.aim, &self.plan.covered);
-        let begun = match self.plan.covered.is_empty() {
-            true => start::first(&inner)?,
+        let evaluator = self.evaluator(&self.plan.aim, &self.plan.contained);
+        let begun = match self.plan.contained.is_empty() {
+            true => start::first(&evaluator)?,
             false => match self.covering(model)? {
-                Ok(point) => start::again(&inner, &point)?,
+                Ok(point) => start::again(&evaluator, &point)?,
                 Err(reason) => return Ok(SearchResult::Nothing(reason)),
             },
         };
         let Some(begun) = begun else {
             return Ok(SearchResult::Nothing(self.no_start(model)?));
         };
-        let mut trail = vec![begun.clone()];
-        // Every rise is told, so that the last point of the trail is the summit.
-        self.climb(&inner, begun, f64::INFINITY, &mut |point| {
-            trail.push(point.clone());
+        let mut iterates = vec![begun.clone()];
+        // Every increase is reported, so that the last iterate is the optimum.
+        self.ascend(&evaluator, begun, f64::INFINITY, &mut |point| {
+            iterates.push(point.clone());
         })?;
-        Ok(SearchResult::Points(trail))
+        Ok(SearchResult::Points(iterates))
     }
 
-    /// A point at which all that must be covered is covered.
+    /// A point at which all required sets are contained.
     fn covering(&self, model: &Model) -> Result<Result<SearchPoint, String>, SynthesisError> {
         let (gamma_max, gain_max) = match self.plan.aim {
             Aim::Reach {
@@ -140,54 +140,54 @@ impl<'a> Whole<'a> {
             } => (gamma_max, gain_max),
             Aim::Gain => (None, None),
         };
-        let grown = self.plan.covered.clone();
+        let scaled = self.plan.contained.clone();
         let aim = Aim::Reach {
-            grown,
+            scaled,
             gamma_max,
             gain_max,
         };
-        let inner = self.inner(&aim, &[]);
-        let Some(begun) = start::first(&inner)? else {
+        let evaluator = self.evaluator(&aim, &[]);
+        let Some(begun) = start::first(&evaluator)? else {
             return Ok(Err(self.no_start(model)?));
         };
-        let end = self.climb(&inner, begun, COVERED.ln(), &mut |_| {})?;
-        if end.value.height >= 0.0 {
+        let end = self.ascend(&evaluator, begun, CONTAINED.ln(), &mut |_| {})?;
+        if end.value.objective >= 0.0 {
             return Ok(Ok(end));
         }
         let mut reason = format!(
             "what must be covered could be covered up to the fraction {:.4} only",
-            end.value.height.exp()
+            end.value.objective.exp()
         );
-        if let Some(limit) = shortfall::sensitivities(&inner, &end)?.first() {
+        if let Some(limit) = sensitivities::sensitivities(&evaluator, &end)?.first() {
             let (what, value, per_cent) = (&limit.what, limit.value, limit.per_cent);
             reason += &format!("; most depends on: {what}, now {value:.4}: 1 % more changes the fraction by {per_cent:+.2} %");
         }
         Ok(Err(reason))
     }
 
-    /// Climbs until it is high enough; `passed` is told of every rise.
-    fn climb(
+    /// Maximises until the objective reaches `enough`; `passed` is called with every improved point.
+    fn ascend(
         &self,
-        inner: &Inner<'_>,
+        evaluator: &Evaluator<'_>,
         begun: SearchPoint,
         enough: f64,
         passed: &mut dyn FnMut(&SearchPoint),
     ) -> Result<SearchPoint, SynthesisError> {
         let effort = Effort {
             rounds: self.plan.limits.rounds as usize,
-            rise: SMALL_RISE,
+            increase: SMALL_INCREASE,
         };
-        let mut last = begun.value.height;
-        climb(inner, begun, effort, &mut |point| {
-            let height = point.value.height;
-            let value = match inner.aim {
-                Aim::Reach { .. } => height.exp(),
-                Aim::Gain => (-height).exp(),
+        let mut last = begun.value.objective;
+        ascend(evaluator, begun, effort, &mut |point| {
+            let objective = point.value.objective;
+            let value = match evaluator.aim {
+                Aim::Reach { .. } => objective.exp(),
+                Aim::Gain => (-objective).exp(),
             };
-            self.watch.reached(value, height - last);
-            last = height;
+            self.progress.reached(value, objective - last);
+            last = objective;
             passed(point);
-            height < enough
+            objective < enough
         })
     }
 
@@ -206,13 +206,13 @@ impl<'a> Whole<'a> {
             return Ok(none.to_string());
         };
         let plan = &self.plan.without_bounds(model);
-        let free = Whole { plan, ..*self };
-        let inner = free.inner(&Aim::Gain, &[]);
-        let Some(begun) = start::first(&inner)? else {
+        let free = ParameterSearch { plan, ..*self };
+        let evaluator = free.evaluator(&Aim::Gain, &[]);
+        let Some(begun) = start::first(&evaluator)? else {
             return Ok(none.to_string());
         };
-        let end = free.climb(&inner, begun, f64::INFINITY, &mut |_| {})?;
-        let gain = (-end.value.height).exp();
+        let end = free.ascend(&evaluator, begun, f64::INFINITY, &mut |_| {})?;
+        let gain = (-end.value.objective).exp();
         Ok(format!(
             "no design meets the bound {bound} on the gain; the smallest guaranteed gain found, whatever its set, is {gain:.5}"
         ))

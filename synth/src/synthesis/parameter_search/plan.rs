@@ -1,27 +1,27 @@
-//! From a model to what is searched.
+//! From a model to its parameter search.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::inner::Aim;
+use super::evaluator::Aim;
 use super::parameters::{Parameter, Range, Space};
 use crate::model::{Model, ModelFile, Objective, PlantFile, SearchFile};
 
-/// What is searched for a model.
+/// The search of a model.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// What is varied.
     pub space: Space,
-    /// What is sought.
+    /// The objective.
     pub aim: Aim,
-    /// Sets that must be covered, with a little room; SI units.
-    pub covered: Vec<DMatrix<f64>>,
+    /// Sets that must be contained, with a small allowance; SI units.
+    pub contained: Vec<DMatrix<f64>>,
     /// The search's limits.
     pub limits: SearchFile,
-    /// A unit of the state that suits the set sought.
+    /// A unit of the state that suits the requested set.
     pub unit: f64,
 }
 
-/// Relative room of what must be covered, so that it can be proved.
+/// Relative allowance of the sets that must be contained, so that containment can be proved.
 const COVER_ROOM: f64 = 1e-3;
 
 /// The box may become this many times larger or smaller than the model's where no limits are given.
@@ -40,13 +40,13 @@ const LEAST_WEIGHT: f64 = 1e-6;
 const UNIT_SHARE: f64 = 0.4;
 
 impl Plan {
-    /// Whether a model asks for a search.
+    /// Whether a model requests a search.
     pub fn wanted(model: &Model) -> bool {
         let specs = &model.file.specs;
         specs.search.is_some() || specs.objective == Objective::Region
     }
 
-    /// The plan for a model that asks for a search.
+    /// The plan for a model that requests a search.
     pub fn of(model: &Model) -> Self {
         let specs = &model.file.specs;
         let limits = specs.search.clone().unwrap_or_else(SearchFile::unlimited);
@@ -54,18 +54,18 @@ impl Plan {
         let states: Vec<DMatrix<f64>> = states
             .map(|state| DMatrix::from_column_slice(state.len(), 1, state))
             .collect();
-        let mut covered = Vec::new();
+        let mut contained = Vec::new();
         if let Some(angle) = limits.certified_angle_min_deg {
             let norm = (0.5 * angle.to_radians()).sin();
-            covered.push(attitudes() * (norm * (1.0 + COVER_ROOM)));
+            contained.push(attitudes() * (norm * (1.0 + COVER_ROOM)));
         }
         let aim = match specs.objective {
             Objective::Gain | Objective::Both => {
-                covered.extend(states.iter().map(|state| state * (1.0 + COVER_ROOM)));
+                contained.extend(states.iter().map(|state| state * (1.0 + COVER_ROOM)));
                 Aim::Gain
             }
             Objective::Region => Aim::Reach {
-                grown: match states.is_empty() {
+                scaled: match states.is_empty() {
                     true => vec![attitudes()],
                     false => states.clone(),
                 },
@@ -76,11 +76,11 @@ impl Plan {
         let mut base = model.file.clone();
         base.specs.search = None;
         let ranges = ranges(model, &limits, &mut base);
-        let unit = unit(model, &covered, &aim);
+        let unit = unit(model, &contained, &aim);
         Plan {
             space: Space { base, ranges },
             aim,
-            covered,
+            contained,
             limits,
             unit,
         }
@@ -103,7 +103,7 @@ pub fn attitudes() -> DMatrix<f64> {
     DMatrix::from_fn(6, 3, |r, c| if r == c + 3 { 1.0 } else { 0.0 })
 }
 
-fn unit(model: &Model, covered: &[DMatrix<f64>], aim: &Aim) -> f64 {
+fn unit(model: &Model, contained: &[DMatrix<f64>], aim: &Aim) -> f64 {
     let size = |sets: &[DMatrix<f64>]| {
         let longest = sets
             .iter()
@@ -111,8 +111,8 @@ fn unit(model: &Model, covered: &[DMatrix<f64>], aim: &Aim) -> f64 {
         longest.fold(0.0_f64, f64::max)
     };
     let wanted = match aim {
-        Aim::Reach { grown, .. } => size(grown),
-        Aim::Gain => size(covered),
+        Aim::Reach { scaled, .. } => size(scaled),
+        Aim::Gain => size(contained),
     };
     if wanted > 0.0 {
         return UNIT_SHARE * wanted;
@@ -168,7 +168,7 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     out
 }
 
-/// A state that lies outside every box that is allowed, in words.
+/// The first required state that lies outside every allowed box, as a sentence.
 pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
     let PlantFile::Exact(exact) = &model.file.plant else {
         return None;

@@ -1,4 +1,4 @@
-//! Who is told how a search goes, and may stop it.
+//! Reports the progress of a search to an observer, which may stop it.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,7 +15,7 @@ pub struct SearchProgress {
 }
 
 impl SearchProgress {
-    /// A watch for an observer, which is called between a solver's iterations.
+    /// Progress for an observer, which is called between a solver's iterations.
     pub fn new(observer: Option<Observer>) -> Self {
         SearchProgress {
             observer,
@@ -30,7 +30,7 @@ impl SearchProgress {
     }
 
     /// The observer for a solver.
-    pub fn inner(&self) -> Observer {
+    pub fn evaluator(&self) -> Observer {
         let outer = self.observer.clone();
         let (cancelled, shown) = (Arc::clone(&self.cancelled), Arc::clone(&self.shown));
         Arc::new(move |_| {
@@ -52,13 +52,13 @@ impl SearchProgress {
         }
     }
 
-    /// A new best value; `rise` is how much better it is, relative.
-    pub fn reached(&self, objective: f64, rise: f64) {
+    /// A new best value; `increase` is how much better it is, relative.
+    pub fn reached(&self, objective: f64, increase: f64) {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         *shown = Progress {
             iteration: self.count(),
             objective,
-            relative_gap: rise,
+            relative_gap: increase,
         };
     }
 

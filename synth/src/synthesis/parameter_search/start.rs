@@ -1,9 +1,9 @@
-//! Where a search begins.
+//! Starting points of a search.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::inner::{Aim, Inner, SearchPoint};
+use super::evaluator::{Aim, Evaluator, SearchPoint};
 use super::parameters::Parameter;
 use crate::programs::SynthesisError;
 
@@ -15,16 +15,16 @@ const WEIGHTS: [f64; 3] = [0.25, 0.5, 0.1];
 const BOXES: [f64; 4] = [1.0, 0.4, 2.5, 0.1];
 
 /// The best of the starts that can be solved: the model's own numbers first, others when they cannot.
-pub fn first(inner: &Inner<'_>) -> Result<Option<SearchPoint>, SynthesisError> {
-    let weights = match inner.aim {
+pub fn first(evaluator: &Evaluator<'_>) -> Result<Option<SearchPoint>, SynthesisError> {
+    let weights = match evaluator.aim {
         Aim::Reach { .. } => &WEIGHTS[..],
-        Aim::Gain if inner.covered.is_empty() => &WEIGHTS[..1],
+        Aim::Gain if evaluator.contained.is_empty() => &WEIGHTS[..1],
         Aim::Gain => &WEIGHTS[..],
     };
-    let own = inner.space.start();
+    let own = evaluator.space.start();
     for factor in BOXES {
-        let boxed = with_rates(inner, &own, factor);
-        let slow = with_slowest_decay(inner, &boxed);
+        let boxed = with_rates(evaluator, &own, factor);
+        let slow = with_slowest_decay(evaluator, &boxed);
         let mut points = vec![boxed];
         if !points.contains(&slow) {
             points.push(slow);
@@ -35,10 +35,10 @@ pub fn first(inner: &Inner<'_>) -> Result<Option<SearchPoint>, SynthesisError> {
             .collect();
         let solved: Result<Vec<Option<SearchPoint>>, SynthesisError> = starts
             .par_iter()
-            .map(|(coordinates, weight)| solve(inner, coordinates, *weight))
+            .map(|(coordinates, weight)| solve(evaluator, coordinates, *weight))
             .collect();
         let solved = solved?.into_iter().flatten();
-        let best = solved.max_by(|a, b| a.value.height.total_cmp(&b.value.height));
+        let best = solved.max_by(|a, b| a.value.objective.total_cmp(&b.value.objective));
         if best.is_some() {
             return Ok(best);
         }
@@ -48,10 +48,10 @@ pub fn first(inner: &Inner<'_>) -> Result<Option<SearchPoint>, SynthesisError> {
 
 /// The same point with another aim.
 pub fn again(
-    inner: &Inner<'_>,
+    evaluator: &Evaluator<'_>,
     point: &SearchPoint,
 ) -> Result<Option<SearchPoint>, SynthesisError> {
-    let value = inner.solve(&point.coordinates, &point.value.linearisation)?;
+    let value = evaluator.solve(&point.coordinates, &point.value.linearisation)?;
     Ok(value.map(|value| SearchPoint {
         coordinates: point.coordinates.clone(),
         value,
@@ -59,35 +59,35 @@ pub fn again(
 }
 
 fn solve(
-    inner: &Inner<'_>,
+    evaluator: &Evaluator<'_>,
     coordinates: &[f64],
     weight: f64,
 ) -> Result<Option<SearchPoint>, SynthesisError> {
-    let states = inner.scaling.state.len();
-    let file = inner.space.at(coordinates);
+    let states = evaluator.scaling.state.len();
+    let file = evaluator.space.at(coordinates);
     // With eps_1 = 0 any weight is as good as another.
     let unit = file.specs.eps[0].abs().max(1e-3);
     let linearisation = DMatrix::identity(states, states) * (weight / unit);
-    let value = inner.solve(coordinates, &linearisation)?;
+    let value = evaluator.solve(coordinates, &linearisation)?;
     Ok(value.map(|value| SearchPoint {
         coordinates: coordinates.to_vec(),
         value,
     }))
 }
 
-fn with_rates(inner: &Inner<'_>, point: &[f64], factor: f64) -> Vec<f64> {
-    let ranges = inner.space.ranges.iter().zip(point);
+fn with_rates(evaluator: &Evaluator<'_>, point: &[f64], factor: f64) -> Vec<f64> {
+    let ranges = evaluator.space.ranges.iter().zip(point);
     let moved: Vec<f64> = ranges
         .map(|(range, &at)| match range.parameter {
             Parameter::Rate(_) => at + factor.ln(),
             _ => at,
         })
         .collect();
-    inner.space.inside(&moved)
+    evaluator.space.inside(&moved)
 }
 
-fn with_slowest_decay(inner: &Inner<'_>, point: &[f64]) -> Vec<f64> {
-    let ranges = inner.space.ranges.iter().zip(point);
+fn with_slowest_decay(evaluator: &Evaluator<'_>, point: &[f64]) -> Vec<f64> {
+    let ranges = evaluator.space.ranges.iter().zip(point);
     ranges
         .map(|(range, &at)| match range.parameter {
             Parameter::DecayRate => range.coordinates()[0],

@@ -2,8 +2,8 @@
 //!
 //! In SI units F = Fh Qh^-T and Upsilon = Qh^-1 Wh Qh^-T are common. The problem stays linear when the
 //! inverse multipliers are proportional, Qh_inner = s^2 Qh_outer, with s the ratio of the sizes of the
-//! two sets. Each certificate is stated in units of its own; the constants below turn the common
-//! unknowns, which are in the outer units, into those of the inner one.
+//! two sets. Each certificate is stated in units of its own; the constants below convert the common
+//! unknowns, which are in the units of the large set, into those of the inner one.
 
 use nalgebra::DMatrix;
 
@@ -88,7 +88,7 @@ impl SharedUnknowns {
     }
 }
 
-/// The outer certificate's gamma is no requirement; the smallest one is computed from its solution.
+/// The large-set certificate's gamma is no requirement; the smallest one is computed from its solution.
 pub(super) const UNBOUNDED_GAIN: f64 = 1e30;
 
 /// States both certificates with the goal for the inner one.
@@ -106,7 +106,7 @@ pub(super) fn assemble(
     let outer_design = shared.with_own(&mut unknowns, &outer.task, "outer");
     let margin = inner.task.specification.margin;
     let (strictness, objective) = match goal {
-        Goal::LargestMargin { gain_bound: bound } | Goal::LargestRoom { peak: bound } => {
+        Goal::LargestMargin { gain_bound: bound } | Goal::LargestMarginAtPeak { peak: bound } => {
             inner_design.gain_bound = Affine::identity(1, bound);
             let margin = unknowns.scalar("margin");
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
@@ -114,7 +114,7 @@ pub(super) fn assemble(
         Goal::SmallestGain
         | Goal::SmallestSlack
         | Goal::SmallestPeak
-        | Goal::LargestReach { .. } => {
+        | Goal::LargestScale { .. } => {
             let gamma = inner.task.disturbance_weight_unit * unknowns.scalar("gamma");
             inner_design.gain_bound = gamma.clone();
             (Strictness::fixed(margin), gamma)
@@ -156,8 +156,8 @@ fn decrease(
 ) -> Vec<Condition> {
     let all: Vec<usize> = (0..task.system.vertices.len()).collect();
     let cliques = match form {
-        Form::Reduced => Cliques::Split,
-        Form::Slack => Cliques::Whole,
+        Form::Chordal => Cliques::Split,
+        Form::VertexRelaxed => Cliques::Whole,
         Form::Full => return full_decrease(task, &all, design, strictness),
     };
     reduce::decrease_conditions(task, &all, unknowns, design, strictness, cliques)

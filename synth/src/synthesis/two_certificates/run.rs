@@ -15,17 +15,18 @@ use crate::scaling::Scaling;
 use sdp::lmi::LmiProblem;
 use sdp::solve::{alternative, Backend, Observer, Solution, Status};
 
-/// Gain bounds of the exported design, relative to the smallest one, tried in turn: the price of a margin.
-const GAIN_ROOM: [f64; 2] = [1e-3, 1e-2];
+/// Back-offs of the exported design's gain bound above the smallest one, relative, tried in order: they leave a margin
+/// for the proof.
+const GAIN_BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
 
-/// Relative room in gamma of the outer certificate, so that the check can prove it.
-const CLAIM_ROOM: f64 = 1e-5;
+/// Relative allowance in gamma of the large-set certificate, so that the check can prove it.
+const CLAIM_ALLOWANCE: f64 = 1e-5;
 
-/// The first ratio of the sizes of the inner and the outer set.
+/// The first ratio of the sizes of the inner and the large set.
 const FIRST_SCALE: f64 = 0.25;
 
-/// Factor from one ratio to the next: the smaller the inner set, the smaller its gain, until the outer
-/// certificate does not hold any more.
+/// Factor from one ratio to the next: the smaller the inner set, the smaller its gain, until the
+/// large-set certificate no longer holds.
 const SCALE_STEP: f64 = 0.7;
 
 /// Ratios are tried down to this one.
@@ -34,20 +35,20 @@ const SMALLEST_SCALE: f64 = 1e-3;
 /// Halvings of the last step, on a logarithmic scale.
 const HALVINGS: usize = 2;
 
-/// One choice of what the problem must be told.
+/// The scalars that must be chosen before the problem is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Choice {
+pub struct CouplingChoice {
     /// Weight rho of the containment condition.
     pub containment_weight: f64,
     /// How the certificates are tied together.
     pub coupling: Coupling,
 }
 
-impl Choice {
+impl CouplingChoice {
     /// The choice with a ratio of the sizes of the two sets. Upsilon goes with the inverse square of the
     /// size of a set, as Q does.
     pub fn new(containment_weight: f64, inner_scale: f64) -> Self {
-        Choice {
+        CouplingChoice {
             containment_weight,
             coupling: Coupling {
                 inner_scale,
@@ -59,56 +60,56 @@ impl Choice {
     /// What is tried first for a model.
     pub fn first(outer: &OuterSpecs) -> Self {
         let weight = outer.containment_weight.unwrap_or(CONTAINMENT_WEIGHTS[0]);
-        Choice::new(weight, outer.inner_scale.unwrap_or(FIRST_SCALE))
+        CouplingChoice::new(weight, outer.inner_scale.unwrap_or(FIRST_SCALE))
     }
 }
 
-/// What was tried, and what came of it.
+/// A choice that was tried, and its result.
 #[derive(Debug, Clone)]
-pub struct Tried {
-    /// What the problem was told.
-    pub choice: Choice,
-    /// The solver's word.
+pub struct TriedCoupling {
+    /// The choice.
+    pub choice: CouplingChoice,
+    /// The solver's status, unverified.
     pub status: String,
     /// Guaranteed gain of the inner certificate in the solver's point, which is not proved; `None`
     /// without a point.
     pub guaranteed_gain: Option<f64>,
 }
 
-/// What the search found.
+/// The outcome of the search.
 #[derive(Debug, Clone)]
-pub enum BothOutcome {
+pub enum TwoCertificatesOutcome {
     /// A design; its report says whether it is proved.
-    Solved(Box<Synthesized>, Vec<Tried>),
+    Solved(Box<Synthesized>, Vec<TriedCoupling>),
     /// The solver found no design in any attempt. Nothing is proved by that.
     None {
         /// True when it called every attempt infeasible; otherwise it failed numerically.
         infeasible: bool,
         /// The attempts.
-        tried: Vec<Tried>,
-        /// The conditions that carry the dual solution of an attempt, with their shares.
+        tried: Vec<TriedCoupling>,
+        /// The conditions with the largest fractions of an attempt's dual solution, largest first.
         blocking: Vec<(String, f64)>,
         /// The solver's runs.
         runs: Vec<SolverRun>,
     },
 }
 
-impl BothOutcome {
+impl TwoCertificatesOutcome {
     /// True for a design whose two certificates are proved.
     fn is_proved(&self) -> bool {
-        matches!(self, BothOutcome::Solved(design, _) if design.report.verdict == Verdict::Proved)
+        matches!(self, TwoCertificatesOutcome::Solved(design, _) if design.report.verdict == Verdict::Proved)
     }
 
-    /// What two solvers came to, in this order: the proved design, or the first design that is not, with the
+    /// The outcome of two solvers, in this order: the proved design, or the first design that is not, with the
     /// runs of both.
     fn or(self, other: Self) -> Self {
-        let swap = other.is_proved() || !matches!(self, BothOutcome::Solved(..));
+        let swap = other.is_proved() || !matches!(self, TwoCertificatesOutcome::Solved(..));
         let mut all = self.runs().to_vec();
         all.extend_from_slice(other.runs());
         let refused = |one: &Self| {
             matches!(
                 one,
-                BothOutcome::None {
+                TwoCertificatesOutcome::None {
                     infeasible: true,
                     ..
                 }
@@ -117,11 +118,11 @@ impl BothOutcome {
         let any_refused = refused(&self) || refused(&other);
         let mut out = if swap { other } else { self };
         match &mut out {
-            BothOutcome::Solved(design, _) => {
+            TwoCertificatesOutcome::Solved(design, _) => {
                 design.solve_seconds = all.iter().map(|run| run.seconds).sum();
                 design.file.provenance.solver_runs = all;
             }
-            BothOutcome::None {
+            TwoCertificatesOutcome::None {
                 infeasible, runs, ..
             } => {
                 *infeasible = any_refused;
@@ -133,18 +134,18 @@ impl BothOutcome {
 
     fn runs(&self) -> &[SolverRun] {
         match self {
-            BothOutcome::Solved(design, _) => &design.file.provenance.solver_runs,
-            BothOutcome::None { runs, .. } => runs,
+            TwoCertificatesOutcome::Solved(design, _) => &design.file.provenance.solver_runs,
+            TwoCertificatesOutcome::None { runs, .. } => runs,
         }
     }
 }
 
-impl From<BothOutcome> for Outcome {
+impl From<TwoCertificatesOutcome> for Outcome {
     /// Without a design nothing is proved.
-    fn from(found: BothOutcome) -> Self {
+    fn from(found: TwoCertificatesOutcome) -> Self {
         match found {
-            BothOutcome::Solved(design, _) => Outcome::Solved(design),
-            BothOutcome::None {
+            TwoCertificatesOutcome::Solved(design, _) => Outcome::Solved(design),
+            TwoCertificatesOutcome::None {
                 infeasible,
                 blocking,
                 runs,
@@ -154,7 +155,7 @@ impl From<BothOutcome> for Outcome {
                     answer: Answer::Undecided(None),
                     slack: None,
                     blocking,
-                    shortfall: None,
+                    limiting_factors: None,
                     solve_seconds: runs.iter().map(|run| run.seconds).sum(),
                     runs,
                 };
@@ -168,7 +169,7 @@ impl From<BothOutcome> for Outcome {
 }
 
 /// Both tasks in units of their own.
-fn scaled(model: &Model, outer: &Model, choice: Choice) -> (Scaled, Scaled) {
+fn scaled(model: &Model, outer: &Model, choice: CouplingChoice) -> (Scaled, Scaled) {
     let outer_task = outer.task();
     let starts = outer_task.specification.must_contain.iter();
     let farthest = starts.map(|state| state.norm()).fold(0.0, f64::max);
@@ -195,29 +196,29 @@ fn scaled(model: &Model, outer: &Model, choice: Choice) -> (Scaled, Scaled) {
 pub fn coupled_problem(
     model: &Model,
     form: Form,
-    choice: Option<Choice>,
+    choice: Option<CouplingChoice>,
 ) -> Result<LmiProblem, ModelError> {
-    let outer = model.outer()?;
-    let first = model.file.specs.outer.as_ref().map(Choice::first);
+    let outer = model.large_set()?;
+    let first = model.file.specs.outer.as_ref().map(CouplingChoice::first);
     let choice = choice
         .or(first)
-        .unwrap_or(Choice::new(CONTAINMENT_WEIGHTS[0], FIRST_SCALE));
+        .unwrap_or(CouplingChoice::new(CONTAINMENT_WEIGHTS[0], FIRST_SCALE));
     let (inner, outer) = scaled(model, &outer, choice);
     Ok(assemble(&inner, &outer, choice.coupling, form, Goal::SmallestGain).problem)
 }
 
 /// Synthesizes one controller with two certificates and checks both. Where the given solver finds none that is
-/// proved, the other one is asked.
+/// proved, the other one is tried.
 ///
 /// # Errors
 /// As for a design with one; a model without `specs.outer`.
-pub fn synthesize_both(
+pub fn synthesize_two_certificates(
     model: &Model,
     model_text: &str,
     form: Form,
     backend: &dyn Backend,
     observer: Option<Observer>,
-) -> Result<BothOutcome, SynthesisError> {
+) -> Result<TwoCertificatesOutcome, SynthesisError> {
     let first = synthesize_with(model, model_text, form, backend, observer.clone())?;
     let other = alternative(backend);
     let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
@@ -235,8 +236,8 @@ fn synthesize_with(
     form: Form,
     backend: &dyn Backend,
     observer: Option<Observer>,
-) -> Result<BothOutcome, SynthesisError> {
-    let outer = model.outer()?;
+) -> Result<TwoCertificatesOutcome, SynthesisError> {
+    let outer = model.large_set()?;
     let task = model.task();
     let run = CoupledSynthesis {
         subject: DesignRequest::of_model(model, model_text, &task, form),
@@ -255,7 +256,7 @@ fn synthesize_with(
 /// A solver's point of the smallest gain.
 #[derive(Clone, Copy)]
 struct GainPoint {
-    choice: Choice,
+    choice: CouplingChoice,
     /// The smallest gamma, SI units.
     gamma: f64,
     /// Guaranteed gain.
@@ -268,14 +269,14 @@ struct CoupledSynthesis<'a> {
     backend: &'a dyn Backend,
     observer: Option<Observer>,
     runs: Vec<SolverRun>,
-    tried: Vec<Tried>,
+    tried: Vec<TriedCoupling>,
     points: Vec<GainPoint>,
     blocking: Vec<(String, f64)>,
     infeasible: bool,
 }
 
 impl CoupledSynthesis<'_> {
-    fn search(mut self) -> Result<BothOutcome, SynthesisError> {
+    fn search(mut self) -> Result<TwoCertificatesOutcome, SynthesisError> {
         let specs = self.subject.model.file.specs.outer.clone();
         let given = specs.as_ref().and_then(|outer| outer.inner_scale);
         let weight = specs.as_ref().and_then(|outer| outer.containment_weight);
@@ -283,7 +284,7 @@ impl CoupledSynthesis<'_> {
         for weight in weights {
             match given {
                 Some(scale) => {
-                    self.point(Choice::new(weight, scale))?;
+                    self.point(CouplingChoice::new(weight, scale))?;
                 }
                 None => self.search_scale(weight)?,
             }
@@ -294,11 +295,11 @@ impl CoupledSynthesis<'_> {
         self.points.sort_by(|a, b| a.gain.total_cmp(&b.gain));
         let mut unproved = None;
         let points = self.points.clone();
-        for (point, room) in points
+        for (point, back_off) in points
             .iter()
-            .flat_map(|point| GAIN_ROOM.map(|room| (*point, room)))
+            .flat_map(|point| GAIN_BACK_OFFS.map(|back_off| (*point, back_off)))
         {
-            match self.design(point, room)? {
+            match self.design(point, back_off)? {
                 Some(design) if design.report.verdict == Verdict::Proved => {
                     return Ok(self.closed(design));
                 }
@@ -308,7 +309,7 @@ impl CoupledSynthesis<'_> {
         }
         Ok(match unproved {
             Some(design) => self.closed(design),
-            None => BothOutcome::None {
+            None => TwoCertificatesOutcome::None {
                 infeasible: self.infeasible && self.points.is_empty(),
                 tried: self.tried,
                 blocking: self.blocking,
@@ -321,7 +322,7 @@ impl CoupledSynthesis<'_> {
     /// the first fails.
     fn search_scale(&mut self, weight: f64) -> Result<(), SynthesisError> {
         let mut scale = FIRST_SCALE;
-        while self.point(Choice::new(weight, scale))?.is_none() {
+        while self.point(CouplingChoice::new(weight, scale))?.is_none() {
             scale *= 2.0;
             if scale > 1.0 {
                 return Ok(());
@@ -330,7 +331,7 @@ impl CoupledSynthesis<'_> {
         let (mut best, mut failed) = (scale, None);
         while failed.is_none() && best > SMALLEST_SCALE {
             let next = best * SCALE_STEP;
-            match self.better(Choice::new(weight, next))? {
+            match self.better(CouplingChoice::new(weight, next))? {
                 true => best = next,
                 false => failed = Some(next),
             }
@@ -338,7 +339,7 @@ impl CoupledSynthesis<'_> {
         let mut failed = failed.unwrap_or(best);
         for _ in 0..HALVINGS {
             let next = (best * failed).sqrt();
-            match self.better(Choice::new(weight, next))? {
+            match self.better(CouplingChoice::new(weight, next))? {
                 true => best = next,
                 false => failed = next,
             }
@@ -347,7 +348,7 @@ impl CoupledSynthesis<'_> {
     }
 
     /// Whether a choice has a point with a smaller gain than all before it.
-    fn better(&mut self, choice: Choice) -> Result<bool, SynthesisError> {
+    fn better(&mut self, choice: CouplingChoice) -> Result<bool, SynthesisError> {
         let gains = self.points.iter().map(|point| point.gain);
         let least = gains.fold(f64::INFINITY, f64::min);
         let point = self.point(choice)?;
@@ -355,7 +356,7 @@ impl CoupledSynthesis<'_> {
     }
 
     /// The smallest gain for a choice; kept where there is one.
-    fn point(&mut self, choice: Choice) -> Result<Option<GainPoint>, SynthesisError> {
+    fn point(&mut self, choice: CouplingChoice) -> Result<Option<GainPoint>, SynthesisError> {
         let (inner, outer) = scaled(self.subject.model, self.outer, choice);
         let goal = Goal::SmallestGain;
         let (coupled, solution) = self.solve((&inner, &outer), choice, goal)?;
@@ -377,7 +378,7 @@ impl CoupledSynthesis<'_> {
             }
             Status::Unbounded | Status::Failed | Status::Cancelled => {}
         }
-        self.tried.push(Tried {
+        self.tried.push(TriedCoupling {
             choice,
             status: solution.status_text,
             guaranteed_gain: found.map(|point| point.gain),
@@ -389,17 +390,17 @@ impl CoupledSynthesis<'_> {
     fn solve(
         &mut self,
         (inner, outer): (&Scaled, &Scaled),
-        choice: Choice,
+        choice: CouplingChoice,
         goal: Goal,
     ) -> Result<(Coupled, Solution), SynthesisError> {
         let coupled = assemble(inner, outer, choice.coupling, self.subject.form, goal);
-        let sought = SolveRequest {
+        let request = SolveRequest {
             goal: goal.name(),
             vertices: inner.task.system.vertices.len() + outer.task.system.vertices.len(),
             accuracy: goal.accuracy(&inner.task),
         };
         let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(self.backend, &coupled.problem, &sought, observer)?;
+        let (solution, run) = run_solver(self.backend, &coupled.problem, &request, observer)?;
         self.runs.push(run);
         Ok((coupled, solution))
     }
@@ -409,12 +410,12 @@ impl CoupledSynthesis<'_> {
     fn design(
         &mut self,
         point: GainPoint,
-        room: f64,
+        back_off: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let choice = point.choice;
         let (inner, outer) = scaled(self.subject.model, self.outer, choice);
         let goal = Goal::LargestMargin {
-            gain_bound: point.gamma * (1.0 + room),
+            gain_bound: point.gamma * (1.0 + back_off),
         };
         let (coupled, solution) = self.solve((&inner, &outer), choice, goal)?;
         let values = &solution.values;
@@ -425,7 +426,7 @@ impl CoupledSynthesis<'_> {
         let (Ok(first), Ok(second)) = parts else {
             return Ok(None);
         };
-        // The controller is the inner certificate's; the outer one's differs in the last digits only.
+        // The controller is the inner certificate's; that of the large set differs in the last digits only.
         let (_, mut certificate) = CertificateFile::split(&second);
         certificate.gamma = smallest_gamma(&second);
         let outer = OuterFile {
@@ -446,21 +447,21 @@ impl CoupledSynthesis<'_> {
     }
 
     /// A design with the record of all runs.
-    fn closed(self, mut design: Box<Synthesized>) -> BothOutcome {
+    fn closed(self, mut design: Box<Synthesized>) -> TwoCertificatesOutcome {
         let gains = self.points.iter().map(|point| point.gain);
         let best = gains.fold(f64::INFINITY, f64::min);
         let gain = design.file.certificate.guaranteed_gain;
         design.optimality = Optimality::of_smallest(gain, best);
         design.solve_seconds = self.runs.iter().map(|run| run.seconds).sum();
         design.file.provenance.solver_runs = self.runs;
-        BothOutcome::Solved(design, self.tried)
+        TwoCertificatesOutcome::Solved(design, self.tried)
     }
 }
 
-/// The smallest gamma with C'C <= gamma phi U and gamma >= xi, with a little room: from the guaranteed
+/// The smallest gamma with C'C <= gamma phi U and gamma >= xi, with a small allowance: from the guaranteed
 /// gain sqrt(g xi), which was computed under a bound on gamma that does not bind.
 fn smallest_gamma(certificate: &Certificate) -> f64 {
     let xi = certificate.disturbance_weight;
     let g = certificate.guaranteed_gain.powi(2) / xi;
-    g.max(xi).min(UNBOUNDED_GAIN) * (1.0 + CLAIM_ROOM)
+    g.max(xi).min(UNBOUNDED_GAIN) * (1.0 + CLAIM_ALLOWANCE)
 }

@@ -30,7 +30,7 @@ impl Quantities {
             .value(values)
             .try_inverse()
             .expect("an invertible multiplier");
-        let back = |hatted: DMatrix<f64>| &q * hatted * q.transpose();
+        let back = |transformed: DMatrix<f64>| &q * transformed * q.transpose();
         let gain = design.gain.value(values) * q.transpose();
         let (anti_windup, sector_weight) = match &design.sector {
             None => (

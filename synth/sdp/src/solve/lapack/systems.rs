@@ -20,7 +20,7 @@ fn factor_info(outcome: Option<Result<(), FactorError>>) -> c_int {
 
 /// Cholesky factor of a symmetric matrix of order `n`, in place: `L` with `A = L L'` or `U` with `A = U' U`.
 ///
-/// `info = k` tells that pivot `k` is not positive.
+/// `info = k`: pivot `k` is not positive.
 ///
 /// # Safety
 /// The module's contract.
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn dpotrs_(
 
 /// Solves `A X = B` with `nrhs` right-hand sides by LU factorization, both in place.
 ///
-/// `info = k` tells that pivot `k` is zero; `B` is then left as it was.
+/// `info = k`: pivot `k` is zero; `B` is then left as it was.
 ///
 /// # Safety
 /// The module's contract.

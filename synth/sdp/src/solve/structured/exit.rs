@@ -55,7 +55,7 @@ impl Measures {
 /// How the iterations ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Termination {
-    /// To the accuracy asked for.
+    /// To the requested accuracy.
     Solved,
     /// To reduced accuracy: why not further.
     Reduced(&'static str),
@@ -86,13 +86,13 @@ pub struct SolverExit {
     pub seconds: [f64; 3],
 }
 
-/// What the iterations are asked for.
+/// The input of the iterations.
 pub struct SolveTask<'a> {
     /// The problem.
     pub layout: &'a Layout,
     /// The problem as it was given.
     pub problem: &'a Semidefinite,
-    /// Relative gap asked for.
+    /// Requested relative gap.
     pub relative_gap: f64,
     /// Most iterations.
     pub iterations: u32,

@@ -58,7 +58,7 @@ struct Direction {
     z: Vec<f64>,
 }
 
-/// Iterates from `start`; points on the way that another solve may start from go to `trail`.
+/// Iterates from `start`; iterates that another solve may start from are kept in `trail`.
 pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) -> SolverExit {
     let layout = task.layout;
     if layout.cost.is_empty() {
@@ -96,7 +96,7 @@ pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) ->
         seconds: [0.0; 3],
     };
     let begin = std::time::Instant::now();
-    // Inside of the pool the halves change hands without waking anybody; who is not there in time finds nothing left.
+    // Inside of the pool a half is taken over without waking a thread; a thread that is late finds nothing to do.
     let mut outcome = match run.threads {
         0 | 1 => run.iterate(start, trail),
         _ => rayon::scope(|_| run.iterate(start, trail)),
@@ -323,7 +323,7 @@ impl Iteration<'_> {
         let layout = self.task.layout;
         let order = layout.order as f64;
         let complementarity = dot(&point.s, &point.z) / order;
-        // What the residual of the slack asks of Z.
+        // The term that the residual of the slack adds to Z.
         let mut base = vec![0.0; layout.length];
         if !self.feasible {
             let inverse = &self.factors.s_inverse;
@@ -395,7 +395,7 @@ impl Iteration<'_> {
         let step = s_step.min(z_step);
         if self.task.cautious {
             // The residuals shrink no faster than the complementarity: asking for all of them at once drives the
-            // points to the boundary, where the steps become short for good.
+            // points to the boundary, where the steps stay short.
             let centring = (1.0 - step).powi(2).clamp(1e-6, 0.95);
             return (centring, 1.0 - centring, (s_step * z_step).sqrt());
         }
@@ -462,7 +462,7 @@ impl Iteration<'_> {
         Some(Direction { y, s, z })
     }
 
-    /// Steps for S and for Z: `damping` of the way to the boundary, at most 1.
+    /// Steps for S and for Z: `damping` of the distance to the boundary, at most 1.
     fn step_lengths(&mut self, point: &Iterate, direction: &Direction, damping: f64) -> (f64, f64) {
         let layout = self.task.layout;
         let enough = 1.0 / damping;

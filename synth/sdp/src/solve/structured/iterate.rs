@@ -177,7 +177,7 @@ impl HalfStep {
             scratch.resize(n * n, 0.0);
         }
         let (inverse, reduced) = (&mut self.inverse[..n * n], &mut self.reduced[..n * n]);
-        // Most blocks allow what another one allows: one factorization tells.
+        // Most blocks allow what another one allows: one factorization shows it.
         let step = -1.0 / enough;
         for ((there, w), d) in reduced.iter_mut().zip(w).zip(along) {
             *there = w + step * d;

@@ -1,4 +1,4 @@
-//! A block's part of the Schur complement by way of the symmetric Kronecker product of Z and S^-1.
+//! A block's part of the Schur complement by the symmetric Kronecker product of Z and S^-1.
 //!
 //! `<A_i, Z A_j S^-1> = a_i' K a_j` with `a` the entries of a coefficient on and above the diagonal and
 //! `K[(r,c), (p,q)] = (Z_rp S_qc + Z_rq S_pc + Z_cp S_qr + Z_cq S_pr) / 4` (S for S^-1). Where a small block has more

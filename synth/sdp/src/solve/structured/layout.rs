@@ -118,7 +118,7 @@ impl Layout {
                 last_touched[entry.column] = Some(place);
             }
         }
-        // The rows of the last unknowns first: what the last unknowns ask for then lies in the leading rows.
+        // The rows of the last unknowns first: what the last unknowns read then lies in the leading rows.
         let mut rows: Vec<usize> = (0..cone.side)
             .filter(|&row| last_touched[row].is_some())
             .collect();

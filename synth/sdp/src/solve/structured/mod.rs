@@ -52,7 +52,7 @@ pub struct Structured {
     /// Threads that may be used while no other solve is in progress; the result does not depend on their number.
     pub threads: usize,
     memory: Option<Memory>,
-    /// Whether the memory stays as it is.
+    /// Whether the memory is not updated.
     frozen: bool,
 }
 
@@ -79,7 +79,7 @@ pub struct Timings {
 }
 
 impl Structured {
-    /// A solver that remembers its way to the last solutions and starts from there when the next problem has the same
+    /// A solver that remembers the iterates of the last solves and starts from them when the next problem has the same
     /// shape and is near enough: for sweeps and bisections. Where that does not help it starts afresh. The last
     /// digits of a result then depend on what was solved before.
     pub fn warm() -> Self {
@@ -196,8 +196,8 @@ impl Structured {
 /// With more cones than these the bold directions run to the boundary before they are feasible.
 const MANY_CONES: usize = 128;
 
-/// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then by way
-/// of the smallest shift.
+/// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then from
+/// the solution for the smallest shift.
 fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
     let start = cold_start(task.layout, 1.0);
     let outcome = interior_point::solve(task, start, trail.as_deref_mut());

@@ -3,8 +3,8 @@
 //! Fujisawa, Kojima and Nakata ("Exploiting sparsity in primal-dual interior-point methods for semidefinite programming",
 //! Mathematical Programming 79:235-253, 1997) choose for each unknown between a dense product (their F1, F2) and a
 //! sum over pairs of entries (F3). The dense method here forms `V = U + U'`, `U = Z A_j S^-1`, as a sum of a few outer
-//! products, and only in the rows that later unknowns ask for, so that it is F1 for dense and cheap for sparse
-//! coefficients. Small blocks with many unknowns go by method of a Kronecker product instead.
+//! products, and only in the rows that later unknowns read, so that it is F1 for dense and cheap for sparse
+//! coefficients. Small blocks with many unknowns use a Kronecker product instead.
 
 use super::block::{Block, Place};
 use super::dense;

@@ -1,4 +1,4 @@
-//! Starting from the way to a neighbouring solution.
+//! Warm starts from the iterates of a neighbouring problem.
 //!
 //! A solution itself is a bad start: it lies on the boundary, where short steps are all that a changed problem allows. The points
 //! on the way to it are well inside, and the last of them that the changed problem still finds well inside is a good start.
@@ -22,7 +22,7 @@ const KEPT: f64 = 0.7;
 /// A start's residual of `<A_i, Z> = c_i`, relative, may exceed its relative complementarity by this factor.
 const DUAL_ROOM: f64 = 100.0;
 
-/// Points on the way to a solution, in the problem's own units.
+/// Iterates of a solve, in the problem's own units.
 #[derive(Debug, Clone, Default)]
 pub struct Trail {
     points: Vec<Known>,
@@ -131,7 +131,7 @@ fn exceeds(n: usize, s: &[f64], z: &[f64], least: f64) -> bool {
     dense::cholesky(&mut product, n)
 }
 
-/// Trails of the last problems, by their shape. Cheap to clone: clones share it.
+/// Iterates of the last problems, by their shape. Cheap to clone: clones share it.
 #[derive(Debug, Clone, Default)]
 pub struct Memory {
     trails: Arc<Mutex<Vec<(u64, Trail)>>>,

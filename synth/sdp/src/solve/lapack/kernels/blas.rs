@@ -44,7 +44,7 @@ pub fn for_each(mut c: MatMut<'_, f64>, part: Part, mut update: impl FnMut(&mut 
     }
 }
 
-/// Applies `C <- beta C` on a part of `C` and tells whether a following product replaces or is added.
+/// Applies `C <- beta C` on a part of `C` and returns whether a following product replaces or is added.
 ///
 /// `beta = 0` does not read `C`, so that stale NaN values do not survive.
 fn start(c: MatMut<'_, f64>, part: Part, beta: f64, has_product: bool) -> Accum {

@@ -110,7 +110,7 @@ pub fn eigen(
     Ok(())
 }
 
-/// `false` tells that the iteration did not converge.
+/// `false`: the iteration did not converge.
 fn small_eigenvalues(
     a: MatRef<'_, f64>,
     values: &mut [f64],

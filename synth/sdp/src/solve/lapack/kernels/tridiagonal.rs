@@ -13,7 +13,7 @@ const MAX_STEPS: usize = 60;
 /// Overwrites `diagonal` with the ascending eigenvalues of a symmetric matrix of order `n = diagonal.len()`.
 ///
 /// `a` holds the lower triangle by columns of length `n` and is destroyed; `off_diagonal` is scratch of length
-/// `n`. `false` tells that the iteration did not converge.
+/// `n`. `false`: the iteration did not converge.
 pub fn eigenvalues(a: &mut [f64], diagonal: &mut [f64], off_diagonal: &mut [f64]) -> bool {
     tridiagonalize(a, diagonal, off_diagonal);
     if !(0..diagonal.len()).all(|first| isolate(first, diagonal, off_diagonal)) {

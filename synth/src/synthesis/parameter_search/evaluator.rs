@@ -1,10 +1,10 @@
-//! One point of the search: a semidefinite program, its value, and how the value changes with the parameters.
+//! The semidefinite program of one point of the search: its value and the gradient with respect to the parameters.
 
 use nalgebra::DMatrix;
 
 use super::parameters::{Parameter, Space};
 use super::progress::SearchProgress;
-use crate::conditions::xu2020::Coverage;
+use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
 use crate::model::{Model, ModelFile};
 use crate::programs::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
@@ -12,16 +12,16 @@ use crate::scaling::Scaling;
 use sdp::lmi::{svec_index, Entry, Semidefinite};
 use sdp::solve::{Backend, Solution, Status};
 
-/// A change of one number of a model file.
-pub type Turn = dyn Fn(&mut ModelFile, f64);
+/// Multiplies one number of a model file by a factor.
+pub type Perturbation = dyn Fn(&mut ModelFile, f64);
 
-/// What is sought at every point.
+/// The objective of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Aim {
-    /// The largest scale of the sets to be grown.
+    /// The largest common scale s with which the certified set contains s times every set of `scaled`.
     Reach {
-        /// The sets to be grown, SI units.
-        grown: Vec<DMatrix<f64>>,
+        /// The sets, as matrices D of ellipsoids {D z, |z| <= 1}; SI units.
+        scaled: Vec<DMatrix<f64>>,
         /// Largest gain bound, if any.
         gamma_max: Option<f64>,
         /// Largest guaranteed gain, if any.
@@ -32,31 +32,31 @@ pub enum Aim {
 }
 
 /// The program that is solved at every point.
-pub struct Inner<'a> {
+pub struct Evaluator<'a> {
     /// What is varied.
     pub space: &'a Space,
-    /// What is sought.
+    /// The objective.
     pub aim: &'a Aim,
-    /// Sets to be covered as they are, SI units.
-    pub covered: &'a [DMatrix<f64>],
+    /// Sets to be contained at scale 1, SI units.
+    pub contained: &'a [DMatrix<f64>],
     /// Units, the same at every point.
     pub scaling: &'a Scaling,
     /// The solver.
     pub backend: &'a (dyn Backend + Sync),
-    /// Who is told and may stop it.
-    pub watch: &'a SearchProgress,
+    /// Progress is reported here; its observer may stop the search.
+    pub progress: &'a SearchProgress,
 }
 
-/// What the program gave at a point.
+/// The program's value at a point.
 #[derive(Debug, Clone)]
 pub struct Value {
     /// ln of the scale, or -ln of the guaranteed gain: to be maximised.
-    pub height: f64,
-    /// Its derivatives along the coordinates.
+    pub objective: f64,
+    /// Its gradient with respect to the coordinates.
     pub slope: Vec<f64>,
     /// P = Uh^-1 Qh there, SI units.
     pub linearisation: DMatrix<f64>,
-    /// The conditions' shares of the dual solution.
+    /// The conditions' fractions of the dual solution's trace.
     pub blocking: Vec<(String, f64)>,
 }
 
@@ -67,7 +67,7 @@ pub const REGION_MARGIN: f64 = 1e-4;
 /// Step of the coordinates in the derivatives.
 const STEP: f64 = 1e-6;
 
-impl Inner<'_> {
+impl Evaluator<'_> {
     /// The task of a model, in scaled units, linearised about P.
     fn task(&self, file: ModelFile, linearisation: &DMatrix<f64>) -> Option<Task> {
         let mut task = Model::new(file).ok()?.task();
@@ -76,22 +76,22 @@ impl Inner<'_> {
             let margin = &mut task.specification.margin;
             *margin = margin.max(REGION_MARGIN);
         }
-        task.coverage = Some(Coverage {
+        task.containment = Some(Containment {
             linearisation: linearisation.clone(),
-            covered: self.covered.to_vec(),
-            grown: match self.aim {
-                Aim::Reach { grown, .. } => grown.clone(),
+            contained: self.contained.to_vec(),
+            scaled: match self.aim {
+                Aim::Reach { scaled, .. } => scaled.clone(),
                 Aim::Gain => Vec::new(),
             },
         });
         Some(self.scaling.apply(&task))
     }
 
-    /// The optimum sought for a task, with the bounds on the gain multiplied by `factor`.
+    /// The goal of the program for a task, with the bounds on the gain multiplied by `factor`.
     fn goal(&self, task: &Task, factor: f64) -> Goal {
         match *self.aim {
             Aim::Gain => Goal::SmallestPeak,
-            Aim::Reach { .. } => Goal::LargestReach {
+            Aim::Reach { .. } => Goal::LargestScale {
                 peak: self.peak_bound(task).map(|peak| peak * factor),
             },
         }
@@ -118,7 +118,7 @@ impl Inner<'_> {
         factor: f64,
     ) -> Option<Semidefinite> {
         let task = self.task(file, linearisation)?;
-        let problem = assemble(&task, Form::Slack, self.goal(&task, factor)).problem;
+        let problem = assemble(&task, Form::VertexRelaxed, self.goal(&task, factor)).problem;
         Some(problem.lower())
     }
 
@@ -140,7 +140,7 @@ impl Inner<'_> {
         let d = DMatrix::from_diagonal(&self.scaling.state);
         let d_inverse = DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit));
         Ok(Some(Value {
-            height: solved.height,
+            objective: solved.objective,
             slope: self.slope(point, linearisation, &solved),
             linearisation: d_inverse * inverse * multiplier * d,
             blocking: blocking(&solved.assembled.problem.conditions, &solved.solution),
@@ -156,17 +156,17 @@ impl Inner<'_> {
             return Ok(None);
         };
         let goal = self.goal(&task, 1.0);
-        let assembled = assemble(&task, Form::Slack, goal);
+        let assembled = assemble(&task, Form::VertexRelaxed, goal);
         let program = assembled.problem.lower();
         let accuracy = goal.accuracy(&task);
         let solution = self
             .backend
-            .solve(&program, accuracy, Some(self.watch.inner()))?;
-        self.watch.solved()?;
+            .solve(&program, accuracy, Some(self.progress.evaluator()))?;
+        self.progress.solved()?;
         if !matches!(solution.status, Status::Solved | Status::Inaccurate) {
             return Ok(None);
         }
-        let (height, per_objective) = match self.aim {
+        let (objective, per_program_objective) = match self.aim {
             Aim::Reach { .. } => {
                 let squared = -solution.objective;
                 (0.5 * squared.ln(), -0.5 / squared)
@@ -176,12 +176,12 @@ impl Inner<'_> {
                 (-0.5 * (peak * weight_max(&task)).ln(), -0.5 / peak)
             }
         };
-        Ok(height.is_finite().then_some(Solved {
+        Ok(objective.is_finite().then_some(Solved {
             assembled,
             program,
             solution,
-            height,
-            per_objective,
+            objective,
+            per_program_objective,
         }))
     }
 
@@ -205,41 +205,41 @@ impl Inner<'_> {
                 (Aim::Gain, Parameter::DisturbanceWeight) => -0.5,
                 _ => 0.0,
             };
-            explicit - solved.per_objective * change
+            explicit - solved.per_program_objective * change
         };
         (0..point.len()).map(along).collect()
     }
 
-    /// The value's slopes along other numbers of the model, relative: `turn` multiplies one by a factor.
+    /// The logarithmic derivatives of the value with respect to other numbers of the model, one for each perturbation.
     pub fn slopes_along(
         &self,
         point: &SearchPoint,
-        turns: &[&Turn],
+        perturbations: &[&Perturbation],
     ) -> Result<Vec<f64>, SynthesisError> {
         let linearisation = &point.value.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
-            return Ok(vec![f64::NAN; turns.len()]);
+            return Ok(vec![f64::NAN; perturbations.len()]);
         };
         let here = pairing(&solved.program, &solved.solution);
         let file = self.space.at(&point.coordinates);
         let xi_max = file.specs.xi_max;
-        let along = |turn: &&dyn Fn(&mut ModelFile, f64)| {
-            let mut turned = file.clone();
-            turn(&mut turned, 1.0 - STEP);
+        let along = |perturb: &&dyn Fn(&mut ModelFile, f64)| {
+            let mut perturbed = file.clone();
+            perturb(&mut perturbed, 1.0 - STEP);
             let explicit = match self.aim {
-                Aim::Gain if turned.specs.xi_max != xi_max => -0.5,
+                Aim::Gain if perturbed.specs.xi_max != xi_max => -0.5,
                 _ => 0.0,
             };
-            let Some(other) = self.program(turned, linearisation, 1.0) else {
+            let Some(other) = self.program(perturbed, linearisation, 1.0) else {
                 return f64::NAN;
             };
             let change = -(pairing(&other, &solved.solution) - here) / STEP;
-            explicit - solved.per_objective * change
+            explicit - solved.per_program_objective * change
         };
-        Ok(turns.iter().map(along).collect())
+        Ok(perturbations.iter().map(along).collect())
     }
 
-    /// The same along the bounds on the gain.
+    /// The logarithmic derivative of the value with respect to the bounds on the gain.
     pub fn slope_along_gamma(&self, point: &SearchPoint) -> Result<Option<f64>, SynthesisError> {
         let linearisation = &point.value.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
@@ -248,8 +248,9 @@ impl Inner<'_> {
         let file = self.space.at(&point.coordinates);
         let here = pairing(&solved.program, &solved.solution);
         let other = self.program(file, linearisation, 1.0 - STEP);
-        Ok(other
-            .map(|other| solved.per_objective * (pairing(&other, &solved.solution) - here) / STEP))
+        Ok(other.map(|other| {
+            solved.per_program_objective * (pairing(&other, &solved.solution) - here) / STEP
+        }))
     }
 }
 
@@ -258,9 +259,9 @@ struct Solved {
     assembled: Assembled,
     program: Semidefinite,
     solution: Solution,
-    height: f64,
-    /// What a change of the optimum does to the height.
-    per_objective: f64,
+    objective: f64,
+    /// Derivative of the search's objective with respect to the program's.
+    per_program_objective: f64,
 }
 
 /// xi_max in SI units.
@@ -308,25 +309,29 @@ mod tests {
     }"#;
 
     fn assert_slopes(aim: &Aim, plan: &Plan, model: &Model) {
-        let watch = SearchProgress::new(None);
+        let progress = SearchProgress::new(None);
         let backend = Structured::default();
         let scaling = Scaling::automatic(&model.task().system, 0.5);
-        let inner = Inner {
+        let evaluator = Evaluator {
             space: &plan.space,
             aim,
-            covered: &[],
+            contained: &[],
             scaling: &scaling,
             backend: &backend,
-            watch: &watch,
+            progress: &progress,
         };
         let at = plan.space.start();
         let p = DMatrix::identity(2, 2) * 0.3;
-        let here = inner.solve(&at, &p).unwrap().expect("a solution");
+        let here = evaluator.solve(&at, &p).unwrap().expect("a solution");
         for coordinate in 0..at.len() {
-            let height = |step: f64| {
+            let objective = |step: f64| {
                 let mut moved = at.clone();
                 moved[coordinate] += step;
-                inner.solve(&moved, &p).unwrap().expect("a solution").height
+                evaluator
+                    .solve(&moved, &p)
+                    .unwrap()
+                    .expect("a solution")
+                    .objective
             };
             // One-sided where the start lies on a limit.
             let [low, high] = plan.space.ranges[coordinate].coordinates();
@@ -334,7 +339,7 @@ mod tests {
                 (at[coordinate] - low).min(0.02),
                 (high - at[coordinate]).min(0.02),
             );
-            let slope = (height(ahead) - height(-back)) / (ahead + back);
+            let slope = (objective(ahead) - objective(-back)) / (ahead + back);
             let error = (slope - here.slope[coordinate]).abs();
             assert!(
                 error < 0.01 + 0.03 * slope.abs(),
@@ -359,6 +364,6 @@ mod tests {
 pub struct SearchPoint {
     /// Its coordinates.
     pub coordinates: Vec<f64>,
-    /// What was found there.
+    /// The program's value there.
     pub value: Value,
 }

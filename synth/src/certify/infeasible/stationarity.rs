@@ -1,9 +1,10 @@
-//! The weights' matrices and their sum, over any [`Scalar`].
+//! The matrices of the dual multipliers and their sum, over any [`Scalar`]: what the stationarity in the unknowns
+//! determines is computed, so that the sum does not depend on them.
 
 use nalgebra::DMatrix;
 
 use super::moments::EndMoments;
-use super::weights::{GainWeights, IntegralCross, Moments, Weights};
+use super::multipliers::{DualMultipliers, GainDuals, IntegralCross, Moments};
 use crate::certify::plant::DescriptorPlant;
 use crate::certify::theorem1::Statement;
 use crate::conditions::xu2020::gain_suffix;
@@ -14,7 +15,7 @@ use verified::scalar::Scalar;
 /// `sum_k <G_k(y), Z_k>` as a function of the unknowns y: the constant and, where it does not vanish
 /// by construction, half the coefficient matrix of Qh.
 #[derive(Debug, Clone)]
-pub struct Balance<S> {
+pub struct Stationarity<S> {
     /// The part that does not depend on the unknowns.
     pub constant: S,
     /// The sum holds `2 <residual, Qh>` beside the constant; `None` when that vanishes exactly.
@@ -61,7 +62,7 @@ struct Numbers<S> {
 }
 
 impl<S: Scalar> Numbers<S> {
-    fn new(model: &Model, weights: &Weights, level: Level) -> Self {
+    fn new(model: &Model, weights: &DualMultipliers, level: Level) -> Self {
         let specs = &model.file.specs;
         let plant = DescriptorPlant::<S>::explicit(&model.plant);
         let phi = S::from_f64(specs.phi_per_s);
@@ -87,7 +88,7 @@ impl<S: Scalar> Numbers<S> {
 
 /// The conditions of one gain.
 struct GainMoments<'a, S> {
-    weights: &'a GainWeights,
+    weights: &'a GainDuals,
     /// Both ends of the sampling interval.
     ends: [EndMoments<S>; 2],
     /// F_j where it is given.
@@ -104,11 +105,11 @@ struct GainMoments<'a, S> {
 /// When an index or a shape does not fit the model; files are checked before.
 pub fn for_each_statement<S: Scalar>(
     model: &Model,
-    weights: &Weights,
+    weights: &DualMultipliers,
     level: Level,
     mut check: impl FnMut(Statement<S>),
-) -> Balance<S> {
-    let mut tell = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
+) -> Stationarity<S> {
+    let mut emit = |name: String, matrix: Matrix<S>| check(Statement { name, matrix });
     let numbers = Numbers::<S>::new(model, weights, level);
     let mut parts = parts(&numbers, weights);
     let determined = first_end(weights).is_some_and(|end| end.multiplied_sample.is_none());
@@ -118,35 +119,38 @@ pub fn for_each_statement<S: Scalar>(
     }
     determine_integral(&numbers, &mut parts);
     for part in &parts {
-        part.tell(&numbers, &mut tell);
+        part.emit(&numbers, &mut emit);
     }
-    positivity(&numbers, weights, &parts, &mut tell);
+    positivity(&numbers, weights, &parts, &mut emit);
     for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
         let unit = Matrix::<S>::exactly(&weight.unit);
         let mut out = SymmetricBlockMatrix::new(&[numbers.plant.states(), unit.nrows()]);
         out.set(0, 0, &Matrix::exactly(&weight.state));
         out.set(0, 1, &Matrix::exactly(&weight.cross));
         out.set(1, 1, &unit);
-        tell(format!("box {}", bound.name), out.finish());
+        emit(format!("box {}", bound.name), out.finish());
     }
     for (index, weight) in weights.must_contain.iter().enumerate() {
         let name = format!("must contain state {}", index + 1);
-        tell(name, Matrix::exactly(weight));
+        emit(name, Matrix::exactly(weight));
     }
-    Balance {
+    Stationarity {
         constant: constant(model, &numbers, weights, &parts),
         residual: (!determined).then_some(residual),
     }
 }
 
 /// r = 2 of the first gain.
-fn first_end(weights: &Weights) -> Option<&Moments> {
+fn first_end(weights: &DualMultipliers) -> Option<&Moments> {
     weights.gains.first().map(|part| &part.end)
 }
 
-fn parts<'a, S: Scalar>(numbers: &Numbers<S>, weights: &'a Weights) -> Vec<GainMoments<'a, S>> {
+fn parts<'a, S: Scalar>(
+    numbers: &Numbers<S>,
+    weights: &'a DualMultipliers,
+) -> Vec<GainMoments<'a, S>> {
     let n = numbers.plant.states();
-    let part = |part: &'a GainWeights| {
+    let part = |part: &'a GainDuals| {
         let ends = [&part.start, &part.end];
         let cross = |of: fn(&IntegralCross) -> &DMatrix<f64>| match &part.integral_cross {
             Some(cross) => Matrix::exactly(of(cross)),
@@ -174,10 +178,10 @@ fn total<S: Scalar>(
 
 /// Half the coefficient of Qh: sum (E[x' v'] - sum_i E_i[x v'] A_i - (E[w v'] B + E[w p']) F_j) + outer, the
 /// sum over the gains and both ends. The term of F_j is there for given gains only; a free gain has its own
-/// balance.
+/// stationarity.
 fn multiplier_share<S: Scalar>(
     numbers: &Numbers<S>,
-    weights: &Weights,
+    weights: &DualMultipliers,
     parts: &[GainMoments<S>],
 ) -> Matrix<S> {
     let outer = outer_multiplier_share(numbers, weights);
@@ -226,7 +230,7 @@ fn determine_integral<S: Scalar>(numbers: &Numbers<S>, parts: &mut [GainMoments<
 }
 
 /// The part of the coefficient of Qh that comes from the region and the states to be contained.
-fn outer_multiplier_share<S: Scalar>(numbers: &Numbers<S>, weights: &Weights) -> Matrix<S> {
+fn outer_multiplier_share<S: Scalar>(numbers: &Numbers<S>, weights: &DualMultipliers) -> Matrix<S> {
     let n = numbers.plant.states();
     let mut sum = Matrix::zeros(n, n);
     for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
@@ -240,16 +244,16 @@ fn outer_multiplier_share<S: Scalar>(numbers: &Numbers<S>, weights: &Weights) ->
 
 impl<S: Scalar> GainMoments<'_, S> {
     /// Every matrix of this gain.
-    fn tell(&self, numbers: &Numbers<S>, tell: &mut impl FnMut(String, Matrix<S>)) {
+    fn emit(&self, numbers: &Numbers<S>, emit: &mut impl FnMut(String, Matrix<S>)) {
         let suffix = &self.suffix;
         for (r, moments) in [(1, &self.weights.start), (2, &self.weights.end)] {
             for weight in &moments.vertices {
                 let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex + 1);
-                tell(name, Matrix::exactly(&weight.moments));
+                emit(name, Matrix::exactly(&weight.moments));
             }
         }
         for (index, end) in self.ends.iter().enumerate() {
-            end.tell(&format!("r={}{suffix}", index + 1), tell);
+            end.emit(&format!("r={}{suffix}", index + 1), emit);
         }
         let n = numbers.plant.states();
         let end = &self.ends[1];
@@ -260,7 +264,7 @@ impl<S: Scalar> GainMoments<'_, S> {
         out.set(1, 1, &end.kk);
         out.set(1, 2, &self.integral[1]);
         out.set(2, 2, &Matrix::exactly(&self.weights.integral));
-        tell(format!("decrease r=2{suffix} integral"), out.finish());
+        emit(format!("decrease r=2{suffix} integral"), out.finish());
         let cross = self.input_cross(numbers);
         for (input, weight) in self.weights.inputs.iter().enumerate() {
             let unit = S::from_f64(weight.unit);
@@ -268,7 +272,7 @@ impl<S: Scalar> GainMoments<'_, S> {
             out.set(0, 0, &Matrix::exactly(&weight.state));
             out.set(0, 1, &cross.row(input).transposed());
             out.set(1, 1, &Matrix::identity(1, unit));
-            tell(
+            emit(
                 format!("anti-windup input {}{suffix}", input + 1),
                 out.finish(),
             );
@@ -289,13 +293,13 @@ impl<S: Scalar> GainMoments<'_, S> {
     }
 }
 
-/// The weights of Uh > 0, Yh > 0, Wh > 0 and, for given gains, S > 0, which make the coefficients of these
+/// The dual multipliers of Uh > 0, Yh > 0, Wh > 0 and, for given gains, S > 0, which make the coefficients of these
 /// unknowns vanish.
 fn positivity<S: Scalar>(
     numbers: &Numbers<S>,
-    weights: &Weights,
+    weights: &DualMultipliers,
     parts: &[GainMoments<S>],
-    tell: &mut impl FnMut(String, Matrix<S>),
+    emit: &mut impl FnMut(String, Matrix<S>),
 ) {
     let n = numbers.plant.states();
     let zero = || Matrix::<S>::zeros(n, n);
@@ -317,28 +321,28 @@ fn positivity<S: Scalar>(
     for weight in &weights.must_contain {
         lyapunov = lyapunov.plus(&Matrix::exactly(weight).scaled(&rho_squared));
     }
-    tell("lyapunov positive".to_string(), lyapunov);
+    emit("lyapunov positive".to_string(), lyapunov);
     let integral = parts.iter().fold(zero(), |sum, part| {
         let [start, _] = &part.ends;
         let rates = start.rate_rate(&numbers.eps).scaled(&numbers.hbar);
         let integral = Matrix::exactly(&part.weights.integral).scaled(&numbers.factor);
         sum.plus(&rates.minus(&integral))
     });
-    tell("integral weight positive".to_string(), integral);
+    emit("integral weight positive".to_string(), integral);
     let ends = parts.iter().flat_map(|part| &part.ends);
     let triggers = ends.filter_map(|end| end.trigger(&numbers.nu));
-    // With w = x(t_k^l) at one end its share is nu E[w w'], which is positive semidefinite.
+    // With w = x(t_k^l) at one end its term is nu E[w w'], which is positive semidefinite.
     if let Some(trigger) = triggers.reduce(|sum, trigger| sum.plus(&trigger)) {
-        tell("trigger weight positive".to_string(), trigger);
+        emit("trigger weight positive".to_string(), trigger);
     }
-    sector_positivity(numbers, parts, tell);
+    sector_positivity(numbers, parts, emit);
 }
 
 /// -2 sum (B' E[v p'] + E[p p'])_ss for every input s.
 fn sector_positivity<S: Scalar>(
     numbers: &Numbers<S>,
     parts: &[GainMoments<S>],
-    tell: &mut impl FnMut(String, Matrix<S>),
+    emit: &mut impl FnMut(String, Matrix<S>),
 ) {
     let ends = parts.iter().flat_map(|part| &part.ends);
     let zones = ends.filter_map(|end| end.dead_zone.as_ref());
@@ -350,15 +354,15 @@ fn sector_positivity<S: Scalar>(
     for k in 0..sum.nrows() {
         let weight = -(sum.at(k, k).clone() + sum.at(k, k).clone());
         let name = format!("sector weight input {}", k + 1);
-        tell(name, Matrix::identity(1, weight));
+        emit(name, Matrix::identity(1, weight));
     }
 }
 
-/// `sum_k <F0_k, Z_k>`. The weight of xi <= xi_max is the sum of the traces of E[tau tau'].
+/// `sum_k <F0_k, Z_k>`. The multiplier of xi <= xi_max is the sum of the traces of E[tau tau'].
 fn constant<S: Scalar>(
     model: &Model,
     numbers: &Numbers<S>,
-    weights: &Weights,
+    weights: &DualMultipliers,
     parts: &[GainMoments<S>],
 ) -> S {
     let mut sum = S::zero();

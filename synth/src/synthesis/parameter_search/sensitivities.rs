@@ -1,6 +1,6 @@
-//! Why a search did not reach what was asked for, and what holds it back.
+//! The limiting factors of a search: the sensitivities of its objective.
 
-use super::inner::{Aim, Inner, SearchPoint, Turn};
+use super::evaluator::{Aim, Evaluator, Perturbation, SearchPoint};
 use super::parameters::Parameter;
 use crate::model::{ModelFile, PlantFile};
 use crate::programs::{Sensitivity, SynthesisError};
@@ -8,19 +8,23 @@ use crate::programs::{Sensitivity, SynthesisError};
 /// Effects below this are left out.
 const SMALLEST: f64 = 0.01;
 
-/// What a number of the model does to the value.
-struct Knob {
+/// A number of the model, and its perturbation.
+struct ModelNumber {
     what: String,
     value: f64,
-    turn: Box<Turn>,
+    perturb: Box<Perturbation>,
 }
 
-fn knobs(file: &ModelFile, fixed: &[Parameter]) -> Vec<Knob> {
+fn numbers(file: &ModelFile, fixed: &[Parameter]) -> Vec<ModelNumber> {
     let mut out = Vec::new();
-    let mut push = |what: &str, value: f64, turn: Box<Turn>| {
+    let mut push = |what: &str, value: f64, perturb: Box<Perturbation>| {
         if value > 0.0 {
             let what = what.to_string();
-            out.push(Knob { what, value, turn });
+            out.push(ModelNumber {
+                what,
+                value,
+                perturb,
+            });
         }
     };
     push(
@@ -68,22 +72,22 @@ fn knobs(file: &ModelFile, fixed: &[Parameter]) -> Vec<Knob> {
             Parameter::FirstWeight => "eps_1".to_string(),
             Parameter::ThirdWeight => "eps_3".to_string(),
         };
-        let turn = move |file: &mut ModelFile, factor: f64| {
+        let perturb = move |file: &mut ModelFile, factor: f64| {
             if let Some(value) = parameter.of(file) {
                 parameter.set(file, value * factor);
             }
         };
-        push(&what, value, Box::new(turn));
+        push(&what, value, Box::new(perturb));
     }
     out
 }
 
-/// What holds a point back: the numbers that the search could not change (further), by their effect.
+/// The limiting factors at a point: the numbers that the search could not change (further), sorted by their effect.
 pub fn sensitivities(
-    inner: &Inner<'_>,
+    evaluator: &Evaluator<'_>,
     point: &SearchPoint,
 ) -> Result<Vec<Sensitivity>, SynthesisError> {
-    let file = inner.space.at(&point.coordinates);
+    let file = evaluator.space.at(&point.coordinates);
     let all = [
         Parameter::DecayRate,
         Parameter::Threshold,
@@ -94,7 +98,7 @@ pub fn sensitivities(
         Parameter::ScalarPart,
     ];
     let free = |parameter: &Parameter| {
-        let ranges = inner.space.ranges.iter().zip(&point.coordinates);
+        let ranges = evaluator.space.ranges.iter().zip(&point.coordinates);
         let mut ranges = ranges.filter(|(range, _)| range.parameter == *parameter);
         ranges.any(|(range, &at)| {
             let [low, high] = range.coordinates();
@@ -105,24 +109,24 @@ pub fn sensitivities(
         .into_iter()
         .filter(|parameter| !free(parameter))
         .collect();
-    let knobs = knobs(&file, &fixed);
-    let turns: Vec<&Turn> = knobs.iter().map(|knob| &*knob.turn).collect();
-    let slopes = inner.slopes_along(point, &turns)?;
-    let mut out: Vec<Sensitivity> = knobs
+    let numbers = numbers(&file, &fixed);
+    let perturbations: Vec<&Perturbation> = numbers.iter().map(|number| &*number.perturb).collect();
+    let slopes = evaluator.slopes_along(point, &perturbations)?;
+    let mut out: Vec<Sensitivity> = numbers
         .iter()
         .zip(slopes)
-        .map(|(knob, per_cent)| Sensitivity {
-            what: knob.what.clone(),
-            value: knob.value,
+        .map(|(number, per_cent)| Sensitivity {
+            what: number.what.clone(),
+            value: number.value,
             per_cent,
         })
         .collect();
     if let Aim::Reach {
         gamma_max: Some(gamma),
         ..
-    } = inner.aim
+    } = evaluator.aim
     {
-        if let Some(per_cent) = inner.slope_along_gamma(point)? {
+        if let Some(per_cent) = evaluator.slope_along_gamma(point)? {
             let what = "largest gain bound gamma_max".to_string();
             let value = *gamma;
             out.push(Sensitivity {

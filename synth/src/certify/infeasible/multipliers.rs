@@ -1,13 +1,13 @@
-//! Dual weights of the conditions, and which of them fit a model.
+//! Dual multipliers of the conditions, and which of them fit a model.
 
 use nalgebra::DMatrix;
 
 use crate::conditions::GainPlan;
 use crate::model::{Mismatch, Model};
 
-/// Weight of (18) at one vertex: second moments of (x, v), 2n x 2n, symmetric.
+/// Dual multiplier of (18) at one vertex: second moments of (x, v), 2n x 2n, symmetric.
 #[derive(Debug, Clone, PartialEq)]
-pub struct VertexWeight {
+pub struct VertexDual {
     /// Index of the vertex, from 0.
     pub vertex: usize,
     /// The moments.
@@ -36,14 +36,14 @@ pub struct DeadZoneMoments {
     pub own: DMatrix<f64>,
 }
 
-/// Weights of (18) at one end of the sampling interval. n states, m inputs, d disturbances.
+/// Dual multipliers of (18) at one end of the sampling interval. n states, m inputs, d disturbances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moments {
-    /// One weight for each vertex that matters; those left out have weight 0.
-    pub vertices: Vec<VertexWeight>,
+    /// One for each vertex that matters; the multipliers of the others are 0.
+    pub vertices: Vec<VertexDual>,
     /// E[x x(t_k^l)'], n x n.
     pub state_sample: DMatrix<f64>,
-    /// E[v x(t_k^l)'], n x n; `None` when the balance of the multiplier determines it (r = 2 of the first
+    /// E[v x(t_k^l)'], n x n; `None` when the stationarity of the multiplier determines it (r = 2 of the first
     /// gain only).
     pub multiplied_sample: Option<DMatrix<f64>>,
     /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
@@ -67,18 +67,18 @@ pub struct IntegralCross {
     pub sample: DMatrix<f64>,
 }
 
-/// Weight of one condition (19): `[ state, *; *, unit ]`.
+/// Dual multiplier of one condition (19): `[ state, *; *, unit ]`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct InputWeight {
+pub struct InputDual {
     /// n x n, symmetric.
     pub state: DMatrix<f64>,
     /// The corner.
     pub unit: f64,
 }
 
-/// Weight of one condition of the region, with k rows: `[ state, cross; *, unit ]`.
+/// Dual multiplier of one condition of the region, with k rows: `[ state, cross; *, unit ]`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RegionWeight {
+pub struct RegionDual {
     /// n x n, symmetric.
     pub state: DMatrix<f64>,
     /// n x k.
@@ -87,43 +87,43 @@ pub struct RegionWeight {
     pub unit: DMatrix<f64>,
 }
 
-/// Weights of the conditions of one gain.
+/// Dual multipliers of the conditions of one gain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GainWeights {
+pub struct GainDuals {
     /// Which of the given gains, from 0; 0 where the gain is free.
     pub gain: usize,
-    /// Weights of (18), r = 1.
+    /// Dual multipliers of (18), r = 1.
     pub start: Moments,
-    /// Weights of (18), r = 2.
+    /// Dual multipliers of (18), r = 2.
     pub end: Moments,
     /// E[s s'], n x n, symmetric: the integral's coordinate in r = 2.
     pub integral: DMatrix<f64>,
-    /// Its moments with the states; `None` exactly for the first gain, where the balance of L1h and L2h
+    /// Its moments with the states; `None` exactly for the first gain, where the stationarity of L1h and L2h
     /// determines them.
     pub integral_cross: Option<IntegralCross>,
-    /// Weights of (19), one for each input.
-    pub inputs: Vec<InputWeight>,
+    /// Dual multipliers of (19), one for each input.
+    pub inputs: Vec<InputDual>,
 }
 
-/// Weights that show that no design exists, in SI units.
+/// Dual multipliers that show that no design exists, in SI units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weights {
+pub struct DualMultipliers {
     /// The given gains F_j, m x n, that no design has; empty: no constant gain has one.
     pub given: Vec<DMatrix<f64>>,
     /// The weight rho of the containment condition; above 0. Without effect when the model has no
     /// states that must be contained.
     pub containment_weight: f64,
-    /// Weights of the conditions of each gain that matters: at least one, and exactly one where the gain is
+    /// Dual multipliers of the conditions of each gain that matters: at least one, and exactly one where the gain is
     /// free.
-    pub gains: Vec<GainWeights>,
-    /// Weights of the region's conditions, in their order.
-    pub region: Vec<RegionWeight>,
-    /// Weights of the containment conditions, n x n, symmetric, one for each state; empty where the rest is
+    pub gains: Vec<GainDuals>,
+    /// Dual multipliers of the region's conditions, in their order.
+    pub region: Vec<RegionDual>,
+    /// Dual multipliers of the containment conditions, n x n, symmetric, one for each state; empty where the rest is
     /// refuted already, which covers every rho.
     pub must_contain: Vec<DMatrix<f64>>,
 }
 
-impl Weights {
+impl DualMultipliers {
     /// True when the model's conditions hold for rule i of the plant with gain i, not for every vertex
     /// with every gain.
     pub fn is_matched(&self, model: &Model) -> bool {
@@ -132,22 +132,22 @@ impl Weights {
             && model.plant.membership_count() == Some(self.given.len())
     }
 
-    /// Every weight belongs to a condition that there is, and the parts that are determined or without
+    /// Every dual multiplier belongs to an existing condition, and the parts that are determined or without
     /// meaning are left out.
     pub(super) fn fits(&self, model: &Model) -> bool {
         let free = self.given.is_empty();
-        // Weights about a free gain say nothing about scheduled ones.
+        // Dual multipliers about a free gain prove nothing about scheduled ones.
         let constant = model.task().gains == GainPlan::constant();
         let matched = self.is_matched(model);
-        let known = |part: &GainWeights| match free {
+        let known = |part: &GainDuals| match free {
             true => part.gain == 0,
             false => part.gain < self.given.len(),
         };
-        let pairs = |part: &GainWeights| {
+        let pairs = |part: &GainDuals| {
             let mut vertices = part.start.vertices.iter().chain(&part.end.vertices);
             !matched || vertices.all(|weight| weight.vertex == part.gain)
         };
-        let dead_zone = |part: &GainWeights| {
+        let dead_zone = |part: &GainDuals| {
             let ends = [&part.start, &part.end];
             ends.iter().all(|end| end.dead_zone.is_none() == free)
         };

@@ -31,16 +31,16 @@ pub struct Coupling {
     pub trigger_multiple: f64,
 }
 
-/// The outer certificate with the model it belongs to.
+/// The large-set certificate with the model it belongs to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OuterCertificate {
-    /// The model on the outer box.
+pub struct LargeSetCertificate {
+    /// The model on the box of the large set.
     pub model: Model,
     /// The numbers, those of the controller included.
     pub certificate: Certificate,
 }
 
-/// What the names of the outer conditions begin with.
+/// Prefix of the names of the large-set conditions.
 const OUTER: &str = "outer ";
 
 /// The report on two certificates: proved when both are.

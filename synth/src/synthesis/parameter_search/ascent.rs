@@ -1,8 +1,8 @@
-//! Uphill with the slopes that the multipliers give: a quasi-Newton method inside limits.
+//! Maximisation with the gradient that the dual solution gives: a quasi-Newton method inside bounds.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::inner::{Inner, SearchPoint};
+use super::evaluator::{Evaluator, SearchPoint};
 use super::parameters::Space;
 use crate::programs::SynthesisError;
 
@@ -11,8 +11,8 @@ use crate::programs::SynthesisError;
 pub struct Effort {
     /// Most rounds; each solves at two points.
     pub rounds: usize,
-    /// A rise of the height per round that is not worth another round.
-    pub rise: f64,
+    /// Increase of the objective in one round below which another round is not worth it.
+    pub increase: f64,
 }
 
 /// First and largest change of a coordinate in a round.
@@ -21,11 +21,11 @@ const STEPS: [f64; 2] = [0.4, 1.2];
 /// Smallest change of a coordinate worth trying.
 const SMALLEST_STEP: f64 = 2e-3;
 
-/// The shorter of the two steps tried in a round, as a part of the longer.
+/// The shorter of the two steps tried in a round, as a fraction of the longer.
 const SHORTER: f64 = 0.3;
 
-/// Rounds in a row with a small rise after which the search ends.
-const SMALL_RISES: usize = 2;
+/// Rounds in a row with a small increase after which the search ends.
+const SMALL_INCREASES: usize = 2;
 
 struct Ascent<'a> {
     space: &'a Space,
@@ -36,17 +36,17 @@ struct Ascent<'a> {
     longest: f64,
 }
 
-/// Climbs from a solved point. `tell` hears of every point that is better than the last, and says whether
-/// to go on.
-pub fn climb(
-    inner: &Inner<'_>,
+/// Maximises from a solved point. `emit` is called with every point that is better than the last; `false` stops the
+/// search.
+pub fn ascend(
+    evaluator: &Evaluator<'_>,
     start: SearchPoint,
     effort: Effort,
-    tell: &mut dyn FnMut(&SearchPoint) -> bool,
+    emit: &mut dyn FnMut(&SearchPoint) -> bool,
 ) -> Result<SearchPoint, SynthesisError> {
     let size = start.coordinates.len();
     let mut ascent = Ascent {
-        space: inner.space,
+        space: evaluator.space,
         best: start,
         curvature: DMatrix::identity(size, size),
         known: false,
@@ -57,8 +57,8 @@ pub fn climb(
         let Some(direction) = ascent.direction() else {
             break;
         };
-        let height = ascent.best.value.height;
-        let found = ascent.try_both(inner, &direction)?;
+        let objective = ascent.best.value.objective;
+        let found = ascent.try_both(evaluator, &direction)?;
         match found {
             Some((point, whole)) => {
                 if whole {
@@ -68,7 +68,7 @@ pub fn climb(
                 }
                 ascent.learn(&point);
                 ascent.best = point;
-                if !tell(&ascent.best) {
+                if !emit(&ascent.best) {
                     break;
                 }
             }
@@ -80,9 +80,13 @@ pub fn climb(
                 continue;
             }
         }
-        let rise = ascent.best.value.height - height;
-        small = if rise < effort.rise { small + 1 } else { 0 };
-        if small >= SMALL_RISES {
+        let increase = ascent.best.value.objective - objective;
+        small = if increase < effort.increase {
+            small + 1
+        } else {
+            0
+        };
+        if small >= SMALL_INCREASES {
             break;
         }
     }
@@ -90,7 +94,7 @@ pub fn climb(
 }
 
 impl Ascent<'_> {
-    /// The slope without the parts that lead out of the limits.
+    /// The gradient, with 0 for the coordinates that would leave their bounds.
     fn free_slope(&self) -> DVector<f64> {
         let ranges = self.space.ranges.iter();
         let parts = ranges
@@ -108,7 +112,7 @@ impl Ascent<'_> {
         DVector::from_iterator(self.best.coordinates.len(), parts)
     }
 
-    /// Where to go, no coordinate farther than the longest step; `None` on a summit.
+    /// The search direction, no coordinate changed by more than the longest step; `None` at an optimum.
     fn direction(&mut self) -> Option<DVector<f64>> {
         let slope = self.free_slope();
         let mask = |mut vector: DVector<f64>| {
@@ -140,7 +144,7 @@ impl Ascent<'_> {
     /// The better of a long and a short step, if it is better than the best so far, and whether it is the long one.
     fn try_both(
         &self,
-        inner: &Inner<'_>,
+        evaluator: &Evaluator<'_>,
         direction: &DVector<f64>,
     ) -> Result<Option<(SearchPoint, bool)>, SynthesisError> {
         let at = |part: f64| {
@@ -149,18 +153,18 @@ impl Ascent<'_> {
             self.space.inside(&to)
         };
         let solve = |coordinates: Vec<f64>| -> Result<Option<SearchPoint>, SynthesisError> {
-            let value = inner.solve(&coordinates, &self.best.value.linearisation)?;
+            let value = evaluator.solve(&coordinates, &self.best.value.linearisation)?;
             Ok(value.map(|value| SearchPoint { coordinates, value }))
         };
         let (long, short) = rayon::join(|| solve(at(1.0)), || solve(at(SHORTER)));
-        let height = |point: &Option<SearchPoint>| {
-            let height = point.as_ref().map(|point| point.value.height);
-            height.unwrap_or(f64::NEG_INFINITY)
+        let objective = |point: &Option<SearchPoint>| {
+            let objective = point.as_ref().map(|point| point.value.objective);
+            objective.unwrap_or(f64::NEG_INFINITY)
         };
         let (long, short) = (long?, short?);
-        let whole = height(&long) >= height(&short);
+        let whole = objective(&long) >= objective(&short);
         let better = if whole { long } else { short };
-        let better = better.filter(|point| point.value.height > self.best.value.height);
+        let better = better.filter(|point| point.value.objective > self.best.value.objective);
         Ok(better.map(|point| (point, whole)))
     }
 

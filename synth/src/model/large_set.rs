@@ -11,7 +11,7 @@ pub(super) fn choice(reason: &str) -> ModelError {
     }
 }
 
-/// The model file with the outer specifications in the place of its own.
+/// The model file with the specifications of the large set in the place of its own.
 pub(super) fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile, ModelError> {
     let mut out = file.clone();
     let PlantFile::Exact(exact) = &mut out.plant else {
@@ -32,8 +32,8 @@ pub(super) fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile,
     Ok(out)
 }
 
-/// Checks the outer specifications of a model file under their own names.
-pub(super) fn check_outer(file: &ModelFile) -> Result<(), ModelError> {
+/// Checks the specifications of the large set (`specs.outer`) under their own names.
+pub(super) fn check_large_set(file: &ModelFile) -> Result<(), ModelError> {
     let Some(outer) = &file.specs.outer else {
         return match file.specs.objective {
             Objective::Both => Err(choice("is missing; the objective \"both\" needs it")),
