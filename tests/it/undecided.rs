@@ -144,6 +144,55 @@ fn a_stable_plant_in_unlike_units_is_not_called_infeasible() {
 }
 
 #[test]
+fn modes_that_are_hardly_coupled_are_not_called_infeasible() {
+    // Controllable, so that a feedback exists; the solutions have entries beyond 1e10.
+    let folder = folder();
+    for (coupling, input) in [(7.6e-6, [0.0, 1.0]), (1.0, [1e-6, 1.0])] {
+        let problem = json!({
+            "schema_version": 1,
+            "name": "coupled",
+            "plant": { "vertices": {
+                "state_matrices": [[[1.0, coupling], [0.0, 0.5]]],
+                "input_matrix": [[input[0]], [input[1]]],
+            } },
+            "problem": { "quadratic_stabilisation": {} },
+        });
+        let problem = write(folder.path(), "coupled.json", problem.to_string());
+        let output = run("synthesize", &problem, &["--json"]);
+        assert_ne!(output.json()["status"], "infeasible", "coupling {coupling}");
+    }
+}
+
+#[test]
+fn a_given_feedback_that_cannot_be_proved_is_refuted_for_every_size_of_p() {
+    let folder = folder();
+    let mut problem = json(&shipped("oscillator-stability.json"));
+    let stiffness = "/plant/vertices/state_matrices/1/1/0";
+    set(&mut problem, stiffness, json!(-9.1));
+    let path = write(folder.path(), "soft.json", problem.to_string());
+    let report = run("synthesize", &path, &["--json"]).ends_with(2).json();
+    assert_eq!(report["status"], "infeasible");
+    assert_eq!(number(&report, "/excluded_radius"), f64::MAX);
+    assert_eq!(number(&report, "/excluded_margin"), 0.0);
+}
+
+#[test]
+fn a_design_beyond_the_models_largest_weight_is_none_for_the_model() {
+    let folder = folder();
+    // The limit is active: without it the weight is larger.
+    let model = cart(folder.path(), &[("/specs/xi_max", json!(1.2))]);
+    let design = folder.path().join("design.json");
+    let more = ["--json", "-o", design.to_str().unwrap()];
+    let report = run("synthesize", &model, &more).ends_with(0).json();
+    assert!(number(&report, "/xi") <= 1.2, "{report}");
+    let mut file = json(&design);
+    set(&mut file, "/model/specs/xi_max", json!(1.0));
+    let path = write(folder.path(), "beyond.json", file.to_string());
+    let report = run("verify", &path, &["--json"]).ends_with(2).json();
+    assert_eq!(report["worst"]["name"], "disturbance weight within xi_max");
+}
+
+#[test]
 fn a_no_of_the_first_solver_is_followed_by_the_other() {
     let folder = folder();
     // Nearly too weak: no design with a trigger this coarse is found.

@@ -97,7 +97,7 @@ pub fn judge_all(
     }
 }
 
-fn judge(statement: &Statement<Interval>) -> (bool, f64) {
+pub(crate) fn judge(statement: &Statement<Interval>) -> (bool, f64) {
     let matrix = &statement.matrix;
     let symmetric = IntervalMatrix::from_upper(matrix.nrows(), |r, c| *matrix.at(r, c));
     match prove_positive_definite(&symmetric) {

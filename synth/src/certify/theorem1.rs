@@ -67,7 +67,21 @@ pub fn for_each_condition<S: Scalar>(
     assembly.peak_gain(&mut emit);
     assembly.region(&mut emit);
     assembly.must_contain(model, &mut emit);
+    weight_limit(model, certificate, &mut emit);
     assembly.certified_attitudes(model, &mut emit);
+}
+
+/// xi above the model's xi_max is no design for the model; a condition of its own only where it fails.
+fn weight_limit<S: Scalar>(
+    model: &Model,
+    certificate: &Certificate,
+    emit: &mut impl FnMut(String, Matrix<S>),
+) {
+    let within = certificate.disturbance_weight <= model.file.specs.xi_max;
+    if !within {
+        let name = "disturbance weight within xi_max".to_string();
+        emit(name, Matrix::identity(1, -S::one()));
+    }
 }
 
 /// Every inertia of the set is positive definite.

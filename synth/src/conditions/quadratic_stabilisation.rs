@@ -59,6 +59,24 @@ impl DesignProblem for QuadraticStabilisation {
         out
     }
 
+    /// `sum_i (Z_i (A_i + B F) + (A_i + B F)' Z_i + 2 alpha Z_i)`. Its product with any Q > 0 is
+    /// `sum_i <Z_i, (A_i + B F) Q + Q (A_i + B F)' + 2 alpha Q>`: positive if it is positive definite, negative if Q
+    /// satisfies the strict decay conditions and some Z_i is not zero.
+    fn refutation<S: Scalar>(&self, plant: &VertexPlant, z: &[DMatrix<f64>]) -> Option<Matrix<S>> {
+        let gain = Matrix::<S>::exactly(plant.gain.as_ref()?);
+        let fed_back = Matrix::exactly(&plant.input).times(&gain);
+        let rate = S::from_f64(self.decay_rate);
+        let twice = rate.clone() + rate;
+        let zero = Matrix::zeros(plant.states(), plant.states());
+        let pairs = plant.vertices.iter().zip(z);
+        Some(pairs.fold(zero, |sum, (vertex, z)| {
+            let z = Matrix::exactly(z);
+            let closed = Matrix::exactly(vertex).plus(&fed_back);
+            let decay = z.times(&closed).symmetrised();
+            sum.plus(&decay).plus(&z.scaled(&twice))
+        }))
+    }
+
     /// P is scaled to `I < P < c^2 I`.
     fn claim(&self, found: &mut StateFeedback, _objective: f64, _units: &Units) {
         let eigenvalues = found.lyapunov.symmetric_eigenvalues();

@@ -51,6 +51,17 @@ pub trait DesignProblem: Sized {
     /// they are the whole proof.
     fn statements<S: Scalar>(&self, proof: &Proof<S>, emit: &mut dyn FnMut(String, Matrix<S>));
 
+    /// A matrix that, positive definite, shows that no P > 0 satisfies the conditions with the plant's given feedback,
+    /// from positive semidefinite multipliers Z_i of the decay conditions, not all zero: an exact refutation, whatever
+    /// the size of P. `None` where the problem is not homogeneous in P or its feedback is sought.
+    fn refutation<S: Scalar>(
+        &self,
+        _plant: &VertexPlant,
+        _z: &[DMatrix<f64>],
+    ) -> Option<Matrix<S>> {
+        None
+    }
+
     /// What the proof assumes, in words.
     fn assumptions(&self) -> Vec<String>;
 }

@@ -1,11 +1,17 @@
 //! Proofs that a design problem has no solution.
 
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
+use nalgebra::DMatrix;
+
+use crate::certify::judge;
+use crate::certify::theorem1::Statement;
 use crate::conditions::state_feedback::{DesignProblem, VertexPlant};
 use sdp::centre::centred;
 use sdp::exclusion::exclude;
 use sdp::lmi::{svec_index, Cone, Semidefinite};
 use sdp::solve::Solution;
+use verified::interval::Interval;
+use verified::matrix::Matrix;
 
 /// Fraction of the slack above the margin that the dual multipliers of a proof keep; the rest moves them into the
 /// interior.
@@ -26,21 +32,19 @@ pub struct InfeasibilityProof {
     pub largest_returned: f64,
 }
 
-/// A radius must exceed what solvers returned by this factor before it counts as no bound at all.
-const RADIUS_FACTOR: f64 = 1e6;
-
 impl InfeasibilityProof {
-    /// True when the statement needs no bound on the unknowns, or one so far beyond every point that a solver
-    /// returned that it does not matter.
+    /// True when the statement needs neither a bound on the unknowns nor a margin. A bound proves nothing, however
+    /// large: plants exist whose only solutions have entries far beyond what any solver returns.
     pub fn conclusive(&self) -> bool {
-        self.radius == f64::INFINITY || self.radius >= RADIUS_FACTOR * self.largest_returned
+        self.radius == f64::INFINITY && self.margin == 0.0
     }
 }
 
-/// The dual solution of the smallest slack as a proof that there is no solution.
+/// The dual solution of the smallest slack as a proof that there is no solution. `original` are the problem and its
+/// plant in the file's units, `scaled` in those of the solver.
 pub(super) fn infeasibility_proof<P: DesignProblem>(
-    requested: &P,
-    plant: &VertexPlant,
+    original: (&P, &VertexPlant),
+    (requested, plant): (&P, &VertexPlant),
     smallest_slack: &Program,
     solution: &Solution,
     largest_returned: f64,
@@ -54,6 +58,14 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
     let carried = targets.map(|target| carried_only(&problem, &solution.duals, -target));
     let centres = centres.into_iter().chain(carried).flatten();
     let candidates: Vec<_> = centres.chain(shifted).collect();
+    let exactly = |multipliers: &Vec<Vec<f64>>| refutes(original, &problem, multipliers);
+    if candidates.iter().any(exactly) {
+        return Some(InfeasibilityProof {
+            radius: f64::INFINITY,
+            margin: 0.0,
+            largest_returned,
+        });
+    }
     [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
         let bare = program(requested, plant, ProblemGoal::Margin(margin))
             .problem
@@ -68,6 +80,35 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
             largest_returned,
         })
     })
+}
+
+/// True when the multipliers of the decay conditions, those that are proved positive definite, refute the problem
+/// whatever the size of its unknowns.
+fn refutes<P: DesignProblem>(
+    (requested, plant): (&P, &VertexPlant),
+    problem: &Semidefinite,
+    multipliers: &[Vec<f64>],
+) -> bool {
+    let n = plant.states();
+    let proved = |name: String, matrix: Matrix<Interval>| judge(&Statement { name, matrix }).0;
+    let of_vertex = |vertex: usize| {
+        let name = format!("decay vertex {}", vertex + 1);
+        let index = problem.cones.iter().position(|cone| cone.name == name)?;
+        let dual = multipliers.get(index)?;
+        let z = DMatrix::from_fn(n, n, |r, c| dual[svec_index(r.min(c), r.max(c))]);
+        let definite = z.iter().all(|entry| entry.is_finite()) && proved(name, Matrix::exactly(&z));
+        definite.then_some(z)
+    };
+    let found: Vec<Option<DMatrix<f64>>> = (0..plant.vertices.len()).map(of_vertex).collect();
+    if found.iter().all(Option::is_none) {
+        return false;
+    }
+    let z: Vec<DMatrix<f64>> = found
+        .into_iter()
+        .map(|z| z.unwrap_or_else(|| DMatrix::zeros(n, n)))
+        .collect();
+    let matrix = requested.refutation::<Interval>(plant, &z);
+    matrix.is_some_and(|matrix| proved("refutation".to_string(), matrix))
 }
 
 /// The centred dual matrices of the cones that carry the dual solution, zero for all others. A matrix that must vanish,

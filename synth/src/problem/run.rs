@@ -130,7 +130,7 @@ impl FeedbackSynthesis<'_> {
         }
         let failure = self.explain(requested, &units, solvers)?;
         let blocked = match failure.slack {
-            Some(slack) => slack > SLACK_SHARE * SLACK_MARGIN,
+            Some(slack) => slack > (SLACK_SHARE - 1.0) * SLACK_MARGIN,
             None => refused,
         };
         Ok(match failure.infeasibility {
@@ -181,7 +181,12 @@ impl FeedbackSynthesis<'_> {
                     objective,
                 );
                 let Some(found) = found else { continue };
-                let design = self.finish::<P>(&found)?;
+                let design = match self.finish::<P>(&found) {
+                    Ok(design) => design,
+                    // Numbers that no design file may hold: a failed attempt.
+                    Err(SynthesisError::Invalid(_)) => continue,
+                    Err(other) => return Err(other),
+                };
                 if design.report.verdict == Verdict::Proved {
                     return Ok(Ok(design));
                 }
@@ -286,7 +291,8 @@ impl FeedbackSynthesis<'_> {
         let infeasibility = found
             .iter()
             .filter_map(|(program, solution)| {
-                infeasibility_proof(&scaled, &plant, program, solution, largest)
+                let original = (requested, &self.problem.plant);
+                infeasibility_proof(original, (&scaled, &plant), program, solution, largest)
             })
             .max_by(|a, b| a.radius.total_cmp(&b.radius));
         let solved = found.iter().filter(|(_, solution)| usable(solution));
@@ -294,7 +300,8 @@ impl FeedbackSynthesis<'_> {
         let carrier = smallest.or(found.first());
         Ok(ProblemFailure {
             infeasibility,
-            slack: smallest.map(|(_, solution)| solution.objective),
+            // Without the margin that was asked for.
+            slack: smallest.map(|(_, solution)| solution.objective - SLACK_MARGIN),
             blocking: carrier.map_or(Vec::new(), |(program, solution)| {
                 blocking(&program.problem.conditions, solution)
             }),
