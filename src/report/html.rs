@@ -33,7 +33,7 @@ pub(crate) fn put(body: &mut String, text: std::fmt::Arguments) {
 }
 
 /// The head of a section and a table of names and values; the section stays open.
-pub(crate) fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
+pub(crate) fn numbers<N: AsRef<str>>(title: &str, rows: &[(N, String)], body: &mut String) {
     put(
         body,
         format_args!("<section><h2>{title}</h2>\n<table class=\"numbers\">\n"),
@@ -43,7 +43,7 @@ pub(crate) fn numbers(title: &str, rows: &[(&str, String)], body: &mut String) {
             body,
             format_args!(
                 "<tr><th>{}</th><td>{}</td></tr>\n",
-                escape(name),
+                escape(name.as_ref()),
                 escape(value)
             ),
         );

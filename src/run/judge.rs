@@ -17,6 +17,7 @@ use crate::sim::closed_loop::End;
 use crate::sim::events::EventCount;
 use crate::sim::integrator::Method;
 use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
+use crate::sim::metrics::Measured;
 use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 use crate::sim::transmissions::TransmissionBound;
@@ -27,10 +28,8 @@ pub(crate) struct Parts<'a> {
     pub system: &'static str,
     pub controller: String,
     pub events: &'a EventCount,
-    /// Updates, largest torque (N m), impulse (N m s), time with a torque (s).
-    pub effort: (u64, f64, f64, f64),
+    pub measured: Measured,
     pub steps: u64,
-    pub settle_seconds: Option<f64>,
     pub torque_limit: Vec<f64>,
     pub settle_tolerance: f64,
     pub notes: Vec<String>,
@@ -47,7 +46,6 @@ pub(crate) fn summary(
     certificate: Option<CertificateOutcome>,
 ) -> Summary {
     let events = parts.events;
-    let (updates, max_torque, impulse, on_s) = parts.effort;
     let mut notes = parts.notes;
     if let End::Diverged { time_s } = parts.end {
         notes.push(format!(
@@ -58,7 +56,6 @@ pub(crate) fn summary(
         .as_ref()
         .map_or(0, CertificateOutcome::violations);
     let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
-    let violations = broken.max(left);
     let bound = TransmissionBound::of_instants(&scenario.instants);
     notes.extend(closer_samples(design, bound));
     Summary {
@@ -68,23 +65,10 @@ pub(crate) fn summary(
         system: parts.system.to_string(),
         controller: parts.controller,
         verdict: RunVerdict::RequirementsMissed,
-        triggers: events.triggers,
-        updates,
-        bits: events.bits,
-        bytes: events.bytes,
-        settle_seconds: parts.settle_seconds,
-        final_error_deg: None,
-        rms_error_deg: None,
-        tail_error_deg: None,
-        final_state_norm: None,
-        rms_state_norm: None,
-        max_rate: None,
-        max_torque,
-        impulse,
-        on_time_share: on_s / scenario.duration_s,
-        turn_ons: None,
-        turn_offs: None,
-        violations,
+        measured: Measured {
+            violations: broken.max(left),
+            ..parts.measured
+        },
         requirements: Vec::new(),
         samples: events.samples,
         steps: parts.steps,

@@ -23,6 +23,7 @@ use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::controller::{AnyController, Controller};
 use crate::sim::link::Link;
 use crate::sim::lyapunov::LyapunovMonitor;
+use crate::sim::metrics::Measured;
 use crate::sim::padding;
 use crate::sim::profile::Profile;
 use crate::sim::rigid_body_state::rigid_body_state;
@@ -230,11 +231,26 @@ fn messages_on_the_link(summary: &mut Summary) {
     let Some(link) = &summary.link else {
         return;
     };
-    summary.triggers = link.messages;
-    summary.bits = link.bits;
-    summary.bytes = link.bytes;
+    summary.measured.triggers = link.messages;
+    summary.measured.bits = link.bits;
+    summary.measured.bytes = link.bytes;
     summary.shortest_interval_s = link.shortest_interval_s;
     summary.mean_interval_s = link.mean_interval_s;
+}
+
+fn measured(log: &AttitudeLog, duration_s: f64) -> Measured {
+    let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
+    let last = log.last.map(|last| last.error.rotation_angle_rad());
+    Measured {
+        settle_seconds: log.pointing.settle_seconds(),
+        final_error_deg: last.and_then(degrees),
+        rms_error_deg: log.pointing.tail_rms().and_then(degrees),
+        tail_error_deg: log.pointing.tail_peak().and_then(degrees),
+        max_rate: Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite()),
+        turn_ons: log.switches.map(|count| u64::from(count.on)),
+        turn_offs: log.switches.map(|count| u64::from(count.off)),
+        ..Measured::of(&log.events, &log.effort, duration_s)
+    }
 }
 
 fn finish(
@@ -257,14 +273,8 @@ fn finish(
         system: "rigid_body",
         controller,
         events: &log.events,
-        effort: (
-            log.effort.updates,
-            log.effort.max_torque,
-            log.effort.impulse,
-            log.effort.on_s,
-        ),
+        measured: measured(&log, scenario.duration_s),
         steps: log.steps,
-        settle_seconds: log.pointing.settle_seconds(),
         torque_limit: limit.iter().copied().collect(),
         settle_tolerance: scenario.settle_tolerance_rad.to_degrees(),
         notes,
@@ -283,19 +293,10 @@ fn finish(
         _ => None,
     };
     let mut summary = judge::summary(scenario, design, parts, certificate);
-    let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
-    summary.final_error_deg = log
-        .last
-        .and_then(|last| degrees(last.error.rotation_angle_rad()));
-    summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
     summary.link = log.link.clone();
-    summary.tail_error_deg = log.pointing.tail_peak().and_then(degrees);
-    summary.turn_ons = log.switches.map(|count| u64::from(count.on));
-    summary.turn_offs = log.switches.map(|count| u64::from(count.off));
     if matches!(scenario.controller, ControllerChoice::Yang(_)) {
         messages_on_the_link(&mut summary);
     }
-    summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
     let (profile, trajectory) = log.into_records(end == End::Completed);
     Outcome {

@@ -18,6 +18,7 @@ use crate::scenario::Scenario;
 use crate::sim::actuator::ActuatorData;
 use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::lyapunov::LyapunovMonitor;
+use crate::sim::metrics::Measured;
 use crate::sim::padding;
 use crate::sim::profile::Profile;
 use crate::sim::sampling::Sampling;
@@ -77,14 +78,13 @@ fn run_padded<const N: usize, const M: usize>(
             design.file.name
         ),
         events: &log.events,
-        effort: (
-            log.effort.updates,
-            log.effort.max_torque,
-            log.effort.impulse,
-            log.effort.on_s,
-        ),
+        measured: Measured {
+            settle_seconds: log.error.settle_seconds(),
+            final_state_norm: Some(log.last.norm()).filter(|norm| norm.is_finite()),
+            rms_state_norm: log.error.tail_rms(),
+            ..Measured::of(&log.events, &log.effort, scenario.duration_s)
+        },
         steps: log.steps,
-        settle_seconds: log.error.settle_seconds(),
         torque_limit: limit.iter().copied().collect(),
         settle_tolerance: scenario.settle_tolerance_state,
         notes: Vec::new(),
@@ -101,8 +101,6 @@ fn run_padded<const N: usize, const M: usize>(
         from_rest,
     );
     let mut summary = judge::summary(scenario, Some(design), parts, Some(certificate));
-    summary.final_state_norm = Some(log.last.norm()).filter(|norm| norm.is_finite());
-    summary.rms_state_norm = log.error.tail_rms();
     judge::conclude(scenario, &mut summary, end);
     Ok(Outcome {
         summary,

@@ -21,7 +21,6 @@ use super::table::{Columns, Content, TableReader, TableWriter};
 use super::CampaignError;
 use crate::base::files::{create_folder, write};
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
-use crate::sim::metrics::metric_name;
 
 /// A table, what of the rows it holds, and the inputs in its metadata.
 pub(crate) struct Source {
@@ -128,10 +127,10 @@ fn recount(job: &Job, count: &Count, watch: &Watch) -> Result<Results, CampaignE
             (None, Some(limit)) => ("at least", limit),
             (None, None) => return None,
         };
-        let metric = metric_name(requirement.metric);
+        let metric = requirement.metric.key();
         Some(RequirementCount {
             name: format!("{metric} {side}"),
-            metric,
+            metric: metric.to_string(),
             limit,
             missed: 0,
         })

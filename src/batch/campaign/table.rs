@@ -18,8 +18,9 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
 
-use super::row::{metric_columns, verdict_name, verdict_of, Row, METRICS};
+use super::row::{metric_columns, verdict_name, verdict_of, Row};
 use super::CampaignError;
+use crate::sim::metrics::METRICS;
 
 /// Key of the file metadata that holds the campaign's inputs.
 pub const INPUTS_KEY: &str = "steadfast.campaign";

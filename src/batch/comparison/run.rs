@@ -7,7 +7,9 @@ use nalgebra::Vector3;
 use synth::model::ModelError;
 
 use super::faults::{standard_faults, StandardFault};
-use super::table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
+use super::table::{
+    compared_metrics, Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION,
+};
 use super::task::{limit_difference, ComparisonError, Contestant};
 use crate::base::table::Table;
 use crate::plants::SystemFile;
@@ -231,20 +233,7 @@ fn row(
         sampling: sampling(&contestant.scenario.instants),
         verdict: summary.verdict,
         proof: summary.certificate.as_ref().map(proof),
-        settle_seconds: summary.settle_seconds,
-        final_error_deg: summary.final_error_deg,
-        rms_error_deg: summary.rms_error_deg,
-        max_rate: summary.max_rate,
-        max_torque: summary.max_torque,
-        impulse: summary.impulse,
-        updates: summary.updates,
-        triggers: summary.triggers,
-        bits: summary.bits,
-        bytes: summary.bytes,
-        shortest_interval_s: summary.shortest_interval_s,
-        mean_interval_s: summary.mean_interval_s,
-        funnel_ratio: summary.funnel.as_ref().map(|usage| usage.largest_ratio),
-        violations: summary.violations,
+        metrics: compared_metrics(summary),
         link: summary.link.clone(),
         faults_survived: faults.iter().filter(|outcome| outcome.survived).count(),
         faults,

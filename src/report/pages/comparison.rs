@@ -9,43 +9,37 @@ use crate::report::html::{document, escape};
 use crate::report::series::Line;
 use crate::run::summary::RunVerdict;
 use crate::scenario::RequirementFile;
-use crate::sim::metrics::metric_name;
+use crate::sim::metrics::{compared, MetricKind};
 
-/// A line of the page's table: its name and its value for a controller.
-type MetricLine = (&'static str, fn(&Row) -> String);
+/// A line of the page's table: its name and its value for each controller.
+type MetricLine = (String, Vec<String>);
 
-const METRICS: [MetricLine; 16] = [
-    ("Settled from (s)", |row| number(row.settle_seconds)),
-    ("Final error (deg)", |row| number(row.final_error_deg)),
-    ("Rms error over the tail (deg)", |row| {
-        number(row.rms_error_deg)
-    }),
-    ("Largest rate (rad/s)", |row| number(row.max_rate)),
-    ("Largest torque (N m)", |row| number(Some(row.max_torque))),
-    ("Impulse (N m s)", |row| number(Some(row.impulse))),
-    ("Torque updates", |row| row.updates.to_string()),
-    ("Messages", |row| row.triggers.to_string()),
-    ("Bits sent", |row| row.bits.to_string()),
-    ("Bytes sent", |row| row.bytes.to_string()),
-    ("Shortest time between messages (s)", |row| {
-        number(row.shortest_interval_s)
-    }),
-    ("Mean time between messages (s)", |row| {
-        number(row.mean_interval_s)
-    }),
-    ("Bytes on the link to the actuators", |row| {
-        row.link
-            .as_ref()
-            .map_or("no link".to_string(), |link| link.bytes.to_string())
-    }),
-    ("Largest share of prescribed bounds", |row| {
-        number(row.funnel_ratio)
-    }),
-    ("Sampling", |row| row.sampling.clone()),
-    ("Proof", |row| {
+/// The lines of the page's table: the compared metrics, what is on the link before the use of bounds.
+fn metric_lines(runs: &[Row]) -> Vec<MetricLine> {
+    let line = |head: &str, value: &dyn Fn(&Row) -> String| -> MetricLine {
+        (head.to_string(), runs.iter().map(value).collect())
+    };
+    let link = line("Bytes on the link to the actuators", &|row| {
+        let link = row.link.as_ref();
+        link.map_or("no link".to_string(), |link| link.bytes.to_string())
+    });
+    let entries = compared();
+    let bounds = entries.partition_point(|entry| entry.kind < MetricKind::Usage);
+    let metrics = entries.into_iter().enumerate().map(|(index, entry)| {
+        let value = |row: &Row| row.shown().get(index).and_then(|(_, value)| *value);
+        line(&entry.title(), &|row| match value(row) {
+            Some(count) if entry.whole => count.to_string(),
+            other => number(other),
+        })
+    });
+    let mut lines: Vec<MetricLine> = metrics.collect();
+    lines.insert(bounds, link);
+    lines.push(line("Sampling", &|row| row.sampling.clone()));
+    lines.push(line("Proof", &|row| {
         row.proof.clone().unwrap_or("none".to_string())
-    }),
-];
+    }));
+    lines
+}
 
 /// The page.
 ///
@@ -117,11 +111,11 @@ fn header(comparison: &Comparison, body: &mut String) {
 }
 
 fn requirement(requirement: &RequirementFile) -> String {
-    let name = metric_name(requirement.metric);
+    let name = requirement.metric.key();
     match (requirement.at_most, requirement.at_least) {
         (Some(limit), _) => format!("{name} at most {limit}"),
         (None, Some(limit)) => format!("{name} at least {limit}"),
-        (None, None) => name,
+        (None, None) => name.to_string(),
     }
 }
 
@@ -149,10 +143,10 @@ fn metrics(comparison: &Comparison, body: &mut String) {
         put(body, format_args!("<td class=\"{class}\">{word}</td>"));
     }
     body.push_str("</tr>\n");
-    for (name, value) in METRICS {
-        put(body, format_args!("<tr><td>{}</td>", escape(name)));
-        for row in &comparison.runs {
-            put(body, format_args!("<td>{}</td>", escape(&value(row))));
+    for (name, values) in metric_lines(&comparison.runs) {
+        put(body, format_args!("<tr><td>{}</td>", escape(&name)));
+        for value in values {
+            put(body, format_args!("<td>{}</td>", escape(&value)));
         }
         body.push_str("</tr>\n");
     }
