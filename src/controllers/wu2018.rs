@@ -1,15 +1,18 @@
 //! The controller of Wu, Shen and Cao 2018.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
+use runtime::error::ParameterError;
 use runtime::wu2018;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::{check_positive, ModelError};
 
+use super::law::{matrix, AnyAttitudeController, AttitudeLaw, LawFile, Surroundings};
 use crate::base::empty_file::EmptyFile;
 use crate::base::ranges::{each, require};
+use crate::plants::RigidBodySystem;
 use crate::sim::controller::Controller;
 
 /// Law (6) and trigger (8) of Wu, Shen and Cao 2018.
@@ -81,7 +84,26 @@ pub struct RelativeTriggerFile {
     pub absolute_rad_s: f64,
 }
 
-pub(crate) fn wu2018(file: &WuFile, plant_inertia: f64) -> Result<wu2018::Parameters, ModelError> {
+impl LawFile for WuFile {
+    type Law = wu2018::Parameters;
+
+    fn check(&self, system: &RigidBodySystem) -> Result<wu2018::Parameters, ModelError> {
+        checked(self, largest_inertia(system.body.inertia()))
+    }
+
+    fn assume_inertia(&mut self, inertia_kg_m2: &[[f64; 3]; 3]) {
+        if let WuGainsFile::SettlingTime(settling) = &mut self.gains {
+            let largest = largest_inertia(&matrix(inertia_kg_m2));
+            settling.largest_inertia_kg_m2.get_or_insert(largest);
+        }
+    }
+}
+
+fn largest_inertia(inertia: &Matrix3<f64>) -> f64 {
+    inertia.symmetric_eigenvalues().max()
+}
+
+fn checked(file: &WuFile, plant_inertia: f64) -> Result<wu2018::Parameters, ModelError> {
     each("torque_limit_nm", &file.torque_limit_nm, check_positive)?;
     let trigger = match &file.trigger {
         WuTriggerFile::EverySample(_) => wu2018::TriggerRule::EverySample,
@@ -147,6 +169,28 @@ fn wu_gains(file: &WuGainsFile, plant_inertia: f64) -> Result<wu2018::Gains, Mod
                 allowed: "above 0".to_string(),
             })
         }
+    }
+}
+
+impl AttitudeLaw for wu2018::Parameters {
+    fn name(&self) -> String {
+        let law = match self.trigger {
+            wu2018::TriggerRule::Relative { .. } => "law (6) and trigger (8)",
+            wu2018::TriggerRule::EverySample => "law (6) at every sample",
+        };
+        format!("Wu, Shen and Cao 2018, {law}")
+    }
+
+    fn torque_limit(&self) -> Vector3<f64> {
+        self.torque_limit
+    }
+
+    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
+        Ok(Box::new(wu2018::Controller::new(*self)?))
+    }
+
+    fn sends_every_sample(&self) -> bool {
+        self.trigger == wu2018::TriggerRule::EverySample
     }
 }
 

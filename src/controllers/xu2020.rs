@@ -4,15 +4,19 @@ use nalgebra::SVector;
 use nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
-use runtime::membership::Membership;
+use runtime::error::ParameterError;
+use runtime::membership::{GaussianRules, Membership};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use runtime::xu2020;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::{check_matrix, check_positive, check_positive_definite, finite, ModelError};
 
+use super::law::{AnyAttitudeController, AttitudeLaw, Flown, LawFile, Surroundings};
 use crate::base::ranges::{each, not_negative, require};
+use crate::plants::RigidBodySystem;
 use crate::sim::controller::Controller;
+use crate::sim::events::EventCount;
 
 /// Law (12) and trigger (10) of Xu and Huang 2020 with given gains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -122,7 +126,106 @@ pub struct XuChoice {
     pub claim: Option<ClaimFile>,
 }
 
-pub(super) fn xu2020(file: &XuFile) -> Result<XuChoice, ModelError> {
+impl LawFile for XuFile {
+    type Law = XuChoice;
+
+    fn check(&self, _: &RigidBodySystem) -> Result<XuChoice, ModelError> {
+        checked(self)
+    }
+}
+
+impl AttitudeLaw for XuChoice {
+    fn name(&self) -> String {
+        "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string()
+    }
+
+    fn torque_limit(&self) -> Vector3<f64> {
+        self.torque_limit
+    }
+
+    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
+        fuzzy(self)
+    }
+
+    fn notes(&self, flown: &Flown) -> Vec<String> {
+        notes(self, flown.start.rigid_body_state().norm(), flown.events)
+    }
+}
+
+fn fuzzy(choice: &XuChoice) -> Result<AnyAttitudeController, ParameterError> {
+    match choice.rules.len() {
+        1 => fuzzy_of::<1>(choice),
+        2 => fuzzy_of::<2>(choice),
+        3 => fuzzy_of::<3>(choice),
+        4 => fuzzy_of::<4>(choice),
+        5 => fuzzy_of::<5>(choice),
+        6 => fuzzy_of::<6>(choice),
+        7 => fuzzy_of::<7>(choice),
+        _ => fuzzy_of::<8>(choice),
+    }
+}
+
+/// The controller with exactly `R` rules; the caller has counted them.
+fn fuzzy_of<const R: usize>(choice: &XuChoice) -> Result<AnyAttitudeController, ParameterError> {
+    let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
+    let controller = xu2020::Controller::new(xu2020::Parameters {
+        gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
+        membership: GaussianRules::new(std::array::from_fn(|index| rule(index).0), choice.widths)?,
+        trigger_weight: choice.trigger_weight,
+        threshold_update: choice.threshold,
+        torque_limit: choice.torque_limit,
+        longest_interval_s: choice.longest_interval_s,
+    })?;
+    Ok(Box::new(XuAttitude::new(controller)))
+}
+
+/// What is to be said of gains that come from a paper.
+fn notes(choice: &XuChoice, start_norm: f64, events: &EventCount) -> Vec<String> {
+    let mut notes = vec![
+        "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
+            .to_string(),
+    ];
+    if choice.threshold.certifiable_maximum().is_none() {
+        notes.push(
+            "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
+        );
+    }
+    let Some(claim) = &choice.claim else {
+        return notes;
+    };
+    // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
+    let radius = (claim.gain_bound * claim.decay_rate_per_s).sqrt();
+    let place = if start_norm > radius {
+        "is not in the certified set"
+    } else {
+        "may be in the certified set"
+    };
+    notes.push(format!(
+        "The start {place}: |x| is {start_norm:.4}, and (20) with the claimed gamma = {} and \
+         phi = {} /s confines the set to |x| <= {radius:.4}.",
+        claim.gain_bound, claim.decay_rate_per_s
+    ));
+    notes.push(format!(
+        "The claimed gamma = {} is not confirmed: the conditions as printed do not prove it, and a run \
+         cannot.",
+        claim.gain_bound
+    ));
+    if let Some(mismatch) = events.largest_mismatch {
+        let relation = if mismatch > claim.membership_mismatch {
+            "does not hold"
+        } else {
+            "holds"
+        };
+        notes.push(format!(
+            "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
+             {mismatch:.4}.",
+            claim.membership_mismatch
+        ));
+    }
+    notes
+}
+
+fn checked(file: &XuFile) -> Result<XuChoice, ModelError> {
     let count = file.rules.len();
     if !(1..=MAX_RULES).contains(&count) {
         return Err(ModelError::WrongShape {

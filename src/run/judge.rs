@@ -1,7 +1,5 @@
 //! From what was watched to the summary and its verdict.
 
-use runtime::attitude::AttitudeMeasurement;
-use runtime::lei2022;
 use synth::model::Mismatch;
 
 use super::design::Design;
@@ -10,7 +8,6 @@ use super::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
 };
-use crate::controllers::xu2020::XuChoice;
 use crate::plants::System;
 use crate::scenario::Scenario;
 use crate::sim::closed_loop::End;
@@ -18,8 +15,6 @@ use crate::sim::events::EventCount;
 use crate::sim::integrator::Method;
 use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
 use crate::sim::metrics::Measured;
-use crate::sim::reference::Reference;
-use crate::sim::sampling::Instants;
 use crate::sim::transmissions::TransmissionBound;
 use crate::sim::usage::Usage;
 
@@ -239,94 +234,4 @@ pub(crate) fn conclude(scenario: &Scenario, summary: &mut Summary, end: End) {
         .as_ref()
         .is_some_and(CertificateOutcome::broken);
     summary.judge(&scenario.requirements, diverged, broken);
-}
-
-/// What is to be said of gains that come from a paper.
-pub(crate) fn published_notes(
-    choice: &XuChoice,
-    start_norm: f64,
-    events: &EventCount,
-    notes: &mut Vec<String>,
-) {
-    notes.push(
-        "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
-            .to_string(),
-    );
-    if choice.threshold.certifiable_maximum().is_none() {
-        notes.push(
-            "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
-        );
-    }
-    let Some(claim) = &choice.claim else {
-        return;
-    };
-    // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
-    let radius = (claim.gain_bound * claim.decay_rate_per_s).sqrt();
-    let place = if start_norm > radius {
-        "is not in the certified set"
-    } else {
-        "may be in the certified set"
-    };
-    notes.push(format!(
-        "The start {place}: |x| is {start_norm:.4}, and (20) with the claimed gamma = {} and \
-         phi = {} /s confines the set to |x| <= {radius:.4}.",
-        claim.gain_bound, claim.decay_rate_per_s
-    ));
-    notes.push(format!(
-        "The claimed gamma = {} is not confirmed: the conditions as printed do not prove it, and a run \
-         cannot.",
-        claim.gain_bound
-    ));
-    if let Some(mismatch) = events.largest_mismatch {
-        let relation = if mismatch > claim.membership_mismatch {
-            "does not hold"
-        } else {
-            "holds"
-        };
-        notes.push(format!(
-            "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
-             {mismatch:.4}.",
-            claim.membership_mismatch
-        ));
-    }
-}
-
-/// What is to be said of a run with Lei et al.'s controller.
-pub(crate) fn intermittent_notes(
-    scenario: &Scenario,
-    parameters: &lei2022::Parameters,
-    start: &AttitudeMeasurement,
-    notes: &mut Vec<String>,
-) {
-    if let System::RigidBody(body) = &scenario.system {
-        if !matches!(body.reference, Reference::Fixed(_)) {
-            notes.push(
-                "The reference moves; the law is made for a fixed one and does not feed its rate forward."
-                    .to_string(),
-            );
-        }
-    }
-    let Some(trigger) = parameters.trigger.composite() else {
-        return;
-    };
-    let continuous = matches!(scenario.instants, Instants::Continuous { .. });
-    if !continuous && trigger.relative_buffer == 0.0 {
-        notes.push(
-            "The trigger is evaluated at samples without a relative_buffer: V2 may exceed its envelope \
-             S2 before the next sample."
-                .to_string(),
-        );
-    }
-    let law = &parameters.law;
-    let error = start.error.shortest();
-    let energy = law
-        .evaluate(0.0, &error, &start.rate_rad_s)
-        .rate_error_energy;
-    if energy >= trigger.envelope_initial_j {
-        notes.push(format!(
-            "The start is above the envelope: V2 is {energy:.3e} J and S2(0) is {:.3e} J; the paper \
-             needs S2(0) above V2(0).",
-            trigger.envelope_initial_j
-        ));
-    }
 }

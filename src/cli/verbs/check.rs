@@ -13,7 +13,8 @@ use crate::batch::tune::limits::least_time_s;
 use crate::cli::answer::print;
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::scenario::{design_check, DesignCheck, Scenario};
+use crate::controllers::DesignCheck;
+use crate::scenario::{design_check, Scenario};
 
 /// Arguments of `check`.
 #[derive(clap::Args)]
@@ -85,7 +86,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CliError> {
             report["design_check"] = json!({
                 "paper": check.paper,
                 "conditions": check.conditions,
-                "constants": check.bounds,
+                "constants": check.constants,
             });
         }
         print(&report.to_string());
