@@ -8,6 +8,7 @@ use super::points::Points;
 use super::row::Row;
 use super::table::Columns;
 use super::CampaignError;
+use crate::base::bounded::from_value;
 use crate::base::digest::sha256_of;
 use crate::batch::parameter::Parameter;
 use crate::plants::{System, SystemFile};
@@ -130,7 +131,7 @@ impl<'a> Plan<'a> {
                     let set = draw.set(at, &mut value, &mut drawn);
                     set.map_err(|error| failed(error.to_string()))?;
                 }
-                serde_json::from_value(value).map_err(|error| failed(error.to_string()))?
+                from_value(value).map_err(|error| failed(error.to_string()))?
             }
         };
         let invalid = |error: ModelError| failed(error.to_string());
