@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = std::fs::read_to_string(&path)?;
     let model = Model::from_json(&text)?;
     let solver = Structured::default();
-    let outcome = synthesize(&model, &text, Form::Slack, &solver, None)?;
+    let outcome = synthesize(&model, &text, Form::VertexRelaxed, &solver, None)?;
     let Outcome::Solved(design) = outcome else {
         return Err(format!("{path}: no design").into());
     };

@@ -106,7 +106,10 @@ impl<'a> NoDesignReport<'a> {
         let answer = &decision.answer;
         let detail = Detail::One {
             known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
-            shortfall: decision.limiting_factors.as_deref().map(ShortfallReport::new),
+            shortfall: decision
+                .limiting_factors
+                .as_deref()
+                .map(ShortfallReport::new),
             shown: infeasibility::shown(answer),
             bound: infeasibility::bound(answer),
             blocking_gains: infeasibility::blocking_gains(answer),

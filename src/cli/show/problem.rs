@@ -3,7 +3,9 @@
 use serde::Serialize;
 use synth::certify::{Report, Verdict};
 use synth::optimality::Optimality;
-use synth::problem::{InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized};
+use synth::problem::{
+    InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized,
+};
 
 use super::blocking::{blocking_lines, slack_or_none};
 use super::no_design::FailureReport;

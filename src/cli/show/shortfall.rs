@@ -1,7 +1,7 @@
 //! How far a search came, and what stops it there.
 
 use serde::Serialize;
-use synth::synthesis::{Sensitivity, LimitingFactors};
+use synth::synthesis::{LimitingFactors, Sensitivity};
 
 use super::blocking::titled;
 

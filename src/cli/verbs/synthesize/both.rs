@@ -1,6 +1,6 @@
 //! Designs with two certificates: `synthesize --objective both`.
 
-use synth::synthesis::{synthesize_two_certificates, TwoCertificatesOutcome, Outcome};
+use synth::synthesis::{synthesize_two_certificates, Outcome, TwoCertificatesOutcome};
 
 use super::args::SynthesizeArgs;
 use super::conclude::Conclusion;
