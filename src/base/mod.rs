@@ -1,6 +1,7 @@
 //! What every layer above uses: checks of a file's numbers, digests, tables and their files, numbers as
 //! text.
 
+pub mod bounded;
 pub mod condition;
 pub mod csv;
 pub mod empty_file;

@@ -1,15 +1,18 @@
 //! The controller of Wu, Shen and Cao 2018.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
+use runtime::error::ParameterError;
 use runtime::wu2018;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use synth::model::{check_positive, ModelError};
+use synth::model::ModelError;
 
+use super::law::{matrix, AnyAttitudeController, AttitudeLaw, LawFile, Surroundings};
+use crate::base::bounded::{plain, BelowOne, InsideUnit, Positive};
 use crate::base::empty_file::EmptyFile;
-use crate::base::ranges::{each, require};
+use crate::plants::RigidBodySystem;
 use crate::sim::controller::Controller;
 
 /// Law (6) and trigger (8) of Wu, Shen and Cao 2018.
@@ -21,11 +24,11 @@ pub struct WuFile {
     /// The trigger.
     pub trigger: WuTriggerFile,
     /// Largest torque of each axis, above 0 [N m].
-    pub torque_limit_nm: [f64; 3],
+    pub torque_limit_nm: [Positive; 3],
     /// With this key the law takes the shorter way round: half width of the hysteresis of the scalar
     /// part's sign, in [0, 1). As published when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub shortest_rotation_hysteresis: Option<f64>,
+    pub shortest_rotation_hysteresis: Option<BelowOne>,
 }
 
 /// Gains of the law.
@@ -43,12 +46,12 @@ pub enum WuGainsFile {
 #[serde(deny_unknown_fields)]
 pub struct SettlingTimeFile {
     /// Settling time, above 0 (s).
-    pub settling_time_s: f64,
+    pub settling_time_s: Positive,
     /// Damping ratio, above 0.
-    pub damping_ratio: f64,
+    pub damping_ratio: Positive,
     /// Largest principal moment of inertia, above 0; that of the plant when left out [kg m^2].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub largest_inertia_kg_m2: Option<f64>,
+    pub largest_inertia_kg_m2: Option<Positive>,
 }
 
 /// k and beta.
@@ -56,9 +59,9 @@ pub struct SettlingTimeFile {
 #[serde(deny_unknown_fields)]
 pub struct DirectGainsFile {
     /// k, above 0 [N m s/rad].
-    pub error_gain_nm_s_rad: f64,
+    pub error_gain_nm_s_rad: Positive,
     /// beta, above 0 [rad/s].
-    pub attitude_weight_rad_s: f64,
+    pub attitude_weight_rad_s: Positive,
 }
 
 /// When the filtered error is sent.
@@ -76,77 +79,86 @@ pub enum WuTriggerFile {
 #[serde(deny_unknown_fields)]
 pub struct RelativeTriggerFile {
     /// alpha, in (0, 1).
-    pub relative: f64,
+    pub relative: InsideUnit,
     /// gamma, above 0 [rad/s].
-    pub absolute_rad_s: f64,
+    pub absolute_rad_s: Positive,
 }
 
-pub(crate) fn wu2018(file: &WuFile, plant_inertia: f64) -> Result<wu2018::Parameters, ModelError> {
-    each("torque_limit_nm", &file.torque_limit_nm, check_positive)?;
-    let trigger = match &file.trigger {
-        WuTriggerFile::EverySample(_) => wu2018::TriggerRule::EverySample,
-        WuTriggerFile::Relative(rule) => {
-            let ok = rule.relative > 0.0 && rule.relative < 1.0;
-            require(ok, "trigger.relative.relative", rule.relative, "in (0, 1)")?;
-            check_positive("trigger.relative.absolute_rad_s", rule.absolute_rad_s)?;
-            wu2018::TriggerRule::Relative {
-                relative: rule.relative,
-                absolute_rad_s: rule.absolute_rad_s,
+impl LawFile for WuFile {
+    type Law = wu2018::Parameters;
+
+    fn check(&self, system: &RigidBodySystem) -> Result<wu2018::Parameters, ModelError> {
+        Ok(wu2018::Parameters {
+            gains: self.gains.check(system.body.inertia())?,
+            trigger: match &self.trigger {
+                WuTriggerFile::EverySample(_) => wu2018::TriggerRule::EverySample,
+                WuTriggerFile::Relative(rule) => wu2018::TriggerRule::Relative {
+                    relative: rule.relative.get(),
+                    absolute_rad_s: rule.absolute_rad_s.get(),
+                },
+            },
+            torque_limit: plain(&self.torque_limit_nm).into(),
+            unwinding: match self.shortest_rotation_hysteresis {
+                None => wu2018::Unwinding::AsPublished,
+                Some(half_width) => wu2018::Unwinding::ShortestRotation {
+                    hysteresis: half_width.get(),
+                },
+            },
+        })
+    }
+
+    fn assume_inertia(&mut self, inertia_kg_m2: &[[f64; 3]; 3]) {
+        if let WuGainsFile::SettlingTime(settling) = &mut self.gains {
+            let largest = matrix(inertia_kg_m2).symmetric_eigenvalues().max();
+            // An inertia that is not positive definite is refused with the plant.
+            let largest = Positive::try_from(largest).ok();
+            settling.largest_inertia_kg_m2 = settling.largest_inertia_kg_m2.or(largest);
+        }
+    }
+}
+
+impl WuGainsFile {
+    fn check(&self, plant: &Matrix3<f64>) -> Result<wu2018::Gains, ModelError> {
+        let settling = match self {
+            WuGainsFile::Direct(direct) => {
+                return Ok(wu2018::Gains {
+                    error_gain: direct.error_gain_nm_s_rad.get(),
+                    attitude_weight: direct.attitude_weight_rad_s.get(),
+                })
             }
-        }
-    };
-    let unwinding = match file.shortest_rotation_hysteresis {
-        None => wu2018::Unwinding::AsPublished,
-        Some(hysteresis) => {
-            let ok = (0.0..1.0).contains(&hysteresis);
-            require(ok, "shortest_rotation_hysteresis", hysteresis, "in [0, 1)")?;
-            wu2018::Unwinding::ShortestRotation { hysteresis }
-        }
-    };
-    Ok(wu2018::Parameters {
-        gains: wu_gains(&file.gains, plant_inertia)?,
-        trigger,
-        torque_limit: Vector3::from(file.torque_limit_nm),
-        unwinding,
-    })
+            WuGainsFile::SettlingTime(settling) => settling,
+        };
+        let given = settling.largest_inertia_kg_m2.map(Positive::get);
+        let inertia = given.unwrap_or_else(|| plant.symmetric_eigenvalues().max());
+        let (damping, time_s) = (settling.damping_ratio, settling.settling_time_s);
+        let gains = wu2018::Gains::from_settling_time(inertia, damping.get(), time_s.get());
+        gains.map_err(|_| ModelError::OutOfRange {
+            field: "gains.settling_time".to_string(),
+            value: inertia,
+            allowed: "above 0".to_string(),
+        })
+    }
 }
 
-fn wu_gains(file: &WuGainsFile, plant_inertia: f64) -> Result<wu2018::Gains, ModelError> {
-    match file {
-        WuGainsFile::Direct(direct) => {
-            check_positive(
-                "gains.direct.error_gain_nm_s_rad",
-                direct.error_gain_nm_s_rad,
-            )?;
-            check_positive(
-                "gains.direct.attitude_weight_rad_s",
-                direct.attitude_weight_rad_s,
-            )?;
-            Ok(wu2018::Gains {
-                error_gain: direct.error_gain_nm_s_rad,
-                attitude_weight: direct.attitude_weight_rad_s,
-            })
-        }
-        WuGainsFile::SettlingTime(settling) => {
-            let field = "gains.settling_time";
-            let inertia = settling.largest_inertia_kg_m2.unwrap_or(plant_inertia);
-            check_positive(
-                &format!("{field}.settling_time_s"),
-                settling.settling_time_s,
-            )?;
-            check_positive(&format!("{field}.damping_ratio"), settling.damping_ratio)?;
-            check_positive(&format!("{field}.largest_inertia_kg_m2"), inertia)?;
-            let gains = wu2018::Gains::from_settling_time(
-                inertia,
-                settling.damping_ratio,
-                settling.settling_time_s,
-            );
-            gains.map_err(|_| ModelError::OutOfRange {
-                field: field.to_string(),
-                value: inertia,
-                allowed: "above 0".to_string(),
-            })
-        }
+impl AttitudeLaw for wu2018::Parameters {
+    fn name(&self) -> String {
+        let law = match self.trigger {
+            wu2018::TriggerRule::Relative { .. } => "law (6) and trigger (8)",
+            wu2018::TriggerRule::EverySample => "law (6) at every sample",
+        };
+        format!("Wu, Shen and Cao 2018, {law}")
+    }
+
+    fn torque_limit(&self) -> Vector3<f64> {
+        self.torque_limit
+    }
+
+    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
+        Ok(Box::new(wu2018::Controller::new(*self)?))
+    }
+
+    fn sends_every_sample(&self) -> bool {
+        self.trigger == wu2018::TriggerRule::EverySample
     }
 }
 

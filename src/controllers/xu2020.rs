@@ -4,15 +4,20 @@ use nalgebra::SVector;
 use nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::attitude::AttitudeMeasurement;
 use runtime::command::Command;
-use runtime::membership::Membership;
+use runtime::error::ParameterError;
+use runtime::membership::{GaussianRules, Membership};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use runtime::xu2020;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use synth::model::{check_matrix, check_positive, check_positive_definite, finite, ModelError};
+use synth::model::{check_matrix, check_positive_definite, ModelError};
 
-use crate::base::ranges::{each, not_negative, require};
+use super::law::{AnyAttitudeController, AttitudeLaw, Flown, LawFile, Surroundings};
+use crate::base::bounded::{plain, BelowOne, Finite, NonNegative, Positive};
+use crate::base::ranges::require;
+use crate::plants::RigidBodySystem;
 use crate::sim::controller::Controller;
+use crate::sim::events::EventCount;
 
 /// Law (12) and trigger (10) of Xu and Huang 2020 with given gains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,16 +26,16 @@ pub struct XuFile {
     /// The fuzzy rules, 1 to 8, with Gaussian memberships about their centres.
     pub rules: Vec<RuleFile>,
     /// Standard deviation of the membership functions in each state, above 0 [rad/s, then 1].
-    pub widths: [f64; 6],
+    pub widths: [Positive; 6],
     /// The trigger weight Upsilon, 6 x 6, symmetric positive definite.
     pub trigger_weight: [[f64; 6]; 6],
     /// The threshold nu.
     pub threshold: ThresholdFile,
     /// Largest torque of each axis, above 0 [N m].
-    pub torque_limit_nm: [f64; 3],
+    pub torque_limit_nm: [Positive; 3],
     /// Longest sampling interval of the design, above 0 (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub longest_interval_s: Option<f64>,
+    pub longest_interval_s: Option<Positive>,
     /// What the paper claims for these gains. It is compared with the run; it is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_claim: Option<ClaimFile>,
@@ -41,9 +46,9 @@ pub struct XuFile {
 #[serde(deny_unknown_fields)]
 pub struct RuleFile {
     /// State [body rate (rad/s), vector part of the error quaternion] that the rule is about.
-    pub centre: [f64; 6],
+    pub centre: [Finite; 6],
     /// Gain F_j, 3 x 6.
-    pub gain: [[f64; 6]; 3],
+    pub gain: [[Finite; 6]; 3],
 }
 
 /// The threshold of the trigger, in [0, 1).
@@ -63,7 +68,7 @@ pub enum ThresholdFile {
 #[serde(deny_unknown_fields)]
 pub struct FixedThresholdFile {
     /// nu.
-    pub nu: f64,
+    pub nu: BelowOne,
 }
 
 /// The published update between two bounds.
@@ -71,11 +76,11 @@ pub struct FixedThresholdFile {
 #[serde(deny_unknown_fields)]
 pub struct ClampedThresholdFile {
     /// Smallest and first threshold.
-    pub nu_min: f64,
+    pub nu_min: BelowOne,
     /// Largest threshold, not below the smallest.
-    pub nu_max: f64,
+    pub nu_max: BelowOne,
     /// mu_1, mu_2, mu_3, each not negative.
-    pub mu: [f64; 3],
+    pub mu: [NonNegative; 3],
 }
 
 /// The published update, bounded from below only.
@@ -83,9 +88,9 @@ pub struct ClampedThresholdFile {
 #[serde(deny_unknown_fields)]
 pub struct UnclampedThresholdFile {
     /// Smallest and first threshold.
-    pub nu_min: f64,
+    pub nu_min: BelowOne,
     /// mu_1, mu_2, mu_3, each not negative.
-    pub mu: [f64; 3],
+    pub mu: [NonNegative; 3],
 }
 
 /// A claim of a paper.
@@ -93,11 +98,11 @@ pub struct UnclampedThresholdFile {
 #[serde(deny_unknown_fields)]
 pub struct ClaimFile {
     /// gamma, above 0.
-    pub gain_bound: f64,
+    pub gain_bound: Positive,
     /// phi, above 0 [1/s].
-    pub decay_rate_per_s: f64,
+    pub decay_rate_per_s: Positive,
     /// kappa: the largest membership mismatch that the conditions assume, above 0.
-    pub membership_mismatch: f64,
+    pub membership_mismatch: Positive,
 }
 
 /// Most rules of a fuzzy controller.
@@ -122,7 +127,106 @@ pub struct XuChoice {
     pub claim: Option<ClaimFile>,
 }
 
-pub(super) fn xu2020(file: &XuFile) -> Result<XuChoice, ModelError> {
+impl LawFile for XuFile {
+    type Law = XuChoice;
+
+    fn check(&self, _: &RigidBodySystem) -> Result<XuChoice, ModelError> {
+        checked(self)
+    }
+}
+
+impl AttitudeLaw for XuChoice {
+    fn name(&self) -> String {
+        "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string()
+    }
+
+    fn torque_limit(&self) -> Vector3<f64> {
+        self.torque_limit
+    }
+
+    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
+        fuzzy(self)
+    }
+
+    fn notes(&self, flown: &Flown) -> Vec<String> {
+        notes(self, flown.start.rigid_body_state().norm(), flown.events)
+    }
+}
+
+fn fuzzy(choice: &XuChoice) -> Result<AnyAttitudeController, ParameterError> {
+    match choice.rules.len() {
+        1 => fuzzy_of::<1>(choice),
+        2 => fuzzy_of::<2>(choice),
+        3 => fuzzy_of::<3>(choice),
+        4 => fuzzy_of::<4>(choice),
+        5 => fuzzy_of::<5>(choice),
+        6 => fuzzy_of::<6>(choice),
+        7 => fuzzy_of::<7>(choice),
+        _ => fuzzy_of::<8>(choice),
+    }
+}
+
+/// The controller with exactly `R` rules; the caller has counted them.
+fn fuzzy_of<const R: usize>(choice: &XuChoice) -> Result<AnyAttitudeController, ParameterError> {
+    let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
+    let controller = xu2020::Controller::new(xu2020::Parameters {
+        gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
+        membership: GaussianRules::new(std::array::from_fn(|index| rule(index).0), choice.widths)?,
+        trigger_weight: choice.trigger_weight,
+        threshold_update: choice.threshold,
+        torque_limit: choice.torque_limit,
+        longest_interval_s: choice.longest_interval_s,
+    })?;
+    Ok(Box::new(XuAttitude::new(controller)))
+}
+
+/// What is to be said of gains that come from a paper.
+fn notes(choice: &XuChoice, start_norm: f64, events: &EventCount) -> Vec<String> {
+    let mut notes = vec![
+        "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
+            .to_string(),
+    ];
+    if choice.threshold.certifiable_maximum().is_none() {
+        notes.push(
+            "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
+        );
+    }
+    let Some(claim) = &choice.claim else {
+        return notes;
+    };
+    // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
+    let radius = (claim.gain_bound.get() * claim.decay_rate_per_s.get()).sqrt();
+    let place = if start_norm > radius {
+        "is not in the certified set"
+    } else {
+        "may be in the certified set"
+    };
+    notes.push(format!(
+        "The start {place}: |x| is {start_norm:.4}, and (20) with the claimed gamma = {} and \
+         phi = {} /s confines the set to |x| <= {radius:.4}.",
+        claim.gain_bound, claim.decay_rate_per_s
+    ));
+    notes.push(format!(
+        "The claimed gamma = {} is not confirmed: the conditions as printed do not prove it, and a run \
+         cannot.",
+        claim.gain_bound
+    ));
+    if let Some(mismatch) = events.largest_mismatch {
+        let relation = if mismatch > claim.membership_mismatch.get() {
+            "does not hold"
+        } else {
+            "holds"
+        };
+        notes.push(format!(
+            "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
+             {mismatch:.4}.",
+            claim.membership_mismatch
+        ));
+    }
+    notes
+}
+
+fn checked(file: &XuFile) -> Result<XuChoice, ModelError> {
     let count = file.rules.len();
     if !(1..=MAX_RULES).contains(&count) {
         return Err(ModelError::WrongShape {
@@ -131,35 +235,17 @@ pub(super) fn xu2020(file: &XuFile) -> Result<XuChoice, ModelError> {
             expected: format!("1 to {MAX_RULES} rules"),
         });
     }
-    let mut rules = Vec::new();
-    for (index, rule) in file.rules.iter().enumerate() {
-        each(&format!("rules[{index}].centre"), &rule.centre, finite)?;
-        for (row, gains) in rule.gain.iter().enumerate() {
-            each(&format!("rules[{index}].gain[{row}]"), gains, finite)?;
-        }
-        let gain = Matrix3x6::from_fn(|r, c| rule.gain[r][c]);
-        rules.push((Vector6::from(rule.centre), gain));
-    }
-    each("widths", &file.widths, check_positive)?;
-    each("torque_limit_nm", &file.torque_limit_nm, check_positive)?;
-    if let Some(interval) = file.longest_interval_s {
-        check_positive("longest_interval_s", interval)?;
-    }
-    if let Some(claim) = &file.published_claim {
-        check_positive("published_claim.gain_bound", claim.gain_bound)?;
-        check_positive("published_claim.decay_rate_per_s", claim.decay_rate_per_s)?;
-        check_positive(
-            "published_claim.membership_mismatch",
-            claim.membership_mismatch,
-        )?;
-    }
+    let rules = file.rules.iter().map(|rule| {
+        let gain = Matrix3x6::from_fn(|row, column| rule.gain[row][column].get());
+        (Vector6::from(plain(&rule.centre)), gain)
+    });
     Ok(XuChoice {
-        rules,
-        widths: Vector6::from(file.widths),
+        rules: rules.collect(),
+        widths: plain(&file.widths).into(),
         trigger_weight: weight(&file.trigger_weight)?,
         threshold: threshold(&file.threshold)?,
-        torque_limit: Vector3::from(file.torque_limit_nm),
-        longest_interval_s: file.longest_interval_s,
+        torque_limit: plain(&file.torque_limit_nm).into(),
+        longest_interval_s: file.longest_interval_s.map(Positive::get),
         claim: file.published_claim.clone(),
     })
 }
@@ -173,49 +259,34 @@ fn weight(rows: &[[f64; 6]; 6]) -> Result<Matrix6<f64>, ModelError> {
 }
 
 fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
-    let in_range =
-        |field: &str, value: f64| require((0.0..1.0).contains(&value), field, value, "in [0, 1)");
-    match file {
-        ThresholdFile::Fixed(fixed) => {
-            in_range("threshold.fixed.nu", fixed.nu)?;
-            Ok(ThresholdUpdate::Fixed {
-                threshold: fixed.nu,
-            })
-        }
+    Ok(match file {
+        ThresholdFile::Fixed(fixed) => ThresholdUpdate::Fixed {
+            threshold: fixed.nu.get(),
+        },
         ThresholdFile::Clamped(clamped) => {
-            in_range("threshold.clamped.nu_min", clamped.nu_min)?;
-            in_range("threshold.clamped.nu_max", clamped.nu_max)?;
-            let ok = clamped.nu_min <= clamped.nu_max;
-            require(
-                ok,
-                "threshold.clamped.nu_max",
-                clamped.nu_max,
-                "nu_min or above",
-            )?;
-            Ok(ThresholdUpdate::Clamped {
-                adaptation: adaptation("threshold.clamped.mu", &clamped.mu)?,
-                minimum: clamped.nu_min,
-                maximum: clamped.nu_max,
-            })
+            let (minimum, maximum) = (clamped.nu_min.get(), clamped.nu_max.get());
+            let field = "threshold.clamped.nu_max";
+            require(minimum <= maximum, field, maximum, "nu_min or above")?;
+            ThresholdUpdate::Clamped {
+                adaptation: adaptation(&clamped.mu),
+                minimum,
+                maximum,
+            }
         }
-        ThresholdFile::UnclampedAsPublished(printed) => {
-            in_range("threshold.unclamped_as_published.nu_min", printed.nu_min)?;
-            Ok(ThresholdUpdate::UnclampedAsPublished {
-                adaptation: adaptation("threshold.unclamped_as_published.mu", &printed.mu)?,
-                minimum: printed.nu_min,
-            })
-        }
-    }
+        ThresholdFile::UnclampedAsPublished(printed) => ThresholdUpdate::UnclampedAsPublished {
+            adaptation: adaptation(&printed.mu),
+            minimum: printed.nu_min.get(),
+        },
+    })
 }
 
-fn adaptation(field: &str, mu: &[f64; 3]) -> Result<Adaptation, ModelError> {
-    each(field, mu, not_negative)?;
-    let [amplitude, slope, dead_band] = *mu;
-    Ok(Adaptation {
+fn adaptation(mu: &[NonNegative; 3]) -> Adaptation {
+    let [amplitude, slope, dead_band] = plain(mu);
+    Adaptation {
         amplitude,
         slope,
         dead_band,
-    })
+    }
 }
 
 /// Xu and Huang's controller on attitude measurements.

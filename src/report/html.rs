@@ -144,10 +144,10 @@ impl HtmlTable {
     }
 
     /// A table of names and values.
-    pub fn numbers(rows: &[(&str, String)]) -> Self {
+    pub fn numbers<N: AsRef<str>>(rows: &[(N, String)]) -> Self {
         let mut table = Self::new("numbers");
         for (name, value) in rows {
-            table.named_row(name, [cell(value)]);
+            table.named_row(name.as_ref(), [cell(value)]);
         }
         table
     }

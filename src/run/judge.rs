@@ -1,7 +1,5 @@
 //! From what was watched to the summary and its verdict.
 
-use runtime::attitude::AttitudeMeasurement;
-use runtime::lei2022;
 use synth::model::Mismatch;
 
 use super::design::Design;
@@ -11,7 +9,6 @@ use super::summary::{
     SUMMARY_SCHEMA_VERSION,
 };
 use crate::base::provenance::GENERATOR;
-use crate::controllers::xu2020::XuChoice;
 use crate::plants::System;
 use crate::scenario::Scenario;
 use crate::sim::bound_utilisation::BoundUtilisation;
@@ -19,19 +16,16 @@ use crate::sim::closed_loop::End;
 use crate::sim::events::EventCount;
 use crate::sim::integrator::Method;
 use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
-use crate::sim::reference::Reference;
-use crate::sim::sampling::Instants;
+use crate::sim::metrics::Measured;
 use crate::sim::transmissions::TransmissionBound;
 
 /// What every kind of plant measures.
-pub(crate) struct Measured<'a> {
+pub(crate) struct RunParts<'a> {
     pub system: &'static str,
     pub controller: String,
     pub events: &'a EventCount,
-    /// Updates, largest torque (N m), impulse (N m s), time with a torque (s).
-    pub effort: (u64, f64, f64, f64),
+    pub measured: Measured,
     pub steps: u64,
-    pub settle_seconds: Option<f64>,
     pub torque_limit: Vec<f64>,
     pub settle_tolerance: f64,
     pub notes: Vec<String>,
@@ -44,11 +38,10 @@ pub(crate) struct Measured<'a> {
 pub(crate) fn summary(
     scenario: &Scenario,
     design: Option<&Design>,
-    parts: Measured,
+    parts: RunParts,
     certificate: Option<CertificateOutcome>,
 ) -> Summary {
     let events = parts.events;
-    let (updates, max_torque, impulse, on_s) = parts.effort;
     let mut notes = parts.notes;
     if let End::Diverged { time_s } = parts.end {
         notes.push(format!(
@@ -59,7 +52,6 @@ pub(crate) fn summary(
         .as_ref()
         .map_or(0, CertificateOutcome::violations);
     let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
-    let violations = broken.max(left);
     let bound = TransmissionBound::of_instants(&scenario.instants);
     notes.extend(closer_samples(design, bound));
     Summary {
@@ -69,23 +61,10 @@ pub(crate) fn summary(
         system: parts.system.to_string(),
         controller: parts.controller,
         verdict: RunVerdict::RequirementsMissed,
-        triggers: events.triggers,
-        updates,
-        bits: events.bits,
-        bytes: events.bytes,
-        settle_seconds: parts.settle_seconds,
-        final_error_deg: None,
-        rms_error_deg: None,
-        tail_error_deg: None,
-        final_state_norm: None,
-        rms_state_norm: None,
-        max_rate: None,
-        max_torque,
-        impulse,
-        on_time_share: on_s / scenario.duration_s,
-        turn_ons: None,
-        turn_offs: None,
-        violations,
+        measured: Measured {
+            violations: broken.max(left),
+            ..parts.measured
+        },
         requirements: Vec::new(),
         samples: events.samples,
         steps: parts.steps,
@@ -256,94 +235,4 @@ pub(crate) fn conclude(scenario: &Scenario, summary: &mut Summary, end: End) {
         .as_ref()
         .is_some_and(CertificateOutcome::broken);
     summary.judge(&scenario.requirements, diverged, broken);
-}
-
-/// What is to be said of gains that come from a paper.
-pub(crate) fn published_notes(
-    choice: &XuChoice,
-    start_norm: f64,
-    events: &EventCount,
-    notes: &mut Vec<String>,
-) {
-    notes.push(
-        "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
-            .to_string(),
-    );
-    if choice.threshold.certifiable_maximum().is_none() {
-        notes.push(
-            "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
-        );
-    }
-    let Some(claim) = &choice.claim else {
-        return;
-    };
-    // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
-    let radius = (claim.gain_bound * claim.decay_rate_per_s).sqrt();
-    let place = if start_norm > radius {
-        "is not in the certified set"
-    } else {
-        "may be in the certified set"
-    };
-    notes.push(format!(
-        "The start {place}: |x| is {start_norm:.4}, and (20) with the claimed gamma = {} and \
-         phi = {} /s confines the set to |x| <= {radius:.4}.",
-        claim.gain_bound, claim.decay_rate_per_s
-    ));
-    notes.push(format!(
-        "The claimed gamma = {} is not confirmed: the conditions as printed do not prove it, and a run \
-         cannot.",
-        claim.gain_bound
-    ));
-    if let Some(mismatch) = events.largest_mismatch {
-        let relation = if mismatch > claim.membership_mismatch {
-            "does not hold"
-        } else {
-            "holds"
-        };
-        notes.push(format!(
-            "The assumption |zeta_i - zeta_ik| <= {} {relation} in this run: the largest difference is \
-             {mismatch:.4}.",
-            claim.membership_mismatch
-        ));
-    }
-}
-
-/// What is to be said of a run with Lei et al.'s controller.
-pub(crate) fn intermittent_notes(
-    scenario: &Scenario,
-    parameters: &lei2022::Parameters,
-    start: &AttitudeMeasurement,
-    notes: &mut Vec<String>,
-) {
-    if let System::RigidBody(body) = &scenario.system {
-        if !matches!(body.reference, Reference::Fixed(_)) {
-            notes.push(
-                "The reference moves; the law is made for a fixed one and does not feed its rate forward."
-                    .to_string(),
-            );
-        }
-    }
-    let Some(trigger) = parameters.trigger.composite() else {
-        return;
-    };
-    let continuous = matches!(scenario.instants, Instants::Continuous { .. });
-    if !continuous && trigger.relative_buffer == 0.0 {
-        notes.push(
-            "The trigger is evaluated at samples without a relative_buffer: V2 may exceed its envelope \
-             S2 before the next sample."
-                .to_string(),
-        );
-    }
-    let law = &parameters.law;
-    let error = start.error.shortest();
-    let energy = law
-        .evaluate(0.0, &error, &start.rate_rad_s)
-        .rate_error_energy;
-    if energy >= trigger.envelope_initial_j {
-        notes.push(format!(
-            "The start is above the envelope: V2 is {energy:.3e} J and S2(0) is {:.3e} J; the paper \
-             needs S2(0) above V2(0).",
-            trigger.envelope_initial_j
-        ));
-    }
 }

@@ -1,9 +1,8 @@
 //! Runs of the rigid body.
 
 use nalgebra::Vector3;
-use runtime::attitude::AttitudeMeasurement;
-use runtime::membership::{GaussianRules, Membership};
-use runtime::{lei2022, wu2018, xu2020};
+use runtime::membership::Membership;
+use runtime::xu2020;
 use synth::model::Plant;
 
 use super::attitude_log::{AttitudeLog, SettleRule, PROFILE_QUANTITIES};
@@ -11,19 +10,19 @@ use super::design::Design;
 use super::designed::{designed, on_the_box, Use};
 use super::inner::InnerMonitor;
 use super::judge;
-use super::judge::Measured;
+use super::judge::RunParts;
 use super::outcome::{Outcome, Recording, SimulateError};
 use super::summary::Summary;
-use crate::controllers::xu2020::{XuAttitude, XuChoice};
-use crate::controllers::yang2025::YangAttitude;
-use crate::controllers::ControllerChoice;
+use crate::controllers::law::{AnyAttitudeController, Flown, Surroundings};
+use crate::controllers::xu2020::XuAttitude;
 use crate::plants::rigid_body::RigidBodySystem;
 use crate::scenario::Scenario;
 use crate::sim::closed_loop::{ClosedLoop, End};
-use crate::sim::controller::{AnyController, Controller};
+use crate::sim::controller::Controller;
 use crate::sim::embedding;
 use crate::sim::link::Link;
 use crate::sim::lyapunov::LyapunovMonitor;
+use crate::sim::metrics::Measured;
 use crate::sim::profile::Profile;
 use crate::sim::rigid_body_state::rigid_body_state;
 use crate::sim::sampling::Sampling;
@@ -55,43 +54,22 @@ pub(crate) fn run(
         link: link.transpose().map_err(SimulateError::Link)?,
         recording,
     };
-    let (end, log, name, limit) = match (&scenario.controller, design) {
-        (ControllerChoice::Wu(parameters), _) => {
-            let controller = wu2018::Controller::new(*parameters)?;
-            let (end, log) = close_loop(scenario, system, controller, attached);
-            (end, log, wu_name(parameters), parameters.torque_limit)
-        }
-        (ControllerChoice::Xu(choice), _) => {
-            let (end, log) = close_loop(scenario, system, fuzzy(choice)?, attached);
-            let name = "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string();
-            (end, log, name, choice.torque_limit)
-        }
-        (ControllerChoice::Lei(parameters), _) => {
-            let controller = lei2022::Controller::new(**parameters)?;
-            let (end, log) = close_loop(scenario, system, controller, attached);
-            (end, log, lei_name(parameters), parameters.torque_limit)
-        }
-        (ControllerChoice::Yang(choice), _) => {
-            let oracle = choice.told_fault.then_some(system.body);
-            let linked = scenario.link.is_some();
-            let controller =
-                YangAttitude::new(choice.parameters, system.reference, oracle, linked)?;
-            let (end, log) = close_loop(scenario, system, controller, attached);
-            let name = "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string();
-            (end, log, name, choice.parameters.torque_limit)
-        }
-        (ControllerChoice::Design(_), Some(design)) => {
-            let (controller, limit) = attitude_controller(design)?;
-            let (end, log) = close_loop(scenario, system, controller, attached);
-            let name = format!(
-                "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
-                design.file.name
-            );
-            (end, log, name, limit)
-        }
-        (ControllerChoice::Design(_), None) => return Err(SimulateError::NoDesign),
+    let around = Surroundings {
+        system,
+        linked: attached.link.is_some(),
     };
-    Ok(finish(scenario, design, end, log, (name, limit)))
+    let (controller, name, limit) = match (scenario.controller.law(), design) {
+        (Some(law), _) => (law.build(&around)?, law.name(), law.torque_limit()),
+        (None, Some(design)) => attitude_controller(design)?,
+        (None, None) => return Err(SimulateError::NoDesign),
+    };
+    let (end, log) = close_loop(scenario, system, controller, attached);
+    Ok(finish(
+        (scenario, system),
+        design,
+        (end, log),
+        (name, limit),
+    ))
 }
 
 /// What is between the controller and the actuators, and what is watched beside the metrics.
@@ -105,10 +83,10 @@ struct Attached<'a> {
 }
 
 /// The closed loop with a controller.
-fn close_loop<C: Controller<AttitudeMeasurement, 3>>(
+fn close_loop(
     scenario: &Scenario,
     system: &RigidBodySystem,
-    controller: C,
+    controller: AnyAttitudeController,
     attached: Attached,
 ) -> (End, AttitudeLog) {
     let mut log = AttitudeLog::new(
@@ -153,25 +131,7 @@ fn close_loop<C: Controller<AttitudeMeasurement, 3>>(
     (end, log)
 }
 
-fn wu_name(parameters: &wu2018::Parameters) -> String {
-    match parameters.trigger {
-        wu2018::TriggerRule::Relative { .. } => "Wu, Shen and Cao 2018, law (6) and trigger (8)",
-        wu2018::TriggerRule::EverySample => "Wu, Shen and Cao 2018, law (6) at every sample",
-    }
-    .to_string()
-}
-
-fn lei_name(parameters: &lei2022::Parameters) -> String {
-    match parameters.trigger {
-        lei2022::TriggerRule::Composite(_) => "Lei et al. 2022, law (12) with triggers (6) and (8)",
-        lei2022::TriggerRule::EverySample => "Lei et al. 2022, law (12) at every sample",
-    }
-    .to_string()
-}
-
-type AnyAttitudeController = AnyController<AttitudeMeasurement, 3>;
-
-/// Boxes the controller.
+/// Takes the controller in a box.
 struct Boxed;
 
 impl Use<6, 3> for Boxed {
@@ -185,44 +145,20 @@ impl Use<6, 3> for Boxed {
     }
 }
 
+/// The controller of a design, its name and its torque limits, N m.
 fn attitude_controller(
     design: &Design,
-) -> Result<(AnyAttitudeController, Vector3<f64>), SimulateError> {
+) -> Result<(AnyAttitudeController, String, Vector3<f64>), SimulateError> {
     let controller = match &design.model.plant {
         Plant::Spacecraft(craft) => on_the_box(design, craft, Boxed)?,
         _ => designed::<6, 3, _>(design, Boxed)?,
     };
     let limit = design.model.plant.takagi_sugeno().input_limit;
-    Ok((controller, embedding::vector(limit.as_slice())))
-}
-
-fn fuzzy(choice: &XuChoice) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
-    match choice.rules.len() {
-        1 => fuzzy_of::<1>(choice),
-        2 => fuzzy_of::<2>(choice),
-        3 => fuzzy_of::<3>(choice),
-        4 => fuzzy_of::<4>(choice),
-        5 => fuzzy_of::<5>(choice),
-        6 => fuzzy_of::<6>(choice),
-        7 => fuzzy_of::<7>(choice),
-        _ => fuzzy_of::<8>(choice),
-    }
-}
-
-/// The controller with exactly `R` rules; the caller has counted them.
-fn fuzzy_of<const R: usize>(
-    choice: &XuChoice,
-) -> Result<AnyController<AttitudeMeasurement, 3>, SimulateError> {
-    let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
-    let controller = xu2020::Controller::new(xu2020::Parameters {
-        gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
-        membership: GaussianRules::new(std::array::from_fn(|index| rule(index).0), choice.widths)?,
-        trigger_weight: choice.trigger_weight,
-        threshold_update: choice.threshold,
-        torque_limit: choice.torque_limit,
-        longest_interval_s: choice.longest_interval_s,
-    })?;
-    Ok(Box::new(XuAttitude::new(controller)))
+    let name = format!(
+        "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
+        design.file.name
+    );
+    Ok((controller, name, embedding::vector(limit.as_slice())))
 }
 
 /// A controller without a trigger of its own sends what the encoder behind it sends.
@@ -230,44 +166,54 @@ fn messages_on_the_link(summary: &mut Summary) {
     let Some(link) = &summary.link else {
         return;
     };
-    summary.triggers = link.messages;
-    summary.bits = link.bits;
-    summary.bytes = link.bytes;
+    summary.measured.triggers = link.messages;
+    summary.measured.bits = link.bits;
+    summary.measured.bytes = link.bytes;
     summary.shortest_interval_s = link.shortest_interval_s;
     summary.mean_interval_s = link.mean_interval_s;
 }
 
+fn measured(log: &AttitudeLog, duration_s: f64) -> Measured {
+    let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
+    let last = log.last.map(|last| last.error.rotation_angle_rad());
+    Measured {
+        settle_seconds: log.pointing.settle_seconds(),
+        final_error_deg: last.and_then(degrees),
+        rms_error_deg: log.pointing.tail_rms().and_then(degrees),
+        tail_error_deg: log.pointing.tail_peak().and_then(degrees),
+        max_rate: Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite()),
+        turn_ons: log.switches.map(|count| u64::from(count.on)),
+        turn_offs: log.switches.map(|count| u64::from(count.off)),
+        ..Measured::of(&log.events, &log.effort, duration_s)
+    }
+}
+
 fn finish(
-    scenario: &Scenario,
+    (scenario, system): (&Scenario, &RigidBodySystem),
     design: Option<&Design>,
-    end: End,
-    log: AttitudeLog,
+    (end, log): (End, AttitudeLog),
     (controller, limit): (String, Vector3<f64>),
 ) -> Outcome {
-    let start_state = log.start.map(|start| start.rigid_body_state());
-    let from_rest = start_state.is_some_and(|state| state.norm() == 0.0);
-    let mut notes = Vec::new();
-    if let (ControllerChoice::Xu(choice), Some(state)) = (&scenario.controller, start_state) {
-        judge::published_notes(choice, state.norm(), &log.events, &mut notes);
-    }
-    if let (ControllerChoice::Lei(parameters), Some(start)) = (&scenario.controller, &log.start) {
-        judge::intermittent_notes(scenario, parameters, start, &mut notes);
-    }
-    let parts = Measured {
+    let start = log.start.as_ref();
+    let from_rest = start.is_some_and(|start| start.rigid_body_state().norm() == 0.0);
+    let law = scenario.controller.law();
+    let notes = law.zip(start).map(|(law, start)| {
+        law.notes(&Flown {
+            system,
+            instants: &scenario.instants,
+            start,
+            events: &log.events,
+        })
+    });
+    let parts = RunParts {
         system: "rigid_body",
         controller,
         events: &log.events,
-        effort: (
-            log.effort.updates,
-            log.effort.max_torque,
-            log.effort.impulse,
-            log.effort.on_s,
-        ),
+        measured: measured(&log, scenario.duration_s),
         steps: log.steps,
-        settle_seconds: log.pointing.settle_seconds(),
         torque_limit: limit.iter().copied().collect(),
         settle_tolerance: scenario.settle_tolerance_rad.to_degrees(),
-        notes,
+        notes: notes.unwrap_or_default(),
         funnel: log.funnel.clone(),
         threshold: log.threshold.clone(),
         end,
@@ -283,19 +229,10 @@ fn finish(
         _ => None,
     };
     let mut summary = judge::summary(scenario, design, parts, certificate);
-    let degrees = |angle: f64| Some(angle.to_degrees()).filter(|angle| angle.is_finite());
-    summary.final_error_deg = log
-        .last
-        .and_then(|last| degrees(last.error.rotation_angle_rad()));
-    summary.rms_error_deg = log.pointing.tail_rms().and_then(degrees);
     summary.link = log.link.clone();
-    summary.tail_error_deg = log.pointing.tail_peak().and_then(degrees);
-    summary.turn_ons = log.switches.map(|count| u64::from(count.on));
-    summary.turn_offs = log.switches.map(|count| u64::from(count.off));
-    if matches!(scenario.controller, ControllerChoice::Yang(_)) {
+    if law.is_some_and(|law| law.sends_by_link()) {
         messages_on_the_link(&mut summary);
     }
-    summary.max_rate = Some(log.rate_squared.sqrt()).filter(|rate| rate.is_finite());
     judge::conclude(scenario, &mut summary, end);
     let (profile, trajectory) = log.into_records(end == End::Completed);
     Outcome {

@@ -1,11 +1,13 @@
 //! The summary of a run: what scripts and the report read.
 
+use std::ops::Deref;
+
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::link::LinkOutcome;
-use crate::sim::metrics::{metric_name, Metric};
+use crate::sim::metrics::{Measured, Metric, Readings};
 
 /// The version of the summary's format.
 pub const SUMMARY_SCHEMA_VERSION: u32 = 1;
@@ -82,45 +84,9 @@ pub struct Summary {
     pub controller: String,
     /// The answer.
     pub verdict: RunVerdict,
-    /// Messages sent.
-    pub triggers: u64,
-    /// Changes of the torque that acts.
-    pub updates: u64,
-    /// Bits sent.
-    pub bits: u64,
-    /// Bytes sent, each message rounded up to whole bytes.
-    pub bytes: u64,
-    /// Time from which on the error stays within the tolerance, s.
-    pub settle_seconds: Option<f64>,
-    /// Attitude error at the end, deg.
-    pub final_error_deg: Option<f64>,
-    /// Root mean square of the attitude error over the tail, deg.
-    pub rms_error_deg: Option<f64>,
-    /// Largest attitude error over the tail, deg.
-    #[serde(default)]
-    pub tail_error_deg: Option<f64>,
-    /// Norm of the state at the end, for a plant other than a spacecraft.
-    pub final_state_norm: Option<f64>,
-    /// Root mean square of the norm of the state over the tail, for a plant other than a spacecraft.
-    pub rms_state_norm: Option<f64>,
-    /// Largest norm of the body rate, rad/s.
-    pub max_rate: Option<f64>,
-    /// Largest torque of any axis, N m.
-    pub max_torque: f64,
-    /// Integral over time of the magnitudes of all axes' torques, N m s.
-    pub impulse: f64,
-    /// Fraction of the run in which a torque acted.
-    #[serde(default)]
-    pub on_time_share: f64,
-    /// Times the actuators were turned on, for a controller that turns them off.
-    #[serde(default)]
-    pub turn_ons: Option<u64>,
-    /// Times they were turned off.
-    #[serde(default)]
-    pub turn_offs: Option<u64>,
-    /// Steps at which a claim of the controller's certificate was broken or its error was outside of its
-    /// prescribed bounds; zero without either.
-    pub violations: u64,
+    /// What was measured.
+    #[serde(flatten)]
+    pub measured: Measured,
     /// The requirements with their outcome.
     pub requirements: Vec<RequirementOutcome>,
     /// Samples that reached the controller.
@@ -291,43 +257,27 @@ pub struct RunProvenance {
     pub integrator: String,
 }
 
+/// What was measured reads as the summary's own, as it does in its file.
+impl Deref for Summary {
+    type Target = Measured;
+
+    fn deref(&self) -> &Measured {
+        &self.measured
+    }
+}
+
 impl Summary {
     /// The value of a metric; `None` when the run does not have it.
     pub fn metric(&self, metric: Metric) -> Option<f64> {
-        match metric {
-            Metric::Triggers => Some(self.triggers as f64),
-            Metric::Updates => Some(self.updates as f64),
-            Metric::Bits => Some(self.bits as f64),
-            Metric::Bytes => Some(self.bytes as f64),
-            Metric::SettleSeconds => self.settle_seconds,
-            Metric::FinalErrorDeg => self.final_error_deg,
-            Metric::RmsErrorDeg => self.rms_error_deg,
-            Metric::TailErrorDeg => self.tail_error_deg,
-            Metric::FinalStateNorm => self.final_state_norm,
-            Metric::RmsStateNorm => self.rms_state_norm,
-            Metric::MaxRate => self.max_rate,
-            Metric::MaxTorque => Some(self.max_torque),
-            Metric::Impulse => Some(self.impulse),
-            Metric::Violations => Some(self.violations as f64),
-            Metric::ShortestIntervalS => self.shortest_interval_s,
-            Metric::MeanIntervalS => self.mean_interval_s,
-            Metric::LinkMessages => self.link.as_ref().map(|link| link.messages as f64),
-            Metric::LinkWords => self.link.as_ref().map(|link| link.words as f64),
-            Metric::LinkBits => self.link.as_ref().map(|link| link.bits as f64),
-            Metric::LinkLongestDisagreementS => {
-                let link = self.link.as_ref();
-                link.map(|link| link.longest_disagreement_s)
-            }
-            Metric::FunnelRatio => self.funnel.as_ref().map(|usage| usage.largest_ratio),
-            Metric::ThresholdRatio => self.threshold.as_ref().map(|usage| usage.largest_ratio),
-            Metric::TurnOns => self.turn_ons.map(|count| count as f64),
-            Metric::TurnOffs => self.turn_offs.map(|count| count as f64),
-            Metric::OnTimeShare => Some(self.on_time_share),
-            Metric::LyapunovRatio => {
-                let certificate = self.certificate.as_ref();
-                certificate.map(|outcome| outcome.largest_lyapunov_ratio)
-            }
-        }
+        let certificate = self.certificate.as_ref();
+        (metric.entry().read)(&Readings {
+            measured: &self.measured,
+            intervals_s: [self.shortest_interval_s, self.mean_interval_s],
+            lyapunov_ratio: certificate.map(|outcome| outcome.largest_lyapunov_ratio),
+            funnel: self.funnel.as_ref(),
+            threshold: self.threshold.as_ref(),
+            link: self.link.as_ref(),
+        })
     }
 
     /// Judges the requirements and then the run. `broken`: a proved bound was broken.
@@ -355,7 +305,7 @@ impl Summary {
             (None, None) => ("at most", f64::INFINITY, true),
         };
         RequirementOutcome {
-            name: format!("{} {side}", metric_name(requirement.metric)),
+            name: format!("{} {side}", requirement.metric.key()),
             value,
             limit,
             met,

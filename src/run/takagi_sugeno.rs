@@ -8,7 +8,7 @@ use synth::model::Plant;
 use super::design::Design;
 use super::designed::{designed, Use};
 use super::judge;
-use super::judge::Measured;
+use super::judge::RunParts;
 use super::outcome::{Outcome, Recording, SimulateError};
 use super::state_log::StateLog;
 use crate::controllers::xu2020::XuState;
@@ -19,6 +19,7 @@ use crate::sim::actuator::ActuatorData;
 use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::embedding;
 use crate::sim::lyapunov::LyapunovMonitor;
+use crate::sim::metrics::Measured;
 use crate::sim::profile::Profile;
 use crate::sim::sampling::Sampling;
 use crate::sim::sensor::StateSensor;
@@ -70,21 +71,20 @@ fn run_padded<const N: usize, const M: usize>(
         log,
     };
     let (end, log) = designed::<N, M, _>(design, close_loop)?;
-    let parts = Measured {
+    let parts = RunParts {
         system: "takagi_sugeno",
         controller: format!(
             "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
             design.file.name
         ),
         events: &log.events,
-        effort: (
-            log.effort.updates,
-            log.effort.max_torque,
-            log.effort.impulse,
-            log.effort.on_s,
-        ),
+        measured: Measured {
+            settle_seconds: log.error.settle_seconds(),
+            final_state_norm: Some(log.last.norm()).filter(|norm| norm.is_finite()),
+            rms_state_norm: log.error.tail_rms(),
+            ..Measured::of(&log.events, &log.effort, scenario.duration_s)
+        },
         steps: log.steps,
-        settle_seconds: log.error.settle_seconds(),
         torque_limit: limit.iter().copied().collect(),
         settle_tolerance: scenario.settle_tolerance_state,
         notes: Vec::new(),
@@ -101,8 +101,6 @@ fn run_padded<const N: usize, const M: usize>(
         from_rest,
     );
     let mut summary = judge::summary(scenario, Some(design), parts, Some(certificate));
-    summary.final_state_norm = Some(log.last.norm()).filter(|norm| norm.is_finite());
-    summary.rms_state_norm = log.error.tail_rms();
     judge::conclude(scenario, &mut summary, end);
     Ok(Outcome {
         summary,

@@ -233,7 +233,7 @@ fn check_continuous(
     let Instants::Continuous { resolution_s } = instants else {
         return Ok(());
     };
-    if controller.sends_every_sample() {
+    if controller.law().is_some_and(|law| law.sends_every_sample()) {
         let field = "sampling.instants.continuous.resolution_s";
         let allowed =
             "left out, and the sampling periodic or aperiodic, because the controller sends \

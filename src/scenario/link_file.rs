@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::base::bounded::{BelowOne, Positive};
+
 /// The link between the controller's torque command and the actuators.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -13,13 +15,13 @@ pub struct LinkFile {
     pub torque_limit_nm: [f64; 3],
     /// Probability that a bit of a word arrives inverted, in [0, 1).
     #[serde(default)]
-    pub bit_error_probability: f64,
+    pub bit_error_probability: BelowOne,
     /// Probability that a word does not arrive, in [0, 1).
     #[serde(default)]
-    pub word_loss_probability: f64,
+    pub word_loss_probability: BelowOne,
     /// Time between two samples at which every axis is resynchronised, above 0; never when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub resynchronisation_period_s: Option<f64>,
+    pub resynchronisation_period_s: Option<Positive>,
 }
 
 /// The encodings.

@@ -4,9 +4,10 @@ use runtime::compression::{
     Alphabet, AxisParameters, Encoder, Level, Levels, NumberFormat, Parameters, Scheme,
 };
 use runtime::error::{Element, Field, ParameterError};
-use synth::model::{check_positive, ModelError};
+use synth::model::ModelError;
 
 use super::link_file::{EncodingFile, FormatFile, LevelsFile, LinkFile, ZAryFile};
+use crate::base::bounded::Positive;
 use crate::base::ranges::require;
 use crate::plants::System;
 use crate::sim::link::{LinkData, MAX_LEVELS};
@@ -30,25 +31,15 @@ pub(crate) fn check_link(
         let allowed = "left out, because a link needs periodic or aperiodic sampling";
         require(false, field, resolution_s, allowed)?;
     }
-    for (key, value) in [
-        ("bit_error_probability", file.bit_error_probability),
-        ("word_loss_probability", file.word_loss_probability),
-    ] {
-        let ok = (0.0..1.0).contains(&value);
-        require(ok, &format!("link.{key}"), value, "in [0, 1)")?;
-    }
-    if let Some(period) = file.resynchronisation_period_s {
-        check_positive("link.resynchronisation_period_s", period)?;
-    }
     let parameters = Parameters {
         axes: axes(file)?,
-        resynchronisation_period_s: file.resynchronisation_period_s,
+        resynchronisation_period_s: file.resynchronisation_period_s.map(Positive::get),
     };
     Encoder::new(&parameters).map_err(|error| located(file, &error))?;
     Ok(LinkData {
         parameters,
-        bit_error_probability: file.bit_error_probability,
-        word_loss_probability: file.word_loss_probability,
+        bit_error_probability: file.bit_error_probability.get(),
+        word_loss_probability: file.word_loss_probability.get(),
     })
 }
 

@@ -10,7 +10,7 @@ mod link_file;
 mod links;
 
 pub use check::Scenario;
-pub use design_check::{design_check, DesignCheck};
+pub use design_check::design_check;
 pub use dispersions::{Dispersion, Dispersions, FaultDispersion};
 pub use dispersions_file::*;
 pub use file::*;

@@ -236,7 +236,7 @@ fn a_finer_alphabet_does_not_give_the_papers_6_bits_a_word() {
         };
     }
     let summary = run(&finer);
-    let link = summary.link.unwrap();
+    let link = summary.link.as_ref().unwrap();
     println!("z = 6, m = 4: {} words, {} bits", link.words, link.bits);
     // 4 log2 6 = 10.3 bits, so 11; the paper's 12768 bits in 2128 words are 6 each.
     assert_eq!(link.bits, 11 * link.words);
@@ -300,7 +300,7 @@ fn one_word_in_a_hundred_may_be_lost_when_the_link_is_resynchronised_every_secon
     link.parameters.resynchronisation_period_s = Some(1.0);
     let summary = run(&scenario);
     println!("{:?} {:?}", summary.link, summary.funnel);
-    let link = summary.link.unwrap();
+    let link = summary.link.as_ref().unwrap();
     assert!(link.lost_words > 0 && link.longest_disagreement_s > 0.0);
     assert_eq!(summary.violations, 0);
 }

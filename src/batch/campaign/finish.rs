@@ -23,7 +23,6 @@ use crate::base::files::{create_folder, write};
 use crate::batch::watch::Watch;
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
-use crate::sim::metrics::metric_name;
 
 /// A table, what of the rows it holds, and the inputs in its metadata.
 pub(crate) struct Source {
@@ -130,10 +129,10 @@ fn recount(job: &Job, count: &Count, watch: &Watch) -> Result<Results, CampaignE
             (None, Some(limit)) => ("at least", limit),
             (None, None) => return None,
         };
-        let metric = metric_name(requirement.metric);
+        let metric = requirement.metric.key();
         Some(RequirementCount {
             name: format!("{metric} {side}"),
-            metric,
+            metric: metric.to_string(),
             limit,
             missed: 0,
         })

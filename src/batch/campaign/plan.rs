@@ -1,6 +1,5 @@
 //! The runs of a campaign: each a scenario of its own, from the campaign's seed and the run's index.
 
-use nalgebra::Matrix3;
 use serde_json::Value;
 use synth::model::{FileError, ModelError};
 
@@ -9,10 +8,9 @@ use super::row::Row;
 use super::sample::{Boundary, Context, Sample};
 use super::table::Columns;
 use super::CampaignError;
+use crate::base::bounded::from_value;
 use crate::base::provenance::sha256_of;
 use crate::batch::parameter::Parameter;
-use crate::controllers::wu2018::WuGainsFile;
-use crate::controllers::ControllerFile;
 use crate::plants::{System, SystemFile};
 use crate::run::design::Design;
 use crate::run::outcome::{Outcome, Recording};
@@ -133,7 +131,7 @@ impl<'a> Plan<'a> {
                     let set = draw.set(at, &mut value, &mut drawn);
                     set.map_err(|error| failed(error.to_string()))?;
                 }
-                serde_json::from_value(value).map_err(|error| failed(error.to_string()))?
+                from_value(value).map_err(|error| failed(error.to_string()))?
             }
         };
         let invalid = |error: ModelError| failed(error.to_string());
@@ -234,25 +232,8 @@ impl From<ModelError> for PlanError {
 
 /// A controller that knows the plant's inertia knows the nominal one, not the drawn one.
 fn pin_controller(file: &mut ScenarioFile) {
-    let SystemFile::RigidBody(body) = &file.system else {
-        return;
-    };
-    let rows = body.inertia_kg_m2;
-    match &mut file.controller {
-        ControllerFile::Wu2018(wu) => {
-            if let WuGainsFile::SettlingTime(settling) = &mut wu.gains {
-                let inertia = Matrix3::from_fn(|row, column| rows[row][column]);
-                let largest = inertia.symmetric_eigenvalues().max();
-                settling.largest_inertia_kg_m2.get_or_insert(largest);
-            }
-        }
-        ControllerFile::Lei2022(lei) => {
-            lei.inertia_kg_m2.get_or_insert(rows);
-        }
-        ControllerFile::Yang2025(yang) => {
-            yang.nominal_inertia_kg_m2.get_or_insert(rows);
-        }
-        ControllerFile::Design(_) | ControllerFile::Xu2020(_) => {}
+    if let SystemFile::RigidBody(body) = &file.system {
+        file.controller.assume_inertia(&body.inertia_kg_m2);
     }
 }
 

@@ -17,10 +17,11 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::EnabledStatistics;
 use parquet::schema::types::ColumnPath;
 
-use super::row::{metric_columns, Row, METRICS};
+use super::row::{metric_columns, Row};
 use super::CampaignError;
 use crate::base::parquet::properties;
 use crate::run::summary::RunVerdict;
+use crate::sim::metrics::METRICS;
 
 /// Key of the file metadata that holds the campaign's inputs.
 pub const INPUTS_KEY: &str = "steadfast.campaign";

@@ -8,7 +8,8 @@ use synth::model::ModelError;
 
 use super::faults::{standard_faults, StandardFault};
 use super::table::{
-    Comparison, ControllerRow, FaultOutcome, TaskSummary, COMPARISON_SCHEMA_VERSION,
+    compared_metrics, Comparison, ControllerRow, FaultOutcome, TaskSummary,
+    COMPARISON_SCHEMA_VERSION,
 };
 use super::task::{limit_difference, Candidate, ComparisonError};
 use crate::base::provenance::GENERATOR;
@@ -231,20 +232,7 @@ fn row(
         sampling: sampling(&candidate.scenario.instants),
         verdict: summary.verdict,
         proof: summary.certificate.as_ref().map(proof),
-        settle_seconds: summary.settle_seconds,
-        final_error_deg: summary.final_error_deg,
-        rms_error_deg: summary.rms_error_deg,
-        max_rate: summary.max_rate,
-        max_torque: summary.max_torque,
-        impulse: summary.impulse,
-        updates: summary.updates,
-        triggers: summary.triggers,
-        bits: summary.bits,
-        bytes: summary.bytes,
-        shortest_interval_s: summary.shortest_interval_s,
-        mean_interval_s: summary.mean_interval_s,
-        funnel_ratio: summary.funnel.as_ref().map(|usage| usage.largest_ratio),
-        violations: summary.violations,
+        metrics: compared_metrics(summary),
         link: summary.link.clone(),
         faults_survived: faults.iter().filter(|outcome| outcome.survived).count(),
         faults,

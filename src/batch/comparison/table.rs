@@ -1,11 +1,13 @@
 //! The table of a comparison.
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::base::csv::quoted;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
+use crate::sim::metrics::{compared, Metric};
 
 /// The version of the comparison's format.
 pub const COMPARISON_SCHEMA_VERSION: u32 = 1;
@@ -55,34 +57,9 @@ pub struct ControllerRow {
     pub verdict: RunVerdict,
     /// What a certificate says of the run without a standard fault; null without a design.
     pub proof: Option<String>,
-    /// Time from which on the error stays within the tolerance, s.
-    pub settle_seconds: Option<f64>,
-    /// Attitude error at the end, deg.
-    pub final_error_deg: Option<f64>,
-    /// Root mean square of the attitude error over the tail, deg.
-    pub rms_error_deg: Option<f64>,
-    /// Largest norm of the body rate, rad/s.
-    pub max_rate: Option<f64>,
-    /// Largest torque of any axis, N m.
-    pub max_torque: f64,
-    /// Integral of the magnitudes of all axes' torques, N m s.
-    pub impulse: f64,
-    /// Changes of the torque that acts.
-    pub updates: u64,
-    /// Messages of the controller.
-    pub triggers: u64,
-    /// Their bits.
-    pub bits: u64,
-    /// Their bytes.
-    pub bytes: u64,
-    /// Shortest time between two messages, s.
-    pub shortest_interval_s: Option<f64>,
-    /// Mean time between two messages, s.
-    pub mean_interval_s: Option<f64>,
-    /// Largest fraction of the prescribed bounds on the error, for a controller that has them.
-    pub funnel_ratio: Option<f64>,
-    /// Steps at which a claim or a prescribed bound was broken.
-    pub violations: u64,
+    /// The compared metrics, each under its key.
+    #[serde(flatten, serialize_with = "by_key")]
+    pub metrics: Vec<Compared>,
     /// What the link to the actuators carried, where there is one.
     pub link: Option<LinkOutcome>,
     /// The runs with a standard fault.
@@ -153,28 +130,36 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
     Some(format!("{} {}: {value}", missed.name, missed.limit))
 }
 
-/// Name of a line of the table and its value for a controller.
-type MetricRow = (&'static str, fn(&ControllerRow) -> String);
+/// A compared metric and its value for a controller.
+pub type Compared = (Metric, Option<f64>);
 
-/// The lines of the table, in the order of every output.
-const LINES: [MetricRow; 14] = [
-    ("settle_seconds", |row| optional(row.settle_seconds)),
-    ("final_error_deg", |row| optional(row.final_error_deg)),
-    ("rms_error_deg", |row| optional(row.rms_error_deg)),
-    ("max_rate", |row| optional(row.max_rate)),
-    ("max_torque", |row| row.max_torque.to_string()),
-    ("impulse", |row| row.impulse.to_string()),
-    ("updates", |row| row.updates.to_string()),
-    ("triggers", |row| row.triggers.to_string()),
-    ("bits", |row| row.bits.to_string()),
-    ("bytes", |row| row.bytes.to_string()),
-    ("shortest_interval_s", |row| {
-        optional(row.shortest_interval_s)
-    }),
-    ("mean_interval_s", |row| optional(row.mean_interval_s)),
-    ("funnel_ratio", |row| optional(row.funnel_ratio)),
-    ("faults_survived", |row| row.faults_survived.to_string()),
-];
+/// The compared metrics of a run, then the steps outside of a bound, which no table shows.
+pub(super) fn compared_metrics(summary: &Summary) -> Vec<Compared> {
+    let shown = compared().into_iter().map(|entry| entry.metric);
+    let all = shown.chain([Metric::Violations]);
+    all.map(|metric| (metric, summary.metric(metric))).collect()
+}
+
+fn by_key<S: Serializer>(metrics: &[Compared], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(metrics.len()))?;
+    for (metric, value) in metrics {
+        match value {
+            Some(value) if metric.entry().whole => {
+                map.serialize_entry(metric.key(), &(*value as u64))?
+            }
+            value => map.serialize_entry(metric.key(), value)?,
+        }
+    }
+    map.end()
+}
+
+impl ControllerRow {
+    /// The metrics that tables show.
+    pub fn shown(&self) -> &[Compared] {
+        let shown = self.metrics.len().saturating_sub(1);
+        &self.metrics[..shown]
+    }
+}
 
 fn optional(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
@@ -184,13 +169,15 @@ impl Comparison {
     /// Comma-separated values: one row for each controller, one column for each metric and fault.
     pub fn to_csv(&self) -> String {
         let mut header = vec!["label".to_string(), "verdict".to_string()];
-        header.extend(LINES.iter().map(|(name, _)| name.to_string()));
+        header.extend(compared().iter().map(|entry| entry.key.to_string()));
+        header.push("faults_survived".to_string());
         header.extend(["link_bits".to_string(), "link_bytes".to_string()]);
         header.extend(self.faults.iter().map(|(name, _)| format!("fault_{name}")));
         let mut text = header.join(",") + "\n";
         for row in &self.runs {
             let mut cells = vec![quoted(&row.label), row.verdict.name().to_string()];
-            cells.extend(LINES.iter().map(|(_, value)| value(row)));
+            cells.extend(row.shown().iter().map(|(_, value)| optional(*value)));
+            cells.push(row.faults_survived.to_string());
             let link = |count: fn(&LinkOutcome) -> u64| {
                 row.link
                     .as_ref()
@@ -215,16 +202,18 @@ impl Comparison {
                 .chain(verdicts)
                 .collect(),
         );
-        for (name, value) in LINES {
-            let total = self.faults.len();
-            if name == "faults_survived" && total == 0 {
-                continue;
-            }
-            let cells = self.runs.iter().map(|row| match name {
-                "faults_survived" => format!("{} of {total}", row.faults_survived),
-                _ => rounded(&value(row)),
-            });
-            lines.push(std::iter::once(name.to_string()).chain(cells).collect());
+        for (index, entry) in compared().iter().enumerate() {
+            let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
+            let cells = self.runs.iter().map(|row| rounded(&optional(value(row))));
+            let head = entry.key.to_string();
+            lines.push(std::iter::once(head).chain(cells).collect());
+        }
+        let total = self.faults.len();
+        if total > 0 {
+            let survived = self.runs.iter().map(|row| row.faults_survived);
+            let cells = survived.map(|survived| format!("{survived} of {total}"));
+            let head = "faults_survived".to_string();
+            lines.push(std::iter::once(head).chain(cells).collect());
         }
         for (index, (name, _)) in self.faults.iter().enumerate() {
             let cells = self.runs.iter().map(|row| match row.faults.get(index) {

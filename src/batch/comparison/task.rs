@@ -27,8 +27,8 @@ impl Candidate {
     /// The torque that can act on each axis, N m: the smaller of the controller's limit and the
     /// actuators'; infinite without either.
     pub fn torque_limit(&self) -> Vector3<f64> {
-        let own = match (&self.design, self.scenario.controller.torque_limit()) {
-            (_, Some(limit)) => limit,
+        let own = match (&self.design, self.scenario.controller.law()) {
+            (_, Some(law)) => law.torque_limit(),
             (Some(design), None) => match &design.model.plant {
                 Plant::Spacecraft(craft) => craft.torque_limit,
                 plant => {

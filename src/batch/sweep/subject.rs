@@ -17,6 +17,7 @@ use crate::run::design::{certified_angle_deg, Design};
 use crate::run::simulate;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::{Scenario, ScenarioFile};
+use crate::sim::metrics::{MetricKind, METRICS};
 
 /// What is swept. The file holds every default, so that what it leaves out can be varied too.
 pub enum Subject {
@@ -137,11 +138,10 @@ impl Subject {
     /// Unit of a number that is varied or of a metric; empty where it has none.
     pub fn unit(&self, name: &str) -> &'static str {
         let body = self.file().pointer("/system/rigid_body").is_some();
-        match name {
-            "max_rate" => "rad/s",
-            "max_torque" if body => "N m",
-            "impulse" if body => "N m s",
-            name => unit_of_key(name),
+        let metric = METRICS.iter().find(|entry| entry.key == name);
+        match metric {
+            Some(entry) if body || entry.kind != MetricKind::Effort => entry.unit,
+            _ => unit_of_key(name),
         }
     }
 

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use serde::Serialize;
+use serde_json::Value;
 use synth::model::Kind;
 
 use crate::base::condition::Condition;
-use crate::controllers::lei2022::Bounds;
-use crate::scenario::DesignCheck;
+use crate::controllers::DesignCheck;
 
 /// What a file is.
 #[derive(Debug, Serialize)]
@@ -31,7 +31,7 @@ struct PaperConditions<'a> {
     /// Its conditions.
     conditions: &'a [Condition],
     /// The constants that they are made of.
-    constants: &'a Bounds,
+    constants: &'a Value,
 }
 
 impl<'a> CheckReport<'a> {
@@ -44,7 +44,7 @@ impl<'a> CheckReport<'a> {
             design_check: check.map(|check| PaperConditions {
                 paper: check.paper,
                 conditions: &check.conditions,
-                constants: &check.bounds,
+                constants: &check.constants,
             }),
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
+use crate::sim::metrics::{listed, MetricKind};
 
 /// What came of a run.
 pub fn lines(summary: &Summary) -> Vec<String> {
@@ -32,20 +33,15 @@ pub fn lines(summary: &Summary) -> Vec<String> {
         Some(seconds) => format!("settled: from {seconds:.3} s on"),
         None => "settled: no".to_string(),
     });
-    let errors = [
-        ("final error", summary.final_error_deg, "deg"),
-        ("rms error over the tail", summary.rms_error_deg, "deg"),
-        ("norm of the final state", summary.final_state_norm, ""),
-        ("rms norm over the tail", summary.rms_state_norm, ""),
-        ("largest rate", summary.max_rate, "rad/s"),
-    ];
-    for (name, value, unit) in errors {
-        if let Some(value) = value {
-            lines.push(format!("{name}: {value:.5} {unit}").trim_end().to_string());
+    let spacecraft = summary.system == "rigid_body";
+    for entry in listed(spacecraft).filter(|entry| entry.kind != MetricKind::Effort) {
+        if let Some(value) = summary.metric(entry.metric) {
+            let line = format!("{}: {value:.5} {}", entry.label, entry.unit);
+            lines.push(line.trim_end().to_string());
         }
     }
     // The inputs of another plant have units of their own.
-    let (input, unit, impulse_unit) = match summary.system == "rigid_body" {
+    let (input, unit, impulse_unit) = match spacecraft {
         true => ("torque", " N m", " N m s"),
         false => ("input", "", ""),
     };

@@ -9,11 +9,24 @@ use synth::model::{check_matrix, check_positive, check_positive_definite, ModelE
 
 use super::file::{CompositeTriggerFile, LeiFile, LeiTriggerFile, PerformanceFile};
 use crate::base::ranges::{each, not_negative, require};
+use crate::controllers::law::LawFile;
 use crate::plants::rigid_body::RigidBodySystem;
 use crate::sim::rigid_body_state::rigid_body_state;
 
+impl LawFile for LeiFile {
+    type Law = Parameters;
+
+    fn check(&self, system: &RigidBodySystem) -> Result<Parameters, ModelError> {
+        checked(self, system)
+    }
+
+    fn assume_inertia(&mut self, inertia_kg_m2: &[[f64; 3]; 3]) {
+        self.inertia_kg_m2.get_or_insert(*inertia_kg_m2);
+    }
+}
+
 /// Checks the controller's numbers, and that the start is inside of its funnel.
-pub(crate) fn lei2022(file: &LeiFile, system: &RigidBodySystem) -> Result<Parameters, ModelError> {
+fn checked(file: &LeiFile, system: &RigidBodySystem) -> Result<Parameters, ModelError> {
     let law = ControlLaw {
         inertia: match &file.inertia_kg_m2 {
             Some(rows) => inertia(rows)?,

@@ -2,10 +2,11 @@
 
 pub mod bounds;
 pub mod case;
-pub mod check;
+mod check;
 pub mod conditions;
 pub mod file;
 pub mod in_loop;
+mod law;
 
 pub use bounds::Bounds;
 pub use case::Case;

@@ -14,7 +14,9 @@ use super::file::{
     YangPerformanceFile,
 };
 use crate::base::plant_model::relocated;
+use crate::controllers::law::{matrix, LawFile};
 use crate::plants::rigid_body::inertia::inertia;
+use crate::plants::RigidBodySystem;
 
 /// The checked controller.
 #[derive(Debug, Clone, Copy)]
@@ -25,11 +27,20 @@ pub struct YangChoice {
     pub told_fault: bool,
 }
 
+impl LawFile for YangFile {
+    type Law = YangChoice;
+
+    fn check(&self, system: &RigidBodySystem) -> Result<YangChoice, ModelError> {
+        checked(self, system.body.inertia())
+    }
+
+    fn assume_inertia(&mut self, inertia_kg_m2: &[[f64; 3]; 3]) {
+        self.nominal_inertia_kg_m2.get_or_insert(*inertia_kg_m2);
+    }
+}
+
 /// Checks the parameters; the plant's inertia stands in for a nominal one that is left out.
-pub(crate) fn check_yang(
-    file: &YangFile,
-    plant_inertia: &Matrix3<f64>,
-) -> Result<YangChoice, ModelError> {
+fn checked(file: &YangFile, plant_inertia: &Matrix3<f64>) -> Result<YangChoice, ModelError> {
     let parameters = Parameters {
         inertia: match &file.nominal_inertia_kg_m2 {
             None => *plant_inertia,
@@ -37,7 +48,10 @@ pub(crate) fn check_yang(
                 inertia(rows).map_err(|error| relocated(error, "inertia", "nominal_inertia"))?
             }
         },
-        actuator_matrix: file.actuator_matrix.map_or(Matrix3::identity(), matrix),
+        actuator_matrix: file
+            .actuator_matrix
+            .as_ref()
+            .map_or(Matrix3::identity(), matrix),
         torque_limit: Vector3::from(file.torque_limit_nm),
         envelopes: envelopes(&file.envelope)?,
         gains: gains(&file.gains),
@@ -56,10 +70,6 @@ pub(crate) fn check_yang(
         parameters,
         told_fault: matches!(file.fault_estimation, FaultEstimationFile::Perfect(_)),
     })
-}
-
-fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
-    Matrix3::from_fn(|r, c| rows[r][c])
 }
 
 fn envelopes(file: &YangEnvelopeFile) -> Result<[EnvelopeParameters; 3], ModelError> {

@@ -6,6 +6,8 @@ use runtime::command::Command;
 use runtime::error::ParameterError;
 use runtime::yang2025::{self, Measurement};
 
+use super::check::YangChoice;
+use crate::controllers::law::{AnyAttitudeController, AttitudeLaw, Surroundings};
 use crate::plants::RigidBody;
 use crate::sim::controller::{Controller, Truth};
 use crate::sim::plant::Plant;
@@ -80,6 +82,31 @@ impl YangAttitude {
         let (rate, acceleration) = (body_rate(&state), body_rate(&slope));
         let nominal = self.controller.allocation().torque(&truth.held);
         self.inertia * acceleration + rate.cross(&(self.inertia * rate)) - nominal
+    }
+}
+
+impl AttitudeLaw for YangChoice {
+    fn name(&self) -> String {
+        "Yang, Yang, Ji, Wang and Ma 2025, law (20)".to_string()
+    }
+
+    fn torque_limit(&self) -> Vector3<f64> {
+        self.parameters.torque_limit
+    }
+
+    fn build(&self, around: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
+        let oracle = self.told_fault.then_some(around.system.body);
+        let reference = around.system.reference;
+        let controller = YangAttitude::new(self.parameters, reference, oracle, around.linked)?;
+        Ok(Box::new(controller))
+    }
+
+    fn sends_every_sample(&self) -> bool {
+        true
+    }
+
+    fn sends_by_link(&self) -> bool {
+        true
     }
 }
 

@@ -1,6 +1,6 @@
 //! The controller of Yang et al. 2025.
 
-pub mod check;
+mod check;
 pub mod file;
 pub mod in_loop;
 

@@ -1,6 +1,6 @@
 //! The page of a comparison: one HTML file with its figures inside.
 
-use crate::base::number::{short, short_or_none};
+use crate::base::number::short_or_none;
 use crate::batch::comparison::{Comparison, ControllerRow, Curves};
 use crate::report::chart::FigureError;
 use crate::report::figure::Figure;
@@ -10,48 +10,40 @@ use crate::report::html::{
 use crate::report::series::Line;
 use crate::run::summary::RunVerdict;
 use crate::scenario::RequirementFile;
-use crate::sim::metrics::metric_name;
+use crate::sim::metrics::{compared, MetricKind};
 
 /// Title and heading.
 const TITLE: &str = "Comparison of controllers";
 
-/// A line of the page's table: its name and its value for a controller.
-type MetricLine = (&'static str, fn(&ControllerRow) -> String);
+/// A line of the page's table: its name and its value for each controller.
+type MetricLine = (String, Vec<String>);
 
-const METRICS: [MetricLine; 16] = [
-    ("Settled from (s)", |row| short_or_none(row.settle_seconds)),
-    ("Final error (deg)", |row| {
-        short_or_none(row.final_error_deg)
-    }),
-    ("Rms error over the tail (deg)", |row| {
-        short_or_none(row.rms_error_deg)
-    }),
-    ("Largest rate (rad/s)", |row| short_or_none(row.max_rate)),
-    ("Largest torque (N m)", |row| short(row.max_torque)),
-    ("Impulse (N m s)", |row| short(row.impulse)),
-    ("Torque updates", |row| row.updates.to_string()),
-    ("Messages", |row| row.triggers.to_string()),
-    ("Bits sent", |row| row.bits.to_string()),
-    ("Bytes sent", |row| row.bytes.to_string()),
-    ("Shortest time between messages (s)", |row| {
-        short_or_none(row.shortest_interval_s)
-    }),
-    ("Mean time between messages (s)", |row| {
-        short_or_none(row.mean_interval_s)
-    }),
-    ("Bytes on the link to the actuators", |row| {
-        row.link
-            .as_ref()
-            .map_or("no link".to_string(), |link| link.bytes.to_string())
-    }),
-    ("Largest share of prescribed bounds", |row| {
-        short_or_none(row.funnel_ratio)
-    }),
-    ("Sampling", |row| row.sampling.clone()),
-    ("Proof", |row| {
+/// The lines of the page's table: the compared metrics, what is on the link before the use of bounds.
+fn metric_lines(runs: &[ControllerRow]) -> Vec<MetricLine> {
+    let line = |head: &str, value: &dyn Fn(&ControllerRow) -> String| -> MetricLine {
+        (head.to_string(), runs.iter().map(value).collect())
+    };
+    let link = line("Bytes on the link to the actuators", &|row| {
+        let link = row.link.as_ref();
+        link.map_or("no link".to_string(), |link| link.bytes.to_string())
+    });
+    let entries = compared();
+    let bounds = entries.partition_point(|entry| entry.kind < MetricKind::Usage);
+    let metrics = entries.into_iter().enumerate().map(|(index, entry)| {
+        let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
+        line(&entry.title(), &|row| match value(row) {
+            Some(count) if entry.whole => count.to_string(),
+            other => short_or_none(other),
+        })
+    });
+    let mut lines: Vec<MetricLine> = metrics.collect();
+    lines.insert(bounds, link);
+    lines.push(line("Sampling", &|row| row.sampling.clone()));
+    lines.push(line("Proof", &|row| {
         row.proof.clone().unwrap_or("none".to_string())
-    }),
-];
+    }));
+    lines
+}
 
 /// The page.
 ///
@@ -117,11 +109,11 @@ fn header(comparison: &Comparison) -> Header {
 }
 
 fn requirement(requirement: &RequirementFile) -> String {
-    let name = metric_name(requirement.metric);
+    let name = requirement.metric.key();
     match (requirement.at_most, requirement.at_least) {
         (Some(limit), _) => format!("{name} at most {limit}"),
         (None, Some(limit)) => format!("{name} at least {limit}"),
-        (None, None) => name,
+        (None, None) => name.to_string(),
     }
 }
 
@@ -141,9 +133,8 @@ fn metrics(comparison: &Comparison) -> Section {
         cell_of_class(class, row.verdict.name().replace('_', " "))
     });
     table.row(std::iter::once(cell("Requirements")).chain(verdicts));
-    for (name, value) in METRICS {
-        let values = comparison.runs.iter().map(|row| cell(value(row)));
-        table.row(std::iter::once(cell(name)).chain(values));
+    for (name, values) in metric_lines(&comparison.runs) {
+        table.row(std::iter::once(cell(name)).chain(values.into_iter().map(cell)));
     }
     Section::new("Without a standard fault").with_table(&table)
 }

@@ -259,7 +259,7 @@ fn article(kind: Kind) -> &'static str {
 }
 
 /// A number in few characters that reads back as the same number.
-fn readable(value: f64) -> String {
+pub fn readable(value: f64) -> String {
     let magnitude = value.abs();
     if value == 0.0 || (1e-4..1e9).contains(&magnitude) || !value.is_finite() {
         value.to_string()

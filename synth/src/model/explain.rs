@@ -24,7 +24,11 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
     let inner = error.into_inner();
     let message = inner.to_string();
     if inner.classify() == Category::Data {
-        let reason = plain(&message);
+        let place = format!(" at line {} column {}", inner.line(), inner.column());
+        // A number out of its range is found by its field.
+        let range = message.strip_suffix(&place);
+        let range = range.filter(|range| range.contains(" is not allowed; it must be "));
+        let reason = range.map_or_else(|| plain(&message), str::to_string);
         return FileError::Field { field, reason };
     }
     let (line, column) = (inner.line(), inner.column());

@@ -12,7 +12,7 @@ mod rules;
 mod search;
 mod validate;
 
-pub use error::{kind_of, FileError, Kind, ModelError};
+pub use error::{kind_of, readable, FileError, Kind, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound,
     LocalRuleFile, Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear,

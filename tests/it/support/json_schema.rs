@@ -45,6 +45,10 @@ fn fault(root: &Value, schema: &Value, value: &Value, place: &str) -> Option<Str
                 .as_f64()
                 .is_some_and(|x| Some(x) <= rule.as_f64())
                 .then(|| wrong("above"))?,
+            "exclusiveMaximum" => value
+                .as_f64()
+                .is_some_and(|x| Some(x) >= rule.as_f64())
+                .then(|| wrong("below"))?,
             "minItems" => length(value)
                 .is_some_and(|n| Some(n) < rule.as_u64())
                 .then(|| wrong("as long as"))?,

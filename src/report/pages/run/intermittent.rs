@@ -5,7 +5,7 @@ use crate::base::table::Table;
 use crate::report::figure::Figure;
 use crate::report::series::Line;
 use crate::run::summary::Summary;
-use crate::sim::metrics::{metric_name, Metric};
+use crate::sim::metrics::Metric;
 
 /// The figures that the trajectory's columns allow; none for another controller.
 pub fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
@@ -98,7 +98,7 @@ impl<'a> FunnelFigures<'a> {
             squares.map(|value| value * value).sum::<f64>().sqrt()
         };
         let norms: Vec<f64> = (0..self.times.len()).map(norm).collect();
-        let name = format!("{} at most", metric_name(Metric::MaxRate));
+        let name = format!("{} at most", Metric::MaxRate.key());
         let requirements = self.summary.requirements.iter();
         let limits = requirements.filter(|requirement| requirement.name == name);
         let figure = self.figure(

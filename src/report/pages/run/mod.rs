@@ -15,6 +15,7 @@ use crate::report::html::{
 };
 use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
+use crate::sim::metrics::{listed, Metric};
 
 /// The page of a run.
 ///
@@ -69,48 +70,49 @@ fn header(summary: &Summary) -> Header {
     }
 }
 
+/// The metrics that every run lists first, after its messages and samples.
+const FIRST: [Metric; 5] = [
+    Metric::Bytes,
+    Metric::Updates,
+    Metric::ShortestIntervalS,
+    Metric::MeanIntervalS,
+    Metric::SettleSeconds,
+];
+
 fn metrics(summary: &Summary) -> Section {
-    let number = short_or_none;
-    let mut rows: Vec<(&str, String)> = vec![
-        ("Messages", summary.triggers.to_string()),
-        ("Samples", summary.samples.to_string()),
-        ("Bytes sent", summary.bytes.to_string()),
-        ("Torque updates", summary.updates.to_string()),
-        (
-            "Shortest time between messages (s)",
-            number(summary.shortest_interval_s),
-        ),
-        (
-            "Mean time between messages (s)",
-            number(summary.mean_interval_s),
-        ),
-        ("Settled from (s)", number(summary.settle_seconds)),
+    let line = |metric: Metric| {
+        let value = match (summary.metric(metric), metric.entry().whole) {
+            (Some(count), true) => count.to_string(),
+            (value, _) => short_or_none(value),
+        };
+        (metric.entry().title(), value)
+    };
+    let mut rows: Vec<(String, String)> = vec![
+        line(Metric::Triggers),
+        ("Samples".to_string(), summary.samples.to_string()),
     ];
-    if summary.system == "rigid_body" {
-        rows.push(("Final error (deg)", number(summary.final_error_deg)));
-        rows.push((
-            "Rms error over the tail (deg)",
-            number(summary.rms_error_deg),
-        ));
-        rows.push(("Largest rate (rad/s)", number(summary.max_rate)));
-        rows.push(("Largest torque (N m)", short(summary.max_torque)));
-        rows.push(("Impulse (N m s)", short(summary.impulse)));
-    } else {
-        rows.push(("Norm of the final state", number(summary.final_state_norm)));
-        rows.push(("Rms norm over the tail", number(summary.rms_state_norm)));
-        rows.push(("Largest input", short(summary.max_torque)));
-        rows.push(("Integral of the input's magnitude", short(summary.impulse)));
+    rows.extend(FIRST.map(line));
+    let spacecraft = summary.system == "rigid_body";
+    for entry in listed(spacecraft) {
+        let (title, value) = line(entry.metric);
+        // The inputs of another plant have units of their own.
+        let title = match entry.metric {
+            Metric::MaxTorque if !spacecraft => "Largest input".to_string(),
+            Metric::Impulse if !spacecraft => "Integral of the input's magnitude".to_string(),
+            _ => title,
+        };
+        rows.push((title, value));
     }
     rows.extend(bound_rows(summary));
     if summary.held_samples > 0 {
         let reason = summary.first_hold.as_deref().unwrap_or("unknown");
         rows.push((
-            "Samples not used",
+            "Samples not used".to_string(),
             format!("{} ({reason})", summary.held_samples),
         ));
     }
     if let Some(mismatch) = summary.largest_membership_mismatch {
-        rows.push(("Largest membership mismatch", short(mismatch)));
+        rows.push(("Largest membership mismatch".to_string(), short(mismatch)));
     }
     Section::new("Numbers").with_table(&HtmlTable::numbers(&rows))
 }
@@ -142,12 +144,12 @@ fn link(outcome: &LinkOutcome) -> Section {
 }
 
 /// Switching and prescribed bounds, for the controllers that have them.
-fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
+fn bound_rows(summary: &Summary) -> Vec<(String, String)> {
     let mut rows = Vec::new();
     if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
-        rows.push(("Turned on; off", format!("{on}; {off}")));
+        rows.push(("Turned on; off".to_string(), format!("{on}; {off}")));
         let fraction = short(100.0 * summary.on_time_share);
-        rows.push(("Time with a torque (%)", fraction));
+        rows.push(("Time with a torque (%)".to_string(), fraction));
     }
     let usages = [
         ("Largest error over its prescribed bound", &summary.funnel),
@@ -160,7 +162,7 @@ fn bound_rows(summary: &Summary) -> Vec<(&'static str, String)> {
                 usage.largest_ratio,
                 short(usage.largest_ratio_at_s)
             );
-            rows.push((name, ratio));
+            rows.push((name.to_string(), ratio));
         }
     }
     rows
