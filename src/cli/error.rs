@@ -69,7 +69,7 @@ pub enum CliError {
     },
     /// The points of a sweep cannot be kept or read.
     #[error(transparent)]
-    Journal(#[from] crate::batch::sweep::journal::JournalError),
+    Journal(#[from] crate::batch::store::journal::JournalError),
 }
 
 impl CliError {
@@ -118,7 +118,7 @@ pub(crate) fn told(scenario: &Path, error: CampaignError) -> CliError {
     let argument = |argument, reason: String| CliError::Argument { argument, reason };
     match error {
         CampaignError::Shards(reason) => argument("--shard", reason),
-        CampaignError::Threads(error) => argument("--jobs", error.to_string()),
+        CampaignError::TooManyShards(error) => argument("--shard", error.to_string()),
         CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
             CliError::Campaign(error.to_string())
         }

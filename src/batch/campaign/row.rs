@@ -1,5 +1,6 @@
 //! One run as a row of the tables.
 
+use crate::batch::verdict::VERDICTS;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::sim::metrics::{metric_name, Metric};
 
@@ -35,7 +36,7 @@ pub const METRICS: [Metric; 26] = [
 
 /// What is known of one run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct RunRow {
     /// Its index.
     pub run: u64,
     /// Seed of its noise, jitter and losses.
@@ -56,7 +57,7 @@ pub struct Row {
     pub profile: Vec<f32>,
 }
 
-impl Row {
+impl RunRow {
     /// The row of a run.
     pub fn new(
         run: u64,
@@ -66,7 +67,7 @@ impl Row {
         profile: Vec<f32>,
     ) -> Self {
         let certificate = summary.certificate.as_ref();
-        Row {
+        RunRow {
             run,
             seed,
             verdict: summary.verdict,
@@ -83,35 +84,27 @@ impl Row {
     pub fn passed(&self) -> bool {
         self.verdict == RunVerdict::RequirementsMet
     }
-
-    /// Runs sorted by this begin with the worst.
-    pub fn rank(&self) -> Rank {
-        Rank {
-            severity: VERDICTS
-                .iter()
-                .position(|known| *known == self.verdict)
-                .unwrap_or(0),
-            margin: self.worst.as_ref().map_or(0.0, |(_, margin)| *margin),
-            run: self.run,
-        }
-    }
 }
 
-/// Verdicts, the worst first.
-pub(crate) const VERDICTS: [RunVerdict; 4] = [
-    RunVerdict::ProofBroken,
-    RunVerdict::Diverged,
-    RunVerdict::RequirementsMissed,
-    RunVerdict::RequirementsMet,
-];
-
-/// How bad a run is; the smallest is the worst.
+/// How bad a run is; runs sorted by this begin with the worst.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rank {
     severity: usize,
     margin: f64,
     /// The run.
     pub run: u64,
+}
+
+impl Rank {
+    /// Of a run with this verdict and this smallest margin of a requirement, where it has one.
+    pub fn new(verdict: RunVerdict, margin: Option<f64>, run: u64) -> Self {
+        let severity = VERDICTS.iter().position(|known| *known == verdict);
+        Rank {
+            severity: severity.unwrap_or(0),
+            margin: margin.unwrap_or(0.0),
+            run,
+        }
+    }
 }
 
 impl Eq for Rank {}
@@ -128,22 +121,6 @@ impl Ord for Rank {
         let margin = self.margin.total_cmp(&other.margin);
         severity.then(margin).then(self.run.cmp(&other.run))
     }
-}
-
-/// The name of a verdict as files have it.
-pub(crate) fn verdict_name(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::RequirementsMet => "requirements_met",
-        RunVerdict::RequirementsMissed => "requirements_missed",
-        RunVerdict::Diverged => "diverged",
-        RunVerdict::ProofBroken => "proof_broken",
-    }
-}
-
-/// The verdict of that name.
-pub(crate) fn verdict_of(name: &str) -> Option<RunVerdict> {
-    let found = VERDICTS.iter().find(|known| verdict_name(**known) == name);
-    found.copied()
 }
 
 /// Names of the metrics' columns.

@@ -8,4 +8,4 @@ mod task;
 pub use faults::{standard_faults, StandardFault};
 pub use run::{compare, Curves};
 pub use table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
-pub use task::{ComparisonError, Contestant, Difference, Task};
+pub use task::{ComparisonCandidate, ComparisonError, Difference, Task};

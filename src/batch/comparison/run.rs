@@ -1,15 +1,15 @@
 //! The runs of a comparison.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::Mutex;
 
 use nalgebra::Vector3;
 use synth::model::ModelError;
 
 use super::faults::{standard_faults, StandardFault};
 use super::table::{Comparison, FaultOutcome, Row, TaskSummary, COMPARISON_SCHEMA_VERSION};
-use super::task::{limit_difference, ComparisonError, Contestant};
+use super::task::{limit_difference, ComparisonCandidate, ComparisonError};
 use crate::base::table::Table;
+use crate::batch::engine::Threads;
 use crate::plants::SystemFile;
 use crate::run::outcome::{Outcome, SimulateError};
 use crate::run::simulate;
@@ -50,20 +50,21 @@ pub enum RunError {
     },
 }
 
-/// Runs every contestant without and with each standard fault. All must have the same task but for
+/// Runs every candidate without and with each standard fault. All must have the same task but for
 /// `taken_from`, the scenario whose task was imposed on them. `done` is told after each run how many
 /// of how many are done.
 ///
 /// # Errors
 /// Torque limits that differ; a scenario that cannot be run.
 pub fn compare(
-    contestants: &[Contestant],
+    candidates: &[ComparisonCandidate],
     taken_from: Option<String>,
     with_faults: bool,
+    threads: &Threads,
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Comparison, Vec<Curves>), RunError> {
-    let limit = common_limit(contestants, taken_from.is_some())?;
-    let Some(first) = contestants.first().map(|first| &first.scenario) else {
+    let limit = common_limit(candidates, taken_from.is_some())?;
+    let Some(first) = candidates.first().map(|first| &first.scenario) else {
         return Ok((empty(), Vec::new()));
     };
     let faults = if with_faults && limit.iter().all(|value| value.is_finite()) {
@@ -71,17 +72,17 @@ pub fn compare(
     } else {
         Vec::new()
     };
-    let outcomes = run_all(contestants, &faults, done)?;
-    let per_contestant = faults.len() + 1;
+    let outcomes = run_all(candidates, &faults, threads, done)?;
+    let per_candidate = faults.len() + 1;
     let mut runs = Vec::new();
     let mut curves = Vec::new();
-    for (contestant, outcomes) in contestants.iter().zip(outcomes.chunks(per_contestant)) {
+    for (candidate, outcomes) in candidates.iter().zip(outcomes.chunks(per_candidate)) {
         let Some((healthy, faulty)) = outcomes.split_first() else {
             continue;
         };
-        runs.push(row(contestant, &healthy.summary, faulty, &faults, &limit));
+        runs.push(row(candidate, &healthy.summary, faulty, &faults, &limit));
         curves.push(Curves {
-            label: contestant.label.clone(),
+            label: candidate.label.clone(),
             trajectory: healthy.trajectory.clone().unwrap_or_default(),
         });
     }
@@ -124,21 +125,21 @@ fn empty() -> Comparison {
 /// The torque that can act in every run, N m. When a task was imposed, a controller's own limit may be
 /// smaller; then it is the largest of all.
 fn common_limit(
-    contestants: &[Contestant],
+    candidates: &[ComparisonCandidate],
     imposed: bool,
 ) -> Result<Vector3<f64>, ComparisonError> {
-    let mut limits = contestants
+    let mut limits = candidates
         .iter()
-        .map(|contestant| (contestant, contestant.torque_limit()));
+        .map(|candidate| (candidate, candidate.torque_limit()));
     let Some((first, mut limit)) = limits.next() else {
         return Ok(Vector3::zeros());
     };
-    for (contestant, other) in limits {
+    for (candidate, other) in limits {
         if imposed {
             limit = limit.zip_map(&other, f64::max);
         } else if let Some(difference) = limit_difference(&other, &limit) {
             return Err(ComparisonError::Differs {
-                file: contestant.label.clone(),
+                file: candidate.label.clone(),
                 other_file: first.label.clone(),
                 difference,
             });
@@ -147,50 +148,39 @@ fn common_limit(
     Ok(limit)
 }
 
-/// Every contestant without a fault, then with each; the contestants one after the other.
+/// Every candidate without a fault, then with each; the candidates one after the other.
 fn run_all(
-    contestants: &[Contestant],
+    candidates: &[ComparisonCandidate],
     faults: &[StandardFault],
+    threads: &Threads,
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Vec<Outcome>, RunError> {
-    let per_contestant = faults.len() + 1;
-    let total = contestants.len() * per_contestant;
-    let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results = Mutex::new(vec![None; total]);
-    let work = || loop {
-        let index = next.fetch_add(1, Ordering::Relaxed);
-        let Some(contestant) = contestants.get(index / per_contestant) else {
-            return;
-        };
-        let fault = (index % per_contestant).checked_sub(1);
-        let outcome = run(contestant, fault.and_then(|fault| faults.get(fault)));
-        // A thread that panicked ends the program anyway.
-        let mut results = results.lock().unwrap_or_else(|broken| broken.into_inner());
-        results[index] = Some(outcome);
+    let per_candidate = faults.len() + 1;
+    let total = candidates.len() * per_candidate;
+    let finished = AtomicUsize::new(0);
+    let outcomes = threads.collect(total, |index| {
+        let fault = (index % per_candidate).checked_sub(1);
+        let fault = fault.and_then(|fault| faults.get(fault));
+        let outcome = run(&candidates[index / per_candidate], fault);
         done(finished.fetch_add(1, Ordering::Relaxed) + 1, total);
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads.min(total) {
-            scope.spawn(work);
-        }
+        outcome
     });
-    let results = results
-        .into_inner()
-        .unwrap_or_else(|broken| broken.into_inner());
-    results.into_iter().flatten().collect()
+    outcomes.into_iter().collect()
 }
 
-fn run(contestant: &Contestant, fault: Option<&StandardFault>) -> Result<Outcome, RunError> {
-    let label = || contestant.label.clone();
+fn run(
+    candidate: &ComparisonCandidate,
+    fault: Option<&StandardFault>,
+) -> Result<Outcome, RunError> {
+    let label = || candidate.label.clone();
     let scenario = match fault {
-        None => contestant.scenario.clone(),
-        Some(fault) => with_fault(contestant, fault).map_err(|problem| RunError::Fault {
+        None => candidate.scenario.clone(),
+        Some(fault) => with_fault(candidate, fault).map_err(|problem| RunError::Fault {
             label: label(),
             problem,
         })?,
     };
-    simulate(&scenario, contestant.design.as_ref(), fault.is_none()).map_err(|problem| {
+    simulate(&scenario, candidate.design.as_ref(), fault.is_none()).map_err(|problem| {
         RunError::Simulate {
             label: label(),
             problem,
@@ -198,16 +188,19 @@ fn run(contestant: &Contestant, fault: Option<&StandardFault>) -> Result<Outcome
     })
 }
 
-fn with_fault(contestant: &Contestant, fault: &StandardFault) -> Result<Scenario, ModelError> {
-    let mut file = contestant.file.clone();
+fn with_fault(
+    candidate: &ComparisonCandidate,
+    fault: &StandardFault,
+) -> Result<Scenario, ModelError> {
+    let mut file = candidate.file.clone();
     if let SystemFile::RigidBody(body) = &mut file.system {
         body.faults.extend(fault.faults.iter().cloned());
     }
-    Scenario::from_file(&file, contestant.scenario.sha256.clone())
+    Scenario::from_file(&file, candidate.scenario.sha256.clone())
 }
 
 fn row(
-    contestant: &Contestant,
+    candidate: &ComparisonCandidate,
     summary: &Summary,
     faulty: &[Outcome],
     faults: &[StandardFault],
@@ -217,7 +210,7 @@ fn row(
     let faults: Vec<FaultOutcome> = pairs
         .map(|(fault, outcome)| FaultOutcome::new(fault.name, &outcome.summary))
         .collect();
-    let own = contestant.torque_limit();
+    let own = candidate.torque_limit();
     let mut notes = summary.notes.clone();
     if own != *limit {
         let [a, b, c]: [f64; 3] = own.into();
@@ -226,9 +219,9 @@ fn row(
         ));
     }
     Row {
-        label: contestant.label.clone(),
+        label: candidate.label.clone(),
         controller: summary.controller.clone(),
-        sampling: sampling(&contestant.scenario.instants),
+        sampling: sampling(&candidate.scenario.instants),
         verdict: summary.verdict,
         proof: summary.certificate.as_ref().map(proof),
         settle_seconds: summary.settle_seconds,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::batch::verdict::verdict_name;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
@@ -238,16 +239,6 @@ impl Comparison {
             lines.push(std::iter::once(name).chain(cells).collect());
         }
         aligned(&lines)
-    }
-}
-
-/// The name of a verdict as files have it.
-pub(crate) fn verdict_name(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::RequirementsMet => "requirements_met",
-        RunVerdict::RequirementsMissed => "requirements_missed",
-        RunVerdict::Diverged => "diverged",
-        RunVerdict::ProofBroken => "proof_broken",
     }
 }
 

@@ -12,7 +12,7 @@ use crate::sim::padding;
 
 /// A controller with the task it runs on.
 #[derive(Debug, Clone)]
-pub struct Contestant {
+pub struct ComparisonCandidate {
     /// Name in tables and figures.
     pub label: String,
     /// The scenario as written.
@@ -23,7 +23,7 @@ pub struct Contestant {
     pub design: Option<Design>,
 }
 
-impl Contestant {
+impl ComparisonCandidate {
     /// The torque that can act on each axis, N m: the smaller of the controller's limit and the
     /// actuators'; infinite without either.
     pub fn torque_limit(&self) -> Vector3<f64> {

@@ -1,10 +1,10 @@
 //! One run of a candidate, and how far it is from the requirements.
 
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 use super::file::{Requirements, Start};
 use super::shape::{scenario, Shape};
+use crate::batch::engine::Threads;
 use crate::run::simulate;
 use crate::run::summary::{RequirementOutcome, RunVerdict, Summary};
 use crate::scenario::Scenario;
@@ -41,8 +41,8 @@ impl Trial {
     /// Runs a candidate from a start.
     pub fn new(requirements: &Requirements, shape: &Shape, start: Start) -> Self {
         let file = scenario(requirements, shape, &start);
-        let text = serde_json::to_string(&file).unwrap_or_default();
-        let run = Scenario::from_json(&text).ok();
+        // The hash is that of a text; a trial has none.
+        let run = Scenario::from_file(&file, String::new()).ok();
         let outcome = run.and_then(|scenario| simulate(&scenario, None, false).ok());
         Trial {
             start,
@@ -85,7 +85,12 @@ fn excess(outcome: &RequirementOutcome) -> f64 {
 }
 
 /// Runs a candidate from every start, in parallel; the trials are in the order of the starts.
-pub fn every(requirements: &Requirements, shape: &Shape, starts: &[Start]) -> Vec<Trial> {
-    let run = |start: &Start| Trial::new(requirements, shape, *start);
-    starts.par_iter().map(run).collect()
+pub fn every(
+    requirements: &Requirements,
+    threads: &Threads,
+    shape: &Shape,
+    starts: &[Start],
+) -> Vec<Trial> {
+    let run = |index: usize| Trial::new(requirements, shape, starts[index]);
+    threads.collect(starts.len(), run)
 }

@@ -5,11 +5,12 @@ use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::batch::comparison::{compare, Comparison, Contestant, Curves, Task};
+use crate::batch::comparison::{compare, Comparison, ComparisonCandidate, Curves, Task};
 use crate::cli::answer::{print, EXIT_NO};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::progress::threads;
 use crate::controllers::ControllerChoice;
 use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
 use crate::run::design::Design;
@@ -71,19 +72,19 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode, CliError> {
         Some(path) => impose(path, &mut files, command_line.as_ref())?,
         None => require_one_task(&files)?,
     }
-    let mut contestants = Vec::new();
+    let mut candidates = Vec::new();
     for file in &files {
-        contestants.push(contestant(file, command_line.as_ref())?);
+        candidates.push(candidate(file, command_line.as_ref())?);
     }
-    if args.design.is_some() && !contestants.iter().any(Contestant::needs_design) {
+    if args.design.is_some() && !candidates.iter().any(ComparisonCandidate::needs_design) {
         let path = args.design.as_deref().unwrap_or(Path::new(""));
         let reason = "no scenario uses this design: the controller of none is 'design'";
         return Err(CliError::unsuitable(path, reason));
     }
-    name_apart(&mut contestants, &files);
+    name_apart(&mut candidates, &files);
     let taken_from = args.take_system_from.as_ref();
     let taken_from = taken_from.map(|path| path.display().to_string());
-    let (comparison, curves) = run_all(args, &contestants, taken_from)?;
+    let (comparison, curves) = run_all(args, &candidates, taken_from)?;
     finish(args, &comparison, &curves)
 }
 
@@ -120,9 +121,10 @@ fn finish(
 
 fn run_all(
     args: &CompareArgs,
-    contestants: &[Contestant],
+    candidates: &[ComparisonCandidate],
     taken_from: Option<String>,
 ) -> Result<(Comparison, Vec<Curves>), CliError> {
+    let threads = threads(None)?;
     let bar = ProgressBar::new(0);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {elapsed}") {
         bar.set_style(style);
@@ -131,7 +133,13 @@ fn run_all(
         bar.set_length(total as u64);
         bar.set_position(done as u64);
     };
-    let result = compare(contestants, taken_from, !args.without_faults, &done);
+    let result = compare(
+        candidates,
+        taken_from,
+        !args.without_faults,
+        &threads,
+        &done,
+    );
     bar.finish_and_clear();
     result.map_err(|error| CliError::Comparison(error.to_string()))
 }
@@ -150,7 +158,7 @@ fn read(path: &Path) -> Result<Read, CliError> {
 fn impose(path: &Path, files: &mut [Read], design: Option<&Design>) -> Result<(), CliError> {
     let source = read(path)?;
     let task = Task::of(&source.name(), &source.file).map_err(comparison)?;
-    let limit = contestant(&source, design)?.torque_limit();
+    let limit = candidate(&source, design)?.torque_limit();
     for read in files {
         Task::of(&read.name(), &read.file).map_err(comparison)?;
         read.file = task.imposed_on(&read.file, &limit);
@@ -186,7 +194,7 @@ fn comparison(error: crate::batch::comparison::ComparisonError) -> CliError {
 
 /// The checked scenario with its design: the command line's, or the scenario's, whose path starts at
 /// the scenario's folder.
-fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliError> {
+fn candidate(read: &Read, design: Option<&Design>) -> Result<ComparisonCandidate, CliError> {
     let scenario = Scenario::from_file(&read.file, read.sha256.clone())
         .map_err(|error| CliError::value(&read.path, error))?;
     let design = match (&scenario.controller, design) {
@@ -197,7 +205,7 @@ fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliErr
         }
         _ => None,
     };
-    Ok(Contestant {
+    Ok(ComparisonCandidate {
         label: scenario.name.clone(),
         file: read.file.clone(),
         scenario,
@@ -206,16 +214,16 @@ fn contestant(read: &Read, design: Option<&Design>) -> Result<Contestant, CliErr
 }
 
 /// Scenarios with the same name are told apart by their files.
-fn name_apart(contestants: &mut [Contestant], files: &[Read]) {
-    let names: Vec<String> = contestants.iter().map(|one| one.label.clone()).collect();
-    for (contestant, read) in contestants.iter_mut().zip(files) {
+fn name_apart(candidates: &mut [ComparisonCandidate], files: &[Read]) {
+    let names: Vec<String> = candidates.iter().map(|one| one.label.clone()).collect();
+    for (candidate, read) in candidates.iter_mut().zip(files) {
         if names
             .iter()
-            .filter(|name| **name == contestant.label)
+            .filter(|name| **name == candidate.label)
             .count()
             > 1
         {
-            contestant.label = format!("{} ({})", contestant.label, read.name());
+            candidate.label = format!("{} ({})", candidate.label, read.name());
         }
     }
 }

@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use serde_json::json;
 use synth::model::read_text;
 
+use crate::batch::engine::Threads;
 use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::check_possible;
 use crate::batch::tune::report::{RunReport, TuneReport};
-use crate::batch::tune::watch::Watch;
 use crate::batch::tune::{tune, Tuned};
 use crate::cli::answer::{print, EXIT_NO};
 use crate::cli::error::CliError;
@@ -42,7 +42,7 @@ pub fn run(args: &TuneArgs) -> Result<ExitCode, CliError> {
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
     files::check_output(&args.output, &args.requirements)?;
-    let tuned = tuned(&requirements, threads(args.jobs))?;
+    let tuned = tuned(&requirements, &threads(args.jobs)?)?;
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";
     files::write(&args.output, &scenario)?;
@@ -59,17 +59,11 @@ pub fn run(args: &TuneArgs) -> Result<ExitCode, CliError> {
     })
 }
 
-fn tuned(requirements: &Requirements, jobs: usize) -> Result<Tuned, CliError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|error| CliError::Argument {
-        argument: "--jobs",
-        reason: error.to_string(),
-    })?;
+fn tuned(requirements: &Requirements, threads: &Threads) -> Result<Tuned, CliError> {
     let progress = PartsProgress::start(requirements.search.candidates, "candidates at most");
-    let stop = progress.stop();
     let done = || progress.done();
-    let search = || tune(requirements, &Watch { done: &done, stop });
-    pool.install(search).map_err(|_| CliError::Interrupted)
+    let tuned = tune(requirements, threads, &progress.control(&done));
+    tuned.map_err(|_| CliError::Interrupted)
 }
 
 fn describe(report: &TuneReport) -> String {

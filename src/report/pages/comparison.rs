@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::batch::comparison::table::verdict_name;
 use crate::batch::comparison::{Comparison, Curves, Row};
+use crate::batch::verdict::verdict_name;
 use crate::report::figure::{Figure, FigureError};
 use crate::report::html::{document, escape};
 use crate::report::series::Line;

@@ -4,10 +4,10 @@ use synth::model::Kind;
 
 use super::plot::{Mark, Plot, Series, FAINT, INK};
 use super::scale::number;
-use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::table::metric_names;
+use crate::batch::variation::grid::Grid;
 use crate::report::figure::COLOURS;
 
 /// Most curves of one plot.

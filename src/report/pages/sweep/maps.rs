@@ -6,9 +6,9 @@ use super::figures::{shown, Labels};
 use super::plot::{Cell, Map};
 use super::reasons::Reason;
 use super::scale::number;
-use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
+use crate::batch::variation::grid::Grid;
 
 /// Most choices of the axes beyond two that are drawn.
 pub const CHOICES: usize = 4;
