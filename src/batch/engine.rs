@@ -179,10 +179,12 @@ mod tests {
         }
     }
 
+    type Chunk = (Range<u64>, Vec<u64>);
+
     #[derive(Default)]
     struct Memory {
         end: u64,
-        kept: Mutex<Vec<(Range<u64>, Vec<u64>)>>,
+        kept: Mutex<Vec<Chunk>>,
     }
 
     impl Store<u64> for Memory {
@@ -198,7 +200,7 @@ mod tests {
         }
     }
 
-    fn executed(end: u64) -> (Result<(), Interrupted>, Vec<(Range<u64>, Vec<u64>)>) {
+    fn executed(end: u64) -> (Result<(), Interrupted>, Vec<Chunk>) {
         let store = Memory {
             end,
             ..Memory::default()
