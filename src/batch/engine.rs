@@ -123,10 +123,26 @@ impl Threads {
         })
     }
 
-    /// The results of so many runs, in their order.
-    pub fn collect<T: Send>(&self, count: usize, run: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    /// Makes so many runs; what is kept of them is in their order.
+    ///
+    /// # Errors
+    /// It was stopped; the error of the first run that cannot be made.
+    pub fn collect<J: Job>(
+        &self,
+        job: &J,
+        count: usize,
+        control: &Control,
+    ) -> Result<Vec<J::Record>, J::Error> {
+        let run = |index: usize| -> Result<J::Record, J::Error> {
+            control.check()?;
+            let record = guarded(job, index as u64, &control.stop)?;
+            (control.done)();
+            Ok(record)
+        };
         let all = || (0..count).into_par_iter().with_max_len(1);
-        self.pool.install(|| all().map(&run).collect())
+        let records: Vec<Result<J::Record, J::Error>> =
+            self.pool.install(|| all().map(run).collect());
+        records.into_iter().collect()
     }
 }
 

@@ -7,11 +7,6 @@ use super::subject::Subject;
 use crate::base::parquet::{Cells, Column};
 use crate::batch::variation::grid::Grid;
 
-/// The table could not be put together.
-#[derive(Debug, thiserror::Error)]
-#[error("the table cannot be written: {0}")]
-pub struct CsvError(#[from] csv::Error);
-
 /// Names of the metrics in the order in which they first appear.
 pub fn metric_names(outcomes: &[PointOutcome]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
@@ -82,7 +77,7 @@ fn metric_cells(name: &str, outcomes: &[PointOutcome]) -> Cells {
 ///
 /// # Errors
 /// Never for tables in memory, as far as is known.
-pub fn to_csv(columns: &[Column]) -> Result<String, CsvError> {
+pub fn to_csv(columns: &[Column]) -> csv::Result<String> {
     let rows = columns.first().map_or(0, |column| column.cells.rows());
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(columns.iter().map(|column| &column.name))?;

@@ -46,6 +46,7 @@ pub fn tune(
     control: &Control,
 ) -> Result<Tuned, Interrupted> {
     let settings = &requirements.search;
+    let with = (threads, control);
     let mut random = Random::new(settings.seed, Purpose::InitialState);
     // Drawn first, so that they do not depend on how the search goes.
     let unseen = axes(&mut random, settings.validation_axes);
@@ -55,15 +56,13 @@ pub fn tune(
     for _ in 0..ROUNDS {
         search.run(&training, control)?;
         let fresh = axes(&mut random, settings.validation_axes);
-        let missed = missed(requirements, threads, &search, &fresh);
-        control.check()?;
+        let missed = missed(requirements, &search, &fresh, with)?;
         if missed.is_empty() || search.exhausted() {
             break;
         }
         training.extend(missed);
     }
-    let trials = trial::every(requirements, threads, search.shape(), &starts(&unseen));
-    control.check()?;
+    let trials = trial::every(requirements, search.shape(), &starts(&unseen), with)?;
     let scenario = shape::scenario(requirements, search.shape(), &requirements.start());
     Ok(Tuned {
         report: TuneReport::new(requirements, &search, &scenario, unseen.len(), trials),
@@ -84,13 +83,13 @@ fn axes(random: &mut Random, count: usize) -> Vec<Vector3<f64>> {
 
 fn missed(
     requirements: &Requirements,
-    threads: &Threads,
     search: &Search,
     axes: &[Vector3<f64>],
-) -> Vec<Vector3<f64>> {
-    let trials = trial::every(requirements, threads, search.shape(), &starts(axes));
+    with: (&Threads, &Control),
+) -> Result<Vec<Vector3<f64>>, Interrupted> {
+    let trials = trial::every(requirements, search.shape(), &starts(axes), with)?;
     let failed = trials.iter().filter(|trial| !trial.met());
     let mut missed: Vec<Vector3<f64>> = failed.map(|trial: &Trial| trial.start.axis).collect();
     missed.dedup();
-    missed
+    Ok(missed)
 }

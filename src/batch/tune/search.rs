@@ -71,7 +71,7 @@ impl<'a> Search<'a> {
     /// It was stopped.
     pub fn run(&mut self, axes: &[Vector3<f64>], control: &Control) -> Result<(), Interrupted> {
         let starts = starts(axes);
-        let trials = self.every(&self.shape, &starts);
+        let trials = self.every(&self.shape, &starts, control)?;
         self.count(control)?;
         self.penalty = total(&trials);
         let mut worst_first = by_penalty(&trials);
@@ -109,7 +109,7 @@ impl<'a> Search<'a> {
                     return Ok(order);
                 }
                 let starts = order.as_deref().unwrap_or(starts);
-                let better = self.better(&shape, starts);
+                let better = self.better(&shape, starts, control)?;
                 self.count(control)?;
                 let Some(trials) = better else { break };
                 self.penalty = total(&trials);
@@ -127,18 +127,28 @@ impl<'a> Search<'a> {
     }
 
     /// The trials of a candidate when it is better than the best so far.
-    fn better(&self, shape: &Shape, starts: &[Start]) -> Option<Vec<Trial>> {
+    fn better(
+        &self,
+        shape: &Shape,
+        starts: &[Start],
+        control: &Control,
+    ) -> Result<Option<Vec<Trial>>, Interrupted> {
         let (probes, others) = starts.split_at(PROBES.min(starts.len()));
-        let mut trials = self.every(shape, probes);
+        let mut trials = self.every(shape, probes, control)?;
         if total(&trials) >= self.penalty {
-            return None;
+            return Ok(None);
         }
-        trials.extend(self.every(shape, others));
-        (total(&trials) < self.penalty).then_some(trials)
+        trials.extend(self.every(shape, others, control)?);
+        Ok((total(&trials) < self.penalty).then_some(trials))
     }
 
-    fn every(&self, shape: &Shape, starts: &[Start]) -> Vec<Trial> {
-        every(self.requirements, self.threads, shape, starts)
+    fn every(
+        &self,
+        shape: &Shape,
+        starts: &[Start],
+        control: &Control,
+    ) -> Result<Vec<Trial>, Interrupted> {
+        every(self.requirements, shape, starts, (self.threads, control))
     }
 
     fn count(&mut self, control: &Control) -> Result<(), Interrupted> {
