@@ -70,7 +70,7 @@ pub enum CliError {
     },
     /// The points of a sweep cannot be kept or read.
     #[error(transparent)]
-    Journal(#[from] crate::batch::sweep::journal::JournalError),
+    Journal(#[from] crate::batch::store::journal::JournalError),
 }
 
 impl CliError {
@@ -116,7 +116,7 @@ impl CliError {
         let argument = |argument, reason: String| CliError::Argument { argument, reason };
         match problem {
             CampaignError::Shards(reason) => argument("--shard", reason),
-            CampaignError::Threads(error) => argument("--jobs", error.to_string()),
+            CampaignError::TooManyShards(error) => argument("--shard", error.to_string()),
             CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {
                 CliError::Campaign(problem.to_string())
             }

@@ -10,10 +10,14 @@ use synth::solve::{Observer, Progress};
 use synth::synthesis::SynthesisError;
 
 use super::error::CliError;
+use crate::batch::engine::{Control, Threads};
 
-/// Threads for `--jobs`; 0, one for each processor, when left out.
-pub(crate) fn threads(jobs: Option<u16>) -> usize {
-    jobs.map_or(0, usize::from)
+/// Threads for `--jobs`; one for each processor when left out.
+pub(crate) fn threads(jobs: Option<u16>) -> Result<Threads, CliError> {
+    Threads::new(jobs.map_or(0, usize::from)).map_err(|error| CliError::Argument {
+        argument: "--jobs",
+        reason: error.to_string(),
+    })
 }
 
 /// The first words of the progress of a synthesis.
@@ -134,6 +138,14 @@ impl PartsProgress {
     /// Set by Ctrl-C.
     pub fn stop(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.interrupted)
+    }
+
+    /// What work is watched and stopped by that calls `done` for each part.
+    pub fn control<'a>(&self, done: &'a (dyn Fn() + Sync)) -> Control<'a> {
+        Control {
+            done,
+            stop: self.stop(),
+        }
     }
 }
 

@@ -332,6 +332,24 @@ fn ctrl_c_keeps_what_is_done() {
     assert!(merge.contains("is not complete"), "{merge}");
 }
 
+#[cfg(unix)]
+#[test]
+fn two_campaigns_do_not_write_into_one_folder() {
+    use rustix::fs::{flock, FlockOperation};
+    let folder = folder();
+    let file = short(folder.path(), "independent");
+    let out = folder.path().join("out");
+    fs::create_dir(&out).expect("a folder");
+    let held = fs::File::open(&out).expect("a folder");
+    flock(&held, FlockOperation::NonBlockingLockExclusive).expect("a lock");
+    let refusal = campaign(&file, 2, &out, &[]).refusal();
+    assert!(refusal.contains("in use by another campaign"), "{refusal}");
+    assert!(names_in(&out).is_empty());
+    drop(held);
+    let status = campaign(&file, 2, &out, &[]).status;
+    assert!(matches!(status, Some(0 | 2)), "{status:?}");
+}
+
 /// What `values` of the dispersions say is drawn, and what the command says to it.
 #[test]
 fn wrong_input_is_refused_in_one_sentence() {

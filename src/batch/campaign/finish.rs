@@ -3,24 +3,26 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
+use arrow_array::RecordBatch;
 use synth::model::make_readable;
 
 use super::folder::{
-    part_file, run_folder, run_folder_name, CAMPAIGN_FILE, FAILED_FOLDER, PARTS_FOLDER,
-    PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
+    run_folder, run_folder_name, CAMPAIGN_FILE, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
+    RUNS_FILE, SCENARIO_FILE,
 };
-use super::parts::{inputs_text, Job};
+use super::job::{inputs_text, CampaignJob};
 use super::record::{
     CampaignFile, Inputs, ProfileGrid, RequirementCount, Results, State, CAMPAIGN_SCHEMA_VERSION,
 };
-use super::row::{Rank, Row};
+use super::row::Rank;
 use super::statistics::{count_missed, metric_quantiles, pass_rate_interval};
-use super::table::{Columns, Content, TableReader, TableWriter};
+use super::table::{
+    run_indices, run_verdicts, CampaignColumns, Content, CountedRun, TableReader, TableWriter,
+};
 use super::CampaignError;
 use crate::base::files::{create_folder, write};
-use crate::batch::watch::Watch;
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
@@ -33,7 +35,7 @@ pub(crate) struct Source {
 
 /// What is counted while the rows pass.
 #[derive(Debug, Default)]
-pub(crate) struct Count {
+pub(crate) struct RunCount {
     runs: u64,
     verdicts: BTreeMap<String, u64>,
     covered: Option<u64>,
@@ -41,18 +43,18 @@ pub(crate) struct Count {
     worst: Vec<Rank>,
 }
 
-impl Count {
-    fn add(&mut self, row: &Row, keep: usize) {
+impl RunCount {
+    fn add(&mut self, run: &CountedRun, keep: usize) {
         self.runs += 1;
-        let verdict = row.verdict.name().to_string();
+        let verdict = run.verdict.name().to_string();
         *self.verdicts.entry(verdict).or_default() += 1;
-        if let Some(covers) = row.proof_covers {
+        if let Some(covers) = run.proof_covers {
             *self.covered.get_or_insert(0) += u64::from(covers);
         }
-        if row.passed() {
+        if run.verdict == RunVerdict::RequirementsMet {
             return;
         }
-        let rank = row.rank();
+        let rank = Rank::new(run.verdict, run.margin, run.run);
         let place = self.worst.partition_point(|other| *other < rank);
         if place < keep {
             self.worst.insert(place, rank);
@@ -76,52 +78,40 @@ impl Count {
 ///
 /// # Errors
 /// A file that cannot be written; it was stopped. What was done before stays.
-pub fn finish(job: &Job, keep: usize, watch: &Watch) -> Result<Results, CampaignError> {
-    let inputs = inputs_text(&job.inputs);
-    let runs = job.folder.join(RUNS_FILE);
-    let sources = job.own_parts()?.map(|part| Source {
-        path: part_file(&job.folder, part),
-        content: Content::Whole,
-        inputs: inputs.clone(),
-    });
-    let sources: Vec<Source> = sources.collect();
-    let columns = &job.plan.columns;
-    let expected = (job.inputs.first_run, job.inputs.end_run);
-    let count = concatenate(
-        &sources,
-        columns,
-        (&runs, Content::Runs),
-        &inputs,
-        expected,
-        keep,
-    )?;
-    let profiles = job.folder.join(PROFILES_FILE);
-    let to = (profiles.as_path(), Content::Profiles);
-    concatenate(&sources, columns, to, &inputs, expected, keep)?;
-    let results = recount(job, &count, watch)?;
-    remove_parts(&job.folder)?;
-    Ok(results)
+pub fn finish(job: &CampaignJob, keep: usize, stop: &AtomicBool) -> Result<Results, CampaignError> {
+    let sources = |_: &str, _| {
+        let sources = job.part_files().map(|path| Source {
+            path,
+            content: Content::Whole,
+            inputs: inputs_text(&job.inputs),
+        });
+        sources.collect()
+    };
+    write_tables(&job.folder, &job.plan.columns, &job.inputs, sources)?;
+    finish_again(job, keep, stop)
 }
 
 /// As [`finish`], from the tables of a job that is complete: another number of runs may be kept.
 ///
 /// # Errors
 /// A file that cannot be read or written; it was stopped.
-pub fn finish_again(job: &Job, keep: usize, watch: &Watch) -> Result<Results, CampaignError> {
-    let source = Source {
-        path: job.folder.join(RUNS_FILE),
-        content: Content::Runs,
-        inputs: inputs_text(&job.inputs),
-    };
-    let expected = (job.inputs.first_run, job.inputs.end_run);
-    let count = count_only(&source, &job.plan.columns, expected, keep)?;
-    let results = recount(job, &count, watch)?;
+pub fn finish_again(
+    job: &CampaignJob,
+    keep: usize,
+    stop: &AtomicBool,
+) -> Result<Results, CampaignError> {
+    let count = count(&job.folder, &job.plan.columns, &job.inputs, keep)?;
+    let results = recount(job, &count, stop)?;
     remove_parts(&job.folder)?;
     Ok(results)
 }
 
-fn recount(job: &Job, count: &Count, watch: &Watch) -> Result<Results, CampaignError> {
-    keep_runs(job, &count.worst_runs(), watch)?;
+fn recount(
+    job: &CampaignJob,
+    count: &RunCount,
+    stop: &AtomicBool,
+) -> Result<Results, CampaignError> {
+    keep_runs(job, &count.worst_runs(), stop)?;
     let requirements = job.plan.nominal.requirements.iter();
     let requirements = requirements.filter_map(|requirement| {
         let (side, limit) = match (requirement.at_most, requirement.at_least) {
@@ -152,7 +142,7 @@ fn recount(job: &Job, count: &Count, watch: &Watch) -> Result<Results, CampaignE
 
 /// What the record is made of beside the table of the runs.
 pub(crate) struct Record<'a> {
-    pub count: &'a Count,
+    pub count: &'a RunCount,
     /// Failed runs whose trajectory is kept, the worst first.
     pub kept: Vec<u64>,
     pub requirements: Vec<RequirementCount>,
@@ -202,61 +192,86 @@ pub(crate) fn conclude(
     Ok(results)
 }
 
-/// One table from several, which must hold the runs `expected` without gap or overlap.
-pub(crate) fn concatenate(
+/// Writes both tables of a folder from the sources that there are for the table of a name and content.
+pub(super) fn write_tables(
+    folder: &Path,
+    columns: &CampaignColumns,
+    inputs: &Inputs,
+    sources: impl Fn(&str, Content) -> Vec<Source>,
+) -> Result<(), CampaignError> {
+    let tables = [
+        (RUNS_FILE, Content::Runs),
+        (PROFILES_FILE, Content::Profiles),
+    ];
+    for (name, content) in tables {
+        let to = folder.join(name);
+        concatenate(&sources(name, content), columns, (&to, content), inputs)?;
+    }
+    Ok(())
+}
+
+/// One table from several, which must hold the runs of `inputs` without gap or overlap.
+fn concatenate(
     sources: &[Source],
-    columns: &Columns,
+    columns: &CampaignColumns,
     (path, content): (&Path, Content),
-    inputs: &str,
-    (first, end): (u64, u64),
-    keep: usize,
-) -> Result<Count, CampaignError> {
+    inputs: &Inputs,
+) -> Result<(), CampaignError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let unwritten = |source| CampaignError::written(path, source);
     let file = tempfile::NamedTempFile::new_in(folder).map_err(unwritten)?;
     let to = file.reopen().map_err(unwritten)?;
-    let mut table = TableWriter::new(path, to, columns, content, inputs)?;
-    let mut count = Count::default();
-    let mut next = first;
+    let mut table = TableWriter::new(path, to, columns, content, &inputs_text(inputs))?;
+    let mut next = inputs.first_run;
     for source in sources {
-        each_row(source, columns, |row| {
-            in_order(&source.path, row.run, &mut next)?;
-            count.add(&row, keep);
-            table.push(row)
-        })?;
+        let take = |rows: &RecordBatch| table.write(rows);
+        each_batch(source, columns, content, &mut next, take)?;
     }
-    at_end(path, next, end)?;
+    at_end(path, next, inputs.end_run)?;
     table.finish()?.sync_all().map_err(unwritten)?;
     make_readable(file.path()).map_err(unwritten)?;
     file.persist(path).map_err(|error| unwritten(error.error))?;
-    Ok(count)
+    Ok(())
 }
 
-fn count_only(
-    source: &Source,
-    columns: &Columns,
-    (first, end): (u64, u64),
+/// Counts the runs in the table of a folder, which must be those of `inputs`.
+pub(super) fn count(
+    folder: &Path,
+    columns: &CampaignColumns,
+    inputs: &Inputs,
     keep: usize,
-) -> Result<Count, CampaignError> {
-    let mut count = Count::default();
-    let mut next = first;
-    each_row(source, columns, |row| {
-        in_order(&source.path, row.run, &mut next)?;
-        count.add(&row, keep);
+) -> Result<RunCount, CampaignError> {
+    let source = Source {
+        path: folder.join(RUNS_FILE),
+        content: Content::Runs,
+        inputs: inputs_text(inputs),
+    };
+    let mut count = RunCount::default();
+    let mut next = inputs.first_run;
+    each_batch(&source, columns, Content::Runs, &mut next, |rows| {
+        let runs = run_verdicts(rows)?;
+        runs.iter().for_each(|run| count.add(run, keep));
         Ok(())
     })?;
-    at_end(&source.path, next, end)?;
+    at_end(&source.path, next, inputs.end_run)?;
     Ok(count)
 }
 
-fn each_row(
+/// Reads the columns of a content from a source, whose first run must be `next`.
+fn each_batch(
     source: &Source,
-    columns: &Columns,
-    mut take: impl FnMut(Row) -> Result<(), CampaignError>,
+    columns: &CampaignColumns,
+    content: Content,
+    next: &mut u64,
+    mut take: impl FnMut(&RecordBatch) -> Result<(), CampaignError>,
 ) -> Result<(), CampaignError> {
-    let table = TableReader::open(&source.path, columns, source.content, &source.inputs)?;
-    for rows in table {
-        rows?.into_iter().try_for_each(&mut take)?;
+    let contents = (source.content, content);
+    for rows in TableReader::open(&source.path, columns, contents, &source.inputs)? {
+        let rows = rows?;
+        for &run in run_indices(&rows)? {
+            in_order(&source.path, run, next)?;
+        }
+        take(&rows)?;
     }
     Ok(())
 }
@@ -286,27 +301,21 @@ fn at_end(path: &Path, next: u64, end: u64) -> Result<(), CampaignError> {
 }
 
 /// Makes the failed runs again, this time with their trajectory; other folders of kept runs go away.
-fn keep_runs(job: &Job, runs: &[u64], watch: &Watch) -> Result<(), CampaignError> {
-    let all = job.folder.join(FAILED_FOLDER);
-    remove_others(&all, runs)?;
-    job.pool.install(|| {
-        runs.par_iter().try_for_each(|&run| {
-            if watch.stopped() {
-                return Err(CampaignError::Interrupted);
-            }
-            let folder = run_folder(&job.folder, run);
-            // The summary is written last.
-            if folder.join(SUMMARY_FILE).exists() {
-                return Ok(());
-            }
-            let (scenario, outcome) = job.plan.alone(run, true)?;
-            create_folder(&folder)?;
-            let trajectory = outcome.trajectory.unwrap_or_default();
-            write(&folder.join(SCENARIO_FILE), &scenario)?;
-            write(&folder.join(TRAJECTORY_FILE), &trajectory.to_csv())?;
-            write(&folder.join(SUMMARY_FILE), &summary_text(&outcome.summary))?;
-            Ok(())
-        })
+fn keep_runs(job: &CampaignJob, runs: &[u64], stop: &AtomicBool) -> Result<(), CampaignError> {
+    remove_others(&job.folder.join(FAILED_FOLDER), runs)?;
+    job.threads.each(runs.to_vec(), stop, |run| {
+        let folder = run_folder(&job.folder, run);
+        // The summary is written last.
+        if folder.join(SUMMARY_FILE).exists() {
+            return Ok(());
+        }
+        let (scenario, outcome) = job.plan.alone(run, true)?;
+        create_folder(&folder)?;
+        let trajectory = outcome.trajectory.unwrap_or_default();
+        write(&folder.join(SCENARIO_FILE), &scenario)?;
+        write(&folder.join(TRAJECTORY_FILE), &trajectory.to_csv())?;
+        write(&folder.join(SUMMARY_FILE), &summary_text(&outcome.summary))?;
+        Ok(())
     })
 }
 

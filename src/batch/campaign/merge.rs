@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 
 use synth::model::read_text;
 
-use super::finish::{concatenate, conclude, remove_others, Record, Source};
-use super::folder::{
-    run_folder, DESIGN_FILE, FAILED_FOLDER, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
-};
-use super::parts::{difference, inputs_text, prepare};
+use super::finish::{conclude, count, remove_others, write_tables, Record, Source};
+use super::folder::{run_folder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE};
+use super::job::{difference, inputs_text, prepare};
 use super::record::{CampaignFile, Inputs, ProfileGrid, Results};
-use super::table::{column_names, Columns, Content};
+use super::table::{column_names, CampaignColumns};
 use super::CampaignError;
 use crate::base::files::create_folder;
 use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
@@ -20,7 +18,7 @@ use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 const DRAWN: &str = "drawn.";
 
 /// A shard's folder.
-struct Part {
+struct ShardFolder {
     folder: PathBuf,
     inputs: Inputs,
     results: Results,
@@ -33,38 +31,30 @@ struct Part {
 /// Shards that are not complete, of different campaigns, missing or there twice; files that cannot be
 /// read or written.
 pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results, CampaignError> {
-    let mut parts = folders
+    let mut shards = folders
         .iter()
         .map(|folder| read(folder))
         .collect::<Result<Vec<_>, _>>()?;
-    parts.sort_by_key(|part| (part.inputs.first_run, part.inputs.end_run));
-    check_same(&parts)?;
-    check_whole(&parts)?;
-    let Some(first) = parts.first() else {
+    shards.sort_by_key(|shard| (shard.inputs.first_run, shard.inputs.end_run));
+    check_same(&shards)?;
+    check_whole(&shards)?;
+    let Some(first) = shards.first() else {
         return Err(CampaignError::Shards("no folder is given".to_string()));
     };
     let inputs = whole(&first.inputs);
     let (scenario, design) = texts(first)?;
-    prepare(output, &inputs, &scenario, design.as_deref())?;
+    let _open = prepare(output, &inputs, &scenario, design.as_deref())?;
     let columns = columns(first)?;
-    let table = |name: &'static str, content: Content| {
-        let sources = parts.iter().map(move |part| Source {
-            path: part.folder.join(name),
+    write_tables(output, &columns, &inputs, |name, content| {
+        let sources = shards.iter().map(|shard| Source {
+            path: shard.folder.join(name),
             content,
-            inputs: inputs_text(&part.inputs),
+            inputs: inputs_text(&shard.inputs),
         });
-        sources.collect::<Vec<Source>>()
-    };
-    let text = inputs_text(&inputs);
-    let all = (0, inputs.runs);
-    let written = |name: &'static str, content: Content| {
-        let path = output.join(name);
-        let sources = table(name, content);
-        concatenate(&sources, &columns, (&path, content), &text, all, keep)
-    };
-    let count = written(RUNS_FILE, Content::Runs)?;
-    written(PROFILES_FILE, Content::Profiles)?;
-    let kept = copy_kept(&parts, output, &count.worst_runs())?;
+        sources.collect()
+    })?;
+    let count = count(output, &columns, &inputs, keep)?;
+    let kept = copy_kept(&shards, output, &count.worst_runs())?;
     let record = Record {
         count: &count,
         kept,
@@ -74,10 +64,10 @@ pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results,
     conclude(output, &inputs, record)
 }
 
-fn read(folder: &Path) -> Result<Part, CampaignError> {
+fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
     let record = CampaignFile::read(folder)?;
     match record.results {
-        Some(results) => Ok(Part {
+        Some(results) => Ok(ShardFolder {
             folder: folder.to_path_buf(),
             inputs: record.inputs,
             results,
@@ -100,8 +90,8 @@ fn whole(inputs: &Inputs) -> Inputs {
     }
 }
 
-fn check_same(parts: &[Part]) -> Result<(), CampaignError> {
-    for pair in parts.windows(2) {
+fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
+    for pair in shards.windows(2) {
         let [one, other] = pair else { continue };
         if let Some(difference) = difference(&whole(&other.inputs), &whole(&one.inputs)) {
             return Err(CampaignError::Shards(format!(
@@ -115,11 +105,11 @@ fn check_same(parts: &[Part]) -> Result<(), CampaignError> {
 }
 
 /// Refuses gaps and overlaps.
-fn check_whole(parts: &[Part]) -> Result<(), CampaignError> {
+fn check_whole(shards: &[ShardFolder]) -> Result<(), CampaignError> {
     let mut next = 0;
-    let mut before: Option<&Part> = None;
-    for part in parts {
-        let first = part.inputs.first_run;
+    let mut before: Option<&ShardFolder> = None;
+    for shard in shards {
+        let first = shard.inputs.first_run;
         if first > next {
             return Err(missing(next, first));
         }
@@ -127,14 +117,14 @@ fn check_whole(parts: &[Part]) -> Result<(), CampaignError> {
             return Err(CampaignError::Shards(format!(
                 "{} and {} both hold run {first}",
                 before.folder.display(),
-                part.folder.display()
+                shard.folder.display()
             )));
         }
-        next = part.inputs.end_run;
-        before = Some(part);
+        next = shard.inputs.end_run;
+        before = Some(shard);
     }
     match before {
-        Some(part) if next < part.inputs.runs => Err(missing(next, part.inputs.runs)),
+        Some(shard) if next < shard.inputs.runs => Err(missing(next, shard.inputs.runs)),
         _ => Ok(()),
     }
 }
@@ -143,26 +133,26 @@ fn missing(from: u64, to: u64) -> CampaignError {
     CampaignError::Shards(format!("no folder holds the runs {from} to {}", to - 1))
 }
 
-fn texts(part: &Part) -> Result<(String, Option<String>), CampaignError> {
+fn texts(shard: &ShardFolder) -> Result<(String, Option<String>), CampaignError> {
     let read = |name: &str| {
-        let path = part.folder.join(name);
+        let path = shard.folder.join(name);
         read_text(&path).map_err(|problem| CampaignError::file(&path, problem))
     };
-    let design = part.inputs.design_sha256.as_ref();
+    let design = shard.inputs.design_sha256.as_ref();
     Ok((
         read(SCENARIO_FILE)?,
         design.map(|_| read(DESIGN_FILE)).transpose()?,
     ))
 }
 
-fn columns(part: &Part) -> Result<Columns, CampaignError> {
-    let names = column_names(&part.folder.join(RUNS_FILE))?;
+fn columns(shard: &ShardFolder) -> Result<CampaignColumns, CampaignError> {
+    let names = column_names(&shard.folder.join(RUNS_FILE))?;
     let drawn = names.iter().filter_map(|name| name.strip_prefix(DRAWN));
     let ProfileGrid {
         times_s,
         quantities,
-    } = part.results.profile.clone();
-    Ok(Columns {
+    } = shard.results.profile.clone();
+    Ok(CampaignColumns {
         drawn: drawn.map(str::to_string).collect(),
         quantities,
         times_s,
@@ -170,11 +160,17 @@ fn columns(part: &Part) -> Result<Columns, CampaignError> {
 }
 
 /// Copies the folders of the worst runs; those that no shard has kept are left out.
-fn copy_kept(parts: &[Part], output: &Path, worst: &[u64]) -> Result<Vec<u64>, CampaignError> {
+fn copy_kept(
+    shards: &[ShardFolder],
+    output: &Path,
+    worst: &[u64],
+) -> Result<Vec<u64>, CampaignError> {
     remove_others(&output.join(FAILED_FOLDER), worst)?;
     let mut kept = Vec::new();
     for &run in worst {
-        let holder = parts.iter().find(|part| part.results.kept.contains(&run));
+        let holder = shards
+            .iter()
+            .find(|shard| shard.results.kept.contains(&run));
         let Some(holder) = holder else { continue };
         let (from, to) = (run_folder(&holder.folder, run), run_folder(output, run));
         create_folder(&to)?;

@@ -4,15 +4,14 @@
 //! number only, so any run can be made alone, and neither the number of threads nor interruptions nor
 //! the division into shards changes the result.
 
+mod dispersion;
 pub mod finish;
 pub mod folder;
+pub mod job;
 pub mod merge;
-pub mod parts;
 pub mod plan;
-mod points;
 pub mod record;
 pub mod row;
-mod sample;
 pub mod statistics;
 pub mod table;
 
@@ -20,6 +19,9 @@ use std::path::{Path, PathBuf};
 
 use synth::model::FileError;
 
+use super::engine::Interrupted;
+use super::store::chunks::TooManyShards;
+use super::variation::samples::TooManyNumbers;
 use crate::base::files::OutputError;
 use crate::run::outcome::SimulateError;
 
@@ -52,24 +54,17 @@ pub enum CampaignError {
     #[error("the table of the runs: {0}")]
     Table(String),
     /// More numbers are drawn than there are directions for.
-    #[error(
-        "field 'dispersions.sampling': a Sobol sequence has at most {most} numbers; {numbers} are drawn"
-    )]
-    TooManyNumbers {
-        /// Numbers that are drawn.
-        numbers: usize,
-        /// Most.
-        most: usize,
-    },
+    #[error(transparent)]
+    TooManyNumbers(#[from] TooManyNumbers),
     /// Shards that do not make a campaign.
     #[error("{0}")]
     Shards(String),
-    /// The threads could not be started.
-    #[error("the threads cannot be started: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// More shards than there is work for.
+    #[error(transparent)]
+    TooManyShards(#[from] TooManyShards),
     /// It was stopped.
-    #[error("interrupted")]
-    Interrupted,
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl CampaignError {

@@ -3,14 +3,14 @@
 use serde_json::Value;
 use synth::model::{FileError, ModelError};
 
-use super::points::Points;
-use super::row::Row;
-use super::sample::{Boundary, Context, Sample};
-use super::table::Columns;
+use super::dispersion::{Boundary, Context, Sampler};
+use super::row::RunRow;
+use super::table::CampaignColumns;
 use super::CampaignError;
 use crate::base::bounded::from_value;
 use crate::base::provenance::sha256_of;
-use crate::batch::parameter::Parameter;
+use crate::batch::variation::parameter::Parameter;
+use crate::batch::variation::samples::Samples;
 use crate::plants::{System, SystemFile};
 use crate::run::design::Design;
 use crate::run::outcome::{Outcome, Recording};
@@ -35,13 +35,13 @@ pub struct Plan<'a> {
     /// How the drawn numbers are spread.
     pub sampling: PlanFile,
     /// Columns of the tables.
-    pub columns: Columns,
+    pub columns: CampaignColumns,
     design: Option<&'a Design>,
     template: ScenarioFile,
     /// The template as JSON, where numbers of it are drawn by name.
     value: Option<Value>,
-    draws: Vec<Sample>,
-    points: Points,
+    samplers: Vec<Sampler>,
+    samples: Samples,
 }
 
 /// One run, ready to go.
@@ -80,20 +80,19 @@ impl<'a> Plan<'a> {
         let sampling = dispersions.map_or(PlanFile::Independent, |all| all.sampling);
         let all = dispersions.map_or(&[][..], |all| &all.all);
         let value = serde_json::to_value(&template).unwrap_or_default();
-        let draws = all
+        let samplers = all
             .iter()
             .enumerate()
-            .map(|(index, one)| draw(index, one, &value, &nominal, design))
+            .map(|(index, one)| sampler(index, one, &value, &nominal, design))
             .collect::<Result<Vec<_>, _>>()?;
-        let named = draws
-            .iter()
-            .any(|draw| matches!(draw.context, Context::Number(..)));
+        let mut all = samplers.iter();
+        let named = all.any(|one| matches!(one.context, Context::Number(..)));
         let seed = seed.unwrap_or(nominal.seed);
-        let numbers = draws.iter().map(Sample::numbers).sum();
+        let numbers = samplers.iter().map(Sampler::numbers).sum();
         let last = f64::from(PROFILE_TIMES - 1);
         let times = (0..PROFILE_TIMES).map(|time| nominal.duration_s * (f64::from(time) / last));
-        let columns = Columns {
-            drawn: draws.iter().flat_map(Sample::columns).collect(),
+        let columns = CampaignColumns {
+            drawn: samplers.iter().flat_map(Sampler::columns).collect(),
             quantities: profile_quantities(&nominal.system)
                 .into_iter()
                 .map(str::to_string)
@@ -102,7 +101,7 @@ impl<'a> Plan<'a> {
         };
         check_distinct(&columns.drawn)?;
         Ok(Plan {
-            points: Points::new(sampling, seed, runs, numbers)?,
+            samples: Samples::new(sampling, seed, runs, numbers).map_err(CampaignError::from)?,
             nominal,
             seed,
             runs,
@@ -111,7 +110,7 @@ impl<'a> Plan<'a> {
             design,
             template,
             value: named.then_some(value),
-            draws,
+            samplers,
         })
     }
 
@@ -121,24 +120,24 @@ impl<'a> Plan<'a> {
     /// A drawn number that the scenario cannot have.
     pub fn resolve(&self, run: u64) -> Result<Resolved, CampaignError> {
         let failed = |reason: String| CampaignError::Run { run, reason };
-        let point = self.points.point(run);
+        let sample = self.samples.sample(run);
         let mut drawn = Vec::with_capacity(self.columns.drawn.len());
         let mut file = match &self.value {
             None => self.template.clone(),
             Some(value) => {
                 let mut value = value.clone();
-                for (draw, at) in self.parts(&point.coordinates) {
-                    let set = draw.set(at, &mut value, &mut drawn);
+                for (sampler, at) in self.parts(&sample.coordinates) {
+                    let set = sampler.set(at, &mut value, &mut drawn);
                     set.map_err(|error| failed(error.to_string()))?;
                 }
                 from_value(value).map_err(|error| failed(error.to_string()))?
             }
         };
         let invalid = |error: ModelError| failed(error.to_string());
-        for (draw, at) in self.parts(&point.coordinates) {
-            draw.apply(at, &mut file, &mut drawn).map_err(invalid)?;
+        for (sampler, at) in self.parts(&sample.coordinates) {
+            sampler.apply(at, &mut file, &mut drawn).map_err(invalid)?;
         }
-        file.random.seed = point.seed;
+        file.random.seed = sample.seed;
         file.name = format!("{}, run {run}", self.template.name);
         let scenario = Scenario::from_file(&file, String::new()).map_err(invalid)?;
         check_design(&scenario, self.design).map_err(|error| failed(error.to_string()))?;
@@ -150,13 +149,13 @@ impl<'a> Plan<'a> {
         })
     }
 
-    /// Each draw with its coordinates.
-    fn parts<'b>(&'b self, point: &'b [f64]) -> impl Iterator<Item = (&'b Sample, &'b [f64])> {
-        let mut rest = point;
-        self.draws.iter().map(move |draw| {
-            let (own, others) = rest.split_at(draw.numbers().min(rest.len()));
+    /// Each sampler with its coordinates.
+    fn parts<'b>(&'b self, sample: &'b [f64]) -> impl Iterator<Item = (&'b Sampler, &'b [f64])> {
+        let mut rest = sample;
+        self.samplers.iter().map(move |sampler| {
+            let (own, others) = rest.split_at(sampler.numbers().min(rest.len()));
             rest = others;
-            (draw, own)
+            (sampler, own)
         })
     }
 
@@ -164,7 +163,7 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// A drawn number that the scenario cannot have.
-    pub fn row(&self, run: u64) -> Result<Row, CampaignError> {
+    pub fn row(&self, run: u64) -> Result<RunRow, CampaignError> {
         let resolved = self.resolve(run)?;
         let recording = Recording {
             trajectory: false,
@@ -172,7 +171,7 @@ impl<'a> Plan<'a> {
         };
         let outcome = self.simulate(&resolved.scenario, run, &recording)?;
         let seed = resolved.scenario.seed;
-        Ok(Row::new(
+        Ok(RunRow::new(
             run,
             seed,
             &outcome.summary,
@@ -237,13 +236,13 @@ fn pin_controller(file: &mut ScenarioFile) {
     }
 }
 
-fn draw(
+fn sampler(
     index: usize,
     dispersion: &Dispersion,
     file: &Value,
     nominal: &Scenario,
     design: Option<&Design>,
-) -> Result<Sample, PlanError> {
+) -> Result<Sampler, PlanError> {
     let wrong =
         |field: String, reason: String| PlanError::from(ModelError::Choice { field, reason });
     let context = match dispersion {
@@ -290,7 +289,7 @@ fn draw(
         }
         _ => Context::Nothing,
     };
-    Ok(Sample {
+    Ok(Sampler {
         dispersion: dispersion.clone(),
         context,
     })

@@ -8,6 +8,7 @@ use synth::model::read_text;
 
 use super::folder::CAMPAIGN_FILE;
 use super::CampaignError;
+use crate::batch::store::chunks::Shard;
 use crate::scenario::PlanFile;
 
 /// The version of the format of `campaign.json`.
@@ -61,16 +62,6 @@ pub struct Inputs {
     pub first_run: u64,
     /// The run after the last of this folder.
     pub end_run: u64,
-}
-
-/// A part of a campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shard {
-    /// Which, from 1.
-    pub index: u64,
-    /// Of how many.
-    pub count: u64,
 }
 
 /// What came of a campaign.

@@ -5,7 +5,7 @@ use crate::sim::metrics::METRICS;
 
 /// What is known of one run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct RunRow {
     /// Its index.
     pub run: u64,
     /// Seed of its noise, jitter and losses.
@@ -26,7 +26,7 @@ pub struct Row {
     pub profile: Vec<f32>,
 }
 
-impl Row {
+impl RunRow {
     /// The row of a run.
     pub fn new(
         run: u64,
@@ -36,7 +36,7 @@ impl Row {
         profile: Vec<f32>,
     ) -> Self {
         let certificate = summary.certificate.as_ref();
-        Row {
+        RunRow {
             run,
             seed,
             verdict: summary.verdict,
@@ -56,24 +56,26 @@ impl Row {
     pub fn passed(&self) -> bool {
         self.verdict == RunVerdict::RequirementsMet
     }
-
-    /// Runs sorted by this begin with the worst.
-    pub fn rank(&self) -> Rank {
-        Rank {
-            severity: self.verdict.severity(),
-            margin: self.worst.as_ref().map_or(0.0, |(_, margin)| *margin),
-            run: self.run,
-        }
-    }
 }
 
-/// How bad a run is; the smallest is the worst.
+/// How bad a run is; runs sorted by this begin with the worst.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rank {
     severity: usize,
     margin: f64,
     /// The run.
     pub run: u64,
+}
+
+impl Rank {
+    /// Of a run with this verdict and this smallest margin of a requirement, where it has one.
+    pub fn new(verdict: RunVerdict, margin: Option<f64>, run: u64) -> Self {
+        Rank {
+            severity: verdict.severity(),
+            margin: margin.unwrap_or(0.0),
+            run,
+        }
+    }
 }
 
 impl Eq for Rank {}

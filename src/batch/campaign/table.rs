@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use arrow_array::{Array, ArrayRef, BooleanArray, Float32Array, Float64Array, RecordBatch};
 use arrow_array::{StringArray, UInt64Array};
-use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::errors::ParquetError;
@@ -17,7 +17,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::EnabledStatistics;
 use parquet::schema::types::ColumnPath;
 
-use super::row::{metric_columns, Row};
+use super::row::{metric_columns, RunRow};
 use super::CampaignError;
 use crate::base::parquet::properties;
 use crate::run::summary::RunVerdict;
@@ -33,6 +33,10 @@ const BATCH: usize = 1024;
 const ROW_GROUP: usize = 8 * BATCH;
 /// Columns before the metrics.
 const FIRST_COLUMNS: usize = 8;
+/// Places of some of them.
+const VERDICT_COLUMN: usize = 2;
+const COVERS_COLUMN: usize = 4;
+const MARGIN_COLUMN: usize = 7;
 
 /// Which part of the rows a table holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +51,7 @@ pub enum Content {
 
 /// The columns of a campaign's tables.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Columns {
+pub struct CampaignColumns {
     /// Names of the drawn numbers, without `drawn.`.
     pub drawn: Vec<String>,
     /// Quantities of the profile.
@@ -56,93 +60,116 @@ pub struct Columns {
     pub times_s: Vec<f64>,
 }
 
-impl Columns {
+impl CampaignColumns {
     /// Numbers in the profile of a run.
     pub fn profile_len(&self) -> usize {
         self.quantities.len() * self.times_s.len()
     }
 
-    fn schema(&self, content: Content) -> SchemaRef {
-        let mut fields = vec![Field::new("run", DataType::UInt64, false)];
-        if content != Content::Profiles {
-            fields.extend([
-                Field::new("seed", DataType::UInt64, false),
-                Field::new("verdict", DataType::Utf8, false),
-                Field::new("passed", DataType::Boolean, false),
-                Field::new("proof_covers", DataType::Boolean, true),
-                Field::new("start_level", DataType::Float64, true),
-                Field::new("worst_requirement", DataType::Utf8, true),
-                Field::new("worst_margin", DataType::Float64, true),
-            ]);
-            let drawn = self.drawn.iter().map(|name| format!("drawn.{name}"));
-            let numbers = metric_columns().into_iter().chain(drawn);
-            fields.extend(numbers.map(|name| Field::new(name, DataType::Float64, true)));
+    /// Columns of a table with everything that a table of this content has.
+    fn places(&self, content: Content) -> Vec<usize> {
+        let profile = FIRST_COLUMNS + METRICS.len() + self.drawn.len();
+        let end = profile + self.profile_len();
+        match content {
+            Content::Runs => (0..profile).collect(),
+            Content::Profiles => std::iter::once(0).chain(profile..end).collect(),
+            Content::Whole => (0..end).collect(),
         }
-        if content != Content::Runs {
-            for quantity in &self.quantities {
-                let times = 0..self.times_s.len();
-                let names = times.map(|time| format!("{quantity}_{time:03}"));
-                fields.extend(names.map(|name| Field::new(name, DataType::Float32, true)));
-            }
-        }
-        Arc::new(Schema::new(fields))
     }
 
-    fn batch(&self, content: Content, rows: &[Row]) -> Result<RecordBatch, CampaignError> {
-        let mut arrays: Vec<ArrayRef> = vec![Arc::new(UInt64Array::from_iter_values(
-            rows.iter().map(|row| row.run),
-        ))];
-        if content != Content::Profiles {
-            let number = |value: &dyn Fn(&Row) -> Option<f64>| -> ArrayRef {
-                Arc::new(Float64Array::from_iter(rows.iter().map(value)))
-            };
-            let worst = |row: &Row| row.worst.as_ref().map(|(name, _)| name.clone());
-            arrays.push(Arc::new(UInt64Array::from_iter_values(
-                rows.iter().map(|row| row.seed),
-            )));
-            arrays.push(Arc::new(StringArray::from_iter_values(
-                rows.iter().map(|row| row.verdict.name()),
-            )));
-            arrays.push(Arc::new(BooleanArray::from_iter(
-                rows.iter().map(|row| Some(row.passed())),
-            )));
-            arrays.push(Arc::new(BooleanArray::from_iter(
-                rows.iter().map(|row| row.proof_covers),
-            )));
-            arrays.push(number(&|row| row.start_level));
-            arrays.push(Arc::new(StringArray::from_iter(rows.iter().map(worst))));
-            arrays.push(number(&|row| row.worst.as_ref().map(|(_, margin)| *margin)));
-            for index in 0..METRICS.len() {
-                arrays.push(number(&|row| row.metrics.get(index).copied().flatten()));
-            }
-            for index in 0..self.drawn.len() {
-                arrays.push(number(&|row| row.drawn.get(index).copied().flatten()));
-            }
+    fn schema(&self, content: Content) -> Result<SchemaRef, CampaignError> {
+        let mut fields = vec![
+            Field::new("run", DataType::UInt64, false),
+            Field::new("seed", DataType::UInt64, false),
+            Field::new("verdict", DataType::Utf8, false),
+            Field::new("passed", DataType::Boolean, false),
+            Field::new("proof_covers", DataType::Boolean, true),
+            Field::new("start_level", DataType::Float64, true),
+            Field::new("worst_requirement", DataType::Utf8, true),
+            Field::new("worst_margin", DataType::Float64, true),
+        ];
+        let drawn = self.drawn.iter().map(|name| format!("drawn.{name}"));
+        let numbers = metric_columns().into_iter().chain(drawn);
+        fields.extend(numbers.map(|name| Field::new(name, DataType::Float64, true)));
+        for quantity in &self.quantities {
+            let times = 0..self.times_s.len();
+            let names = times.map(|time| format!("{quantity}_{time:03}"));
+            fields.extend(names.map(|name| Field::new(name, DataType::Float32, true)));
         }
-        if content != Content::Runs {
-            for index in 0..self.profile_len() {
-                let value = |row: &Row| {
-                    let value = row.profile.get(index).copied();
-                    value.filter(|value| value.is_finite())
-                };
-                arrays.push(Arc::new(Float32Array::from_iter(rows.iter().map(value))));
-            }
-        }
-        RecordBatch::try_new(self.schema(content), arrays)
-            .map_err(|error| CampaignError::Table(error.to_string()))
+        let schema = Schema::new(fields).project(&self.places(content));
+        Ok(Arc::new(schema.map_err(refused)?))
     }
+
+    /// Rows with everything.
+    fn batch(&self, rows: &[RunRow]) -> Result<RecordBatch, CampaignError> {
+        let flag = |value: &dyn Fn(&RunRow) -> Option<bool>| -> ArrayRef {
+            Arc::new(BooleanArray::from_iter(rows.iter().map(value)))
+        };
+        let number = |value: &dyn Fn(&RunRow) -> Option<f64>| -> ArrayRef {
+            Arc::new(Float64Array::from_iter(rows.iter().map(value)))
+        };
+        let whole = |value: &dyn Fn(&RunRow) -> u64| -> ArrayRef {
+            Arc::new(UInt64Array::from_iter_values(rows.iter().map(value)))
+        };
+        let verdicts = rows.iter().map(|row| row.verdict.name());
+        let worst = rows.iter().map(|row| row.worst.as_ref());
+        let worst = worst.map(|worst| worst.map(|(name, _)| name.as_str()));
+        let mut arrays: Vec<ArrayRef> = vec![
+            whole(&|row| row.run),
+            whole(&|row| row.seed),
+            Arc::new(StringArray::from_iter_values(verdicts)),
+            flag(&|row| Some(row.passed())),
+            flag(&|row| row.proof_covers),
+            number(&|row| row.start_level),
+            Arc::new(StringArray::from_iter(worst)),
+            number(&|row| row.worst.as_ref().map(|(_, margin)| *margin)),
+        ];
+        for index in 0..METRICS.len() {
+            arrays.push(number(&|row| row.metrics.get(index).copied().flatten()));
+        }
+        for index in 0..self.drawn.len() {
+            arrays.push(number(&|row| row.drawn.get(index).copied().flatten()));
+        }
+        for index in 0..self.profile_len() {
+            let value = |row: &RunRow| {
+                let value = row.profile.get(index).copied();
+                value.filter(|value| value.is_finite())
+            };
+            arrays.push(Arc::new(Float32Array::from_iter(rows.iter().map(value))));
+        }
+        RecordBatch::try_new(self.schema(Content::Whole)?, arrays).map_err(refused)
+    }
+}
+
+fn refused(error: ArrowError) -> CampaignError {
+    CampaignError::Table(error.to_string())
+}
+
+/// The bytes of a table with everything of some rows, with the campaign's inputs (a JSON text) in its
+/// metadata. `path` is for error messages.
+///
+/// # Errors
+/// A schema that the library refuses.
+pub fn part_table(
+    path: &Path,
+    columns: &CampaignColumns,
+    inputs: &str,
+    rows: &[RunRow],
+) -> Result<Vec<u8>, CampaignError> {
+    let mut table = TableWriter::new(path, Vec::new(), columns, Content::Whole, inputs)?;
+    for rows in rows.chunks(BATCH) {
+        table.write(&columns.batch(rows)?)?;
+    }
+    table.finish()
 }
 
 /// Writes rows in the order of their index.
-pub struct TableWriter<'a, W: Write + Send> {
+pub struct TableWriter<W: Write + Send> {
     path: PathBuf,
-    columns: &'a Columns,
-    content: Content,
     writer: ArrowWriter<W>,
-    waiting: Vec<Row>,
 }
 
-impl<'a, W: Write + Send> TableWriter<'a, W> {
+impl<W: Write + Send> TableWriter<W> {
     /// A table with the campaign's inputs (a JSON text) in its metadata. `path` is for error messages.
     ///
     /// # Errors
@@ -150,7 +177,7 @@ impl<'a, W: Write + Send> TableWriter<'a, W> {
     pub fn new(
         path: &Path,
         to: W,
-        columns: &'a Columns,
+        columns: &CampaignColumns,
         content: Content,
         inputs: &str,
     ) -> Result<Self, CampaignError> {
@@ -167,43 +194,27 @@ impl<'a, W: Write + Send> TableWriter<'a, W> {
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .set_max_row_group_size(ROW_GROUP)
             .build();
-        let writer = ArrowWriter::try_new(to, columns.schema(content), Some(properties));
+        let writer = ArrowWriter::try_new(to, columns.schema(content)?, Some(properties));
         Ok(TableWriter {
             path: path.to_path_buf(),
-            columns,
-            content,
             writer: writer.map_err(|error| unwritten(path, &error))?,
-            waiting: Vec::new(),
         })
     }
 
-    /// Adds a row.
+    /// Adds rows, which have the table's columns.
     ///
     /// # Errors
     /// A disk that is full.
-    pub fn push(&mut self, row: Row) -> Result<(), CampaignError> {
-        self.waiting.push(row);
-        if self.waiting.len() == BATCH {
-            self.write()?;
-        }
-        Ok(())
-    }
-
-    fn write(&mut self) -> Result<(), CampaignError> {
-        let batch = self.columns.batch(self.content, &self.waiting)?;
-        self.waiting.clear();
-        let written = self.writer.write(&batch);
+    pub fn write(&mut self, rows: &RecordBatch) -> Result<(), CampaignError> {
+        let written = self.writer.write(rows);
         written.map_err(|error| unwritten(&self.path, &error))
     }
 
-    /// Writes what is left and the end of the file.
+    /// Writes the end of the file.
     ///
     /// # Errors
     /// A disk that is full.
-    pub fn finish(mut self) -> Result<W, CampaignError> {
-        if !self.waiting.is_empty() {
-            self.write()?;
-        }
+    pub fn finish(self) -> Result<W, CampaignError> {
         let ended = self.writer.into_inner();
         ended.map_err(|error| unwritten(&self.path, &error))
     }
@@ -221,120 +232,102 @@ fn unwritten(path: &Path, error: &ParquetError) -> CampaignError {
     }
 }
 
-/// Reads a table with every column, or with the profile alone.
+/// Reads the rows of a table, with the columns of another content that it has.
 pub struct TableReader {
     batches: ParquetRecordBatchReader,
-    drawn: usize,
-    content: Content,
 }
 
 impl TableReader {
-    /// Opens a table of that content, which must have the campaign's columns and inputs.
+    /// Opens a table of the content `has`, which must have the campaign's columns and inputs, for the columns
+    /// of `wanted`.
     ///
     /// # Errors
     /// A file that cannot be read or that is of another campaign.
     pub fn open(
         path: &Path,
-        columns: &Columns,
-        content: Content,
+        columns: &CampaignColumns,
+        (has, wanted): (Content, Content),
         inputs: &str,
     ) -> Result<Self, CampaignError> {
         let builder = builder(path)?;
         let own = inputs_of(&builder);
-        if own.as_deref() != Some(inputs) || !same_fields(&builder, &columns.schema(content)) {
+        let schema = columns.schema(has)?;
+        if own.as_deref() != Some(inputs) || builder.schema().fields() != schema.fields() {
             return Err(CampaignError::Unsuitable {
                 path: path.to_path_buf(),
                 reason: "belongs to another campaign".to_string(),
             });
         }
+        let mask = match has == wanted {
+            true => ProjectionMask::all(),
+            false => ProjectionMask::roots(builder.parquet_schema(), columns.places(wanted)),
+        };
+        let builder = builder.with_batch_size(BATCH).with_projection(mask);
         let broken = |error| CampaignError::broken(path, error);
         Ok(TableReader {
-            batches: builder.with_batch_size(BATCH).build().map_err(broken)?,
-            drawn: columns.drawn.len(),
-            content,
+            batches: builder.build().map_err(broken)?,
         })
-    }
-
-    fn rows(&self, batch: &RecordBatch) -> Option<Vec<Row>> {
-        (0..batch.num_rows())
-            .map(|index| row_of(batch, index, self.content, self.drawn))
-            .collect()
     }
 }
 
 impl Iterator for TableReader {
-    type Item = Result<Vec<Row>, CampaignError>;
+    type Item = Result<RecordBatch, CampaignError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let failed = |what: String| CampaignError::Table(what);
-        Some(match self.batches.next()? {
-            Err(error) => Err(failed(error.to_string())),
-            Ok(batch) => self
-                .rows(&batch)
-                .ok_or_else(|| failed("a column is not of its type".to_string())),
+        Some(self.batches.next()?.map_err(refused))
+    }
+}
+
+/// What is counted of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CountedRun {
+    /// Its index.
+    pub run: u64,
+    /// The answer.
+    pub verdict: RunVerdict,
+    /// Whether the design's proof covers it.
+    pub proof_covers: Option<bool>,
+    /// Smallest margin of a requirement.
+    pub margin: Option<f64>,
+}
+
+/// The indices of some rows of a table.
+///
+/// # Errors
+/// A column that is not of its type.
+pub fn run_indices(batch: &RecordBatch) -> Result<&[u64], CampaignError> {
+    Ok(typed::<UInt64Array>(batch, 0)?.values())
+}
+
+/// What is counted of the runs in some rows of a table.
+///
+/// # Errors
+/// A column that is not of its type, or a verdict that is none.
+pub fn run_verdicts(batch: &RecordBatch) -> Result<Vec<CountedRun>, CampaignError> {
+    let verdicts = typed::<StringArray>(batch, VERDICT_COLUMN)?;
+    let covers = typed::<BooleanArray>(batch, COVERS_COLUMN)?;
+    let margins = typed::<Float64Array>(batch, MARGIN_COLUMN)?;
+    let runs = run_indices(batch)?.iter();
+    let rows = runs.zip(verdicts).zip(covers).zip(margins);
+    rows.map(|(((&run, verdict), proof_covers), margin)| {
+        Ok(CountedRun {
+            run,
+            verdict: verdict.and_then(RunVerdict::named).ok_or_else(mistyped)?,
+            proof_covers,
+            margin,
         })
-    }
+    })
+    .collect()
 }
 
-fn row_of(batch: &RecordBatch, index: usize, content: Content, drawn: usize) -> Option<Row> {
-    let integer = |column: usize| Some(cast::<UInt64Array>(batch, column)?.value(index));
-    let numbers = |from: usize, count: usize| -> Option<Vec<Option<f64>>> {
-        let one = |column: usize| {
-            let array = cast::<Float64Array>(batch, column)?;
-            Some(array.is_valid(index).then(|| array.value(index)))
-        };
-        (from..from + count).map(one).collect()
-    };
-    let profile = |from: usize| -> Option<Vec<f32>> {
-        let one = |column: usize| {
-            let array = cast::<Float32Array>(batch, column)?;
-            Some(match array.is_valid(index) {
-                true => array.value(index),
-                false => f32::NAN,
-            })
-        };
-        (from..batch.num_columns()).map(one).collect()
-    };
-    let mut row = Row {
-        run: integer(0)?,
-        seed: 0,
-        verdict: RunVerdict::RequirementsMet,
-        proof_covers: None,
-        start_level: None,
-        worst: None,
-        metrics: Vec::new(),
-        drawn: Vec::new(),
-        profile: Vec::new(),
-    };
-    if content == Content::Profiles {
-        row.profile = profile(1)?;
-        return Some(row);
-    }
-    let text = |column: usize| -> Option<Option<String>> {
-        let array = cast::<StringArray>(batch, column)?;
-        Some(
-            array
-                .is_valid(index)
-                .then(|| array.value(index).to_string()),
-        )
-    };
-    let covers = cast::<BooleanArray>(batch, 4)?;
-    row.seed = integer(1)?;
-    row.verdict = RunVerdict::named(&text(2)??)?;
-    row.proof_covers = covers.is_valid(index).then(|| covers.value(index));
-    let first = numbers(5, 1)?;
-    row.start_level = first.first().copied().flatten();
-    row.worst = text(6)?.zip(numbers(7, 1)?.first().copied().flatten());
-    row.metrics = numbers(FIRST_COLUMNS, METRICS.len())?;
-    row.drawn = numbers(FIRST_COLUMNS + METRICS.len(), drawn)?;
-    if content == Content::Whole {
-        row.profile = profile(FIRST_COLUMNS + METRICS.len() + drawn)?;
-    }
-    Some(row)
+fn typed<T: Array + 'static>(batch: &RecordBatch, column: usize) -> Result<&T, CampaignError> {
+    let array = batch.columns().get(column);
+    let array = array.and_then(|array| array.as_any().downcast_ref::<T>());
+    array.ok_or_else(mistyped)
 }
 
-fn cast<T: Array + 'static>(batch: &RecordBatch, column: usize) -> Option<&T> {
-    batch.columns().get(column)?.as_any().downcast_ref::<T>()
+fn mistyped() -> CampaignError {
+    CampaignError::Table("a column is not of its type".to_string())
 }
 
 type Builder = ParquetRecordBatchReaderBuilder<File>;
@@ -348,10 +341,6 @@ fn inputs_of(builder: &Builder) -> Option<String> {
     let metadata = builder.metadata().file_metadata().key_value_metadata()?;
     let own = metadata.iter().find(|entry| entry.key == INPUTS_KEY)?;
     own.value.clone()
-}
-
-fn same_fields(builder: &Builder, schema: &Schema) -> bool {
-    builder.schema().fields() == schema.fields()
 }
 
 /// The names of a table's columns.

@@ -1,7 +1,7 @@
 //! The runs of a comparison.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 use synth::model::ModelError;
@@ -14,6 +14,7 @@ use super::table::{
 use super::task::{limit_difference, Candidate, ComparisonError};
 use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
+use crate::batch::engine::{Control, Interrupted, Job, Threads};
 use crate::plants::SystemFile;
 use crate::run::outcome::{Outcome, SimulateError};
 use crate::run::simulate;
@@ -33,9 +34,9 @@ pub struct Curves {
 /// A run that could not be made.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum RunError {
-    /// The scenarios cannot be compared.
+    /// It was stopped.
     #[error(transparent)]
-    Comparison(#[from] ComparisonError),
+    Interrupted(#[from] Interrupted),
     /// A scenario does not allow a standard fault.
     #[error("{label}: {problem}")]
     Fault {
@@ -54,74 +55,114 @@ pub enum RunError {
     },
 }
 
-/// Runs every candidate without and with each standard fault. All must have the same task but for
-/// `taken_from`, the scenario whose task was imposed on them. `done` is called after each run with how many
-/// of how many are done.
-///
-/// # Errors
-/// Torque limits that differ; a scenario that cannot be run.
-pub fn compare(
-    candidates: &[Candidate],
+/// Every candidate without and with each standard fault.
+pub struct ComparisonJob<'a> {
+    candidates: &'a [Candidate],
     taken_from: Option<String>,
-    with_faults: bool,
-    done: &(dyn Fn(usize, usize) + Sync),
-) -> Result<(Comparison, Vec<Curves>), RunError> {
-    let limit = common_limit(candidates, taken_from.is_some())?;
-    let Some(first) = candidates.first().map(|first| &first.scenario) else {
-        return Ok((empty(), Vec::new()));
-    };
-    let faults = if with_faults && limit.iter().all(|value| value.is_finite()) {
-        standard_faults(first.duration_s, &limit)
-    } else {
-        Vec::new()
-    };
-    let outcomes = run_all(candidates, &faults, done)?;
-    let per_contestant = faults.len() + 1;
-    let mut runs = Vec::new();
-    let mut curves = Vec::new();
-    for (candidate, outcomes) in candidates.iter().zip(outcomes.chunks(per_contestant)) {
-        let Some((healthy, faulty)) = outcomes.split_first() else {
-            continue;
-        };
-        runs.push(row(candidate, &healthy.summary, faulty, &faults, &limit));
-        curves.push(Curves {
-            label: candidate.label.clone(),
-            trajectory: healthy.trajectory.clone().unwrap_or_default(),
-        });
-    }
-    let comparison = Comparison {
-        task: TaskSummary {
-            taken_from,
-            duration_s: first.duration_s,
-            torque_limit_nm: limit.into(),
-            settle_tolerance_deg: first.settle_tolerance_rad.to_degrees(),
-            tail_s: first.tail_s,
-            requirements: first.requirements.clone(),
-        },
-        faults: faults
-            .into_iter()
-            .map(|fault| (fault.name.to_string(), fault.description))
-            .collect(),
-        runs,
-        ..empty()
-    };
-    Ok((comparison, curves))
+    /// Torque that can act on each axis, N m.
+    limit: Vector3<f64>,
+    faults: Vec<StandardFault>,
 }
 
-fn empty() -> Comparison {
-    Comparison {
-        schema_version: COMPARISON_SCHEMA_VERSION,
-        generator: GENERATOR.to_string(),
-        task: TaskSummary {
-            taken_from: None,
-            duration_s: 0.0,
-            torque_limit_nm: [0.0; 3],
-            settle_tolerance_deg: 0.0,
-            tail_s: 0.0,
-            requirements: Vec::new(),
-        },
-        faults: Vec::new(),
-        runs: Vec::new(),
+impl<'a> ComparisonJob<'a> {
+    /// The runs of some candidates. All must have the same task but for `taken_from`, the scenario whose task
+    /// was imposed on them.
+    ///
+    /// # Errors
+    /// Torque limits that differ.
+    pub fn new(
+        candidates: &'a [Candidate],
+        taken_from: Option<String>,
+        with_faults: bool,
+    ) -> Result<Self, ComparisonError> {
+        let limit = common_limit(candidates, taken_from.is_some())?;
+        let bounded = with_faults && limit.iter().all(|value| value.is_finite());
+        let faults = match candidates.first().filter(|_| bounded) {
+            Some(first) => standard_faults(first.scenario.duration_s, &limit),
+            None => Vec::new(),
+        };
+        Ok(ComparisonJob {
+            candidates,
+            taken_from,
+            limit,
+            faults,
+        })
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        self.candidates.len() * self.runs_per_candidate()
+    }
+
+    fn runs_per_candidate(&self) -> usize {
+        self.faults.len() + 1
+    }
+
+    /// Makes all runs.
+    ///
+    /// # Errors
+    /// It was stopped; a scenario that cannot be run.
+    pub fn compare(
+        &self,
+        threads: &Threads,
+        control: &Control,
+    ) -> Result<(Comparison, Vec<Curves>), RunError> {
+        let mut outcomes = threads.collect(self, self.runs(), control)?;
+        let mut runs = Vec::new();
+        let mut curves = Vec::new();
+        let each = outcomes.chunks_mut(self.runs_per_candidate());
+        for (candidate, outcomes) in self.candidates.iter().zip(each) {
+            let Some((healthy, faulty)) = outcomes.split_first_mut() else {
+                continue;
+            };
+            runs.push(self.row(candidate, &healthy.summary, faulty));
+            curves.push(Curves {
+                label: candidate.label.clone(),
+                trajectory: healthy.trajectory.take().unwrap_or_default(),
+            });
+        }
+        let faults = self.faults.iter();
+        let comparison = Comparison {
+            schema_version: COMPARISON_SCHEMA_VERSION,
+            generator: GENERATOR.to_string(),
+            task: self.task(),
+            faults: faults
+                .map(|fault| (fault.name.to_string(), fault.description.clone()))
+                .collect(),
+            runs,
+        };
+        Ok((comparison, curves))
+    }
+
+    /// What is the same for all: the first scenario says it.
+    fn task(&self) -> TaskSummary {
+        let first = self.candidates.first().map(|first| &first.scenario);
+        let tolerance_rad = first.map_or(0.0, |first| first.settle_tolerance_rad);
+        TaskSummary {
+            taken_from: self.taken_from.clone(),
+            duration_s: first.map_or(0.0, |first| first.duration_s),
+            torque_limit_nm: self.limit.into(),
+            settle_tolerance_deg: tolerance_rad.to_degrees(),
+            tail_s: first.map_or(0.0, |first| first.tail_s),
+            requirements: first.map_or(Vec::new(), |first| first.requirements.clone()),
+        }
+    }
+
+    fn row(&self, candidate: &Candidate, summary: &Summary, faulty: &[Outcome]) -> ControllerRow {
+        row(candidate, summary, faulty, &self.faults, &self.limit)
+    }
+}
+
+impl Job for ComparisonJob<'_> {
+    type Record = Outcome;
+    type Error = RunError;
+
+    /// A candidate without a fault, then with each; the candidates one after the other.
+    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<Outcome, RunError> {
+        let (index, each) = (index as usize, self.runs_per_candidate());
+        let fault = (index % each).checked_sub(1);
+        let fault = fault.and_then(|fault| self.faults.get(fault));
+        run(&self.candidates[index / each], fault)
     }
 }
 
@@ -146,40 +187,6 @@ fn common_limit(candidates: &[Candidate], imposed: bool) -> Result<Vector3<f64>,
         }
     }
     Ok(limit)
-}
-
-/// Every candidate without a fault, then with each; the candidates one after the other.
-fn run_all(
-    candidates: &[Candidate],
-    faults: &[StandardFault],
-    done: &(dyn Fn(usize, usize) + Sync),
-) -> Result<Vec<Outcome>, RunError> {
-    let per_contestant = faults.len() + 1;
-    let total = candidates.len() * per_contestant;
-    let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results = Mutex::new(vec![None; total]);
-    let work = || loop {
-        let index = next.fetch_add(1, Ordering::Relaxed);
-        let Some(candidate) = candidates.get(index / per_contestant) else {
-            return;
-        };
-        let fault = (index % per_contestant).checked_sub(1);
-        let outcome = run(candidate, fault.and_then(|fault| faults.get(fault)));
-        // A thread that panicked ends the program anyway.
-        let mut results = results.lock().unwrap_or_else(|broken| broken.into_inner());
-        results[index] = Some(outcome);
-        done(finished.fetch_add(1, Ordering::Relaxed) + 1, total);
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads.min(total) {
-            scope.spawn(work);
-        }
-    });
-    let results = results
-        .into_inner()
-        .unwrap_or_else(|broken| broken.into_inner());
-    results.into_iter().flatten().collect()
 }
 
 fn run(candidate: &Candidate, fault: Option<&StandardFault>) -> Result<Outcome, RunError> {

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::grid::Grid;
-use super::journal::Identity;
 use super::outcome::PointOutcome;
+use super::points::SweepIdentity;
 use super::subject::Subject;
+use crate::batch::variation::grid::Grid;
 
 /// Name of the table as comma-separated values.
 pub const CSV_FILE: &str = "sweep.csv";
@@ -27,7 +27,7 @@ pub struct Finished<'a> {
     /// The outcomes in its order.
     pub outcomes: &'a [PointOutcome],
     /// What makes it this sweep.
-    pub identity: &'a Identity,
+    pub identity: &'a SweepIdentity,
     /// Name of the file that was swept, without its folder.
     pub file: &'a str,
 }

@@ -4,15 +4,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
+use serde::de::DeserializeOwned;
+use serde::Serialize;
 use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::Decision;
-use synth::model::{kind_of, parse, FileError, Kind, Model, ModelFile, Objective};
+use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
 use synth::solve::{Backend, Clarabel, Observer, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
-use super::grid::Grid;
 use super::outcome::{numbers_of, PointOutcome};
+use crate::batch::variation::grid::Grid;
 use crate::run::design::{certified_angle_deg, Design};
 use crate::run::simulate;
 use crate::run::summary::{RunVerdict, Summary};
@@ -69,29 +71,20 @@ impl SolverChoice {
 const BLOCKING: usize = 3;
 
 impl Subject {
-    /// The scenario of a text, which must be valid.
-    ///
-    /// # Errors
-    /// The first field that is missing, unknown, of the wrong type or out of its range.
-    pub fn scenario(text: &str, design: Option<Box<Design>>) -> Result<Self, FileError> {
-        Scenario::from_json(text)?;
-        let file: ScenarioFile = parse(text, Kind::Scenario)?;
-        Ok(Subject::Scenario {
-            file: value_of(&file),
+    /// A scenario, which must be valid, with its design.
+    pub fn scenario(file: &ScenarioFile, design: Option<Box<Design>>) -> Self {
+        Subject::Scenario {
+            file: value_of(file),
             design,
-        })
+        }
     }
 
-    /// The model of a text, which must be valid.
-    ///
-    /// # Errors
-    /// The first field that is missing, unknown, of the wrong type or out of its range.
-    pub fn model(text: &str, solver: SolverChoice) -> Result<Self, FileError> {
-        let file: &ModelFile = &Model::from_json(text)?.file;
-        Ok(Subject::Model {
-            file: value_of(file),
+    /// A model.
+    pub fn model(model: &Model, solver: SolverChoice) -> Self {
+        Subject::Model {
+            file: value_of(&model.file),
             solver,
-        })
+        }
     }
 
     /// Whether a text is a scenario's.
@@ -154,7 +147,7 @@ impl Subject {
             return;
         };
         let text = file.to_string();
-        let Ok(model) = Model::from_json(&text) else {
+        let Ok(model) = model_of(file) else {
             return;
         };
         if model.file.specs.objective == Objective::Gain {
@@ -171,17 +164,17 @@ impl Subject {
         }
     }
 
-    /// Runs one point. A synthesis ends early when `stop` is set; its outcome is of no use then.
-    pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
-        let row = values.to_vec();
-        let text = match grid.apply(self.file(), values) {
-            Ok(file) => file.to_string(),
-            Err(error) => return PointOutcome::invalid(row, error),
+    /// Runs the point with these values, in the order of the axes. A synthesis ends early when `stop` is set;
+    /// its outcome is of no use then.
+    pub fn run(&self, grid: &Grid, values: Vec<f64>, stop: &Arc<AtomicBool>) -> PointOutcome {
+        let found = match grid.apply(self.file(), &values) {
+            Err(error) => Err(error.to_string()),
+            Ok(file) => match self {
+                Subject::Scenario { design, .. } => run_scenario(&values, &file, design.as_deref()),
+                Subject::Model { solver, .. } => run_model(&values, &file, solver, stop),
+            },
         };
-        match self {
-            Subject::Scenario { design, .. } => run_scenario(row, &text, design.as_deref()),
-            Subject::Model { solver, .. } => run_model(row, &text, solver, stop),
-        }
+        found.unwrap_or_else(|reason| PointOutcome::invalid(values, reason))
     }
 }
 
@@ -210,32 +203,41 @@ fn unit_of_key(name: &str) -> &'static str {
 }
 
 /// The files' types hold numbers, texts and lists only, so they can always be written.
-fn value_of<T: serde::Serialize>(file: &T) -> Value {
+fn value_of<T: Serialize>(file: &T) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
 
-fn run_scenario(values: Vec<f64>, text: &str, design: Option<&Design>) -> PointOutcome {
-    let scenario = match Scenario::from_json(text) {
-        Ok(scenario) => scenario,
-        Err(error) => return PointOutcome::invalid(values, error),
-    };
-    match simulate(&scenario, design, false) {
-        Ok(outcome) => {
-            let summary = value_of(&outcome.summary);
-            PointOutcome {
-                values,
-                verdict: word(&summary["verdict"]),
-                reason: why_not(&outcome.summary),
-                metrics: numbers_of(&summary),
-                worst_condition: None,
-            }
-        }
-        Err(error) => PointOutcome::invalid(values, error),
-    }
+/// The type of a file from its value.
+fn typed<T: DeserializeOwned + Serialize>(file: &Value, kind: Kind) -> Result<T, FileError> {
+    // Of a value that does not fit, the text's reader names the field.
+    T::deserialize(file).or_else(|_| parse(&file.to_string(), kind))
 }
 
-fn word(verdict: &Value) -> String {
-    verdict.as_str().unwrap_or_default().to_string()
+fn scenario_of(file: &Value) -> Result<Scenario, FileError> {
+    let file = typed(file, Kind::Scenario)?;
+    // The hash is that of a text; a point has none.
+    Ok(Scenario::from_file(&file, String::new())?)
+}
+
+fn model_of(file: &Value) -> Result<Model, FileError> {
+    Ok(Model::new(typed(file, Kind::Model)?)?)
+}
+
+fn run_scenario(
+    values: &[f64],
+    file: &Value,
+    design: Option<&Design>,
+) -> Result<PointOutcome, String> {
+    let scenario = scenario_of(file).map_err(|error| error.to_string())?;
+    let outcome = simulate(&scenario, design, false).map_err(|error| error.to_string())?;
+    let summary = outcome.summary;
+    Ok(PointOutcome {
+        values: values.to_vec(),
+        verdict: summary.verdict.name().to_string(),
+        reason: why_not(&summary),
+        metrics: numbers_of(&value_of(&summary)),
+        worst_condition: None,
+    })
 }
 
 fn why_not(summary: &Summary) -> Option<String> {
@@ -257,25 +259,23 @@ fn until(stop: &Arc<AtomicBool>) -> Observer {
 }
 
 fn run_model(
-    values: Vec<f64>,
-    text: &str,
+    values: &[f64],
+    file: &Value,
     solver: &SolverChoice,
     stop: &Arc<AtomicBool>,
-) -> PointOutcome {
-    let model = match Model::from_json(text) {
-        Ok(model) => model,
-        Err(error) => return PointOutcome::invalid(values, error),
-    };
+) -> Result<PointOutcome, String> {
+    let text = file.to_string();
+    let model = model_of(file).map_err(|error| error.to_string())?;
     let backend = solver.backend();
     let observer = Some(until(stop));
-    let outcome = synthesis::synthesize(&model, text, solver.form(), backend.as_ref(), observer);
-    match outcome {
-        Ok(Outcome::Solved(design)) => designed(values, &design),
-        Ok(Outcome::Infeasible(decision)) => failed(values, "infeasible", &decision),
-        Ok(Outcome::Undecided(decision)) => failed(values, "undecided", &decision),
-        Ok(Outcome::SolverFailed(decision)) => failed(values, "solver_failed", &decision),
-        Err(error) => PointOutcome::invalid(values, error),
-    }
+    let outcome = synthesis::synthesize(&model, &text, solver.form(), backend.as_ref(), observer);
+    let values = values.to_vec();
+    Ok(match outcome.map_err(|error| error.to_string())? {
+        Outcome::Solved(design) => designed(values, &design),
+        Outcome::Infeasible(decision) => undesigned(values, "infeasible", &decision),
+        Outcome::Undecided(decision) => undesigned(values, "undecided", &decision),
+        Outcome::SolverFailed(decision) => undesigned(values, "solver_failed", &decision),
+    })
 }
 
 /// Metrics of a model, whatever its points come to.
@@ -341,7 +341,7 @@ fn not_proved(report: &Report) -> String {
     }
 }
 
-fn failed(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
+fn undesigned(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
     let blocking = decision.blocking.iter().take(BLOCKING);
     let names: Vec<&str> = blocking.map(|(name, _)| name.as_str()).collect();
     let reason = match names.as_slice() {

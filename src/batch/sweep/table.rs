@@ -2,11 +2,11 @@
 
 use synth::model::Kind;
 
-use super::grid::Grid;
 use super::outcome::PointOutcome;
 use super::subject::Subject;
 use crate::base::csv::{self, CsvError};
 use crate::base::parquet::{Cells, Column};
+use crate::batch::variation::grid::Grid;
 
 /// Names of the metrics in the order in which they first appear.
 pub fn metric_names(outcomes: &[PointOutcome]) -> Vec<String> {

@@ -8,6 +8,8 @@ use synth::model::{
     ModelError,
 };
 
+use crate::base::ranges::{each, not_negative, require};
+
 /// The version this program reads.
 pub const TUNE_SCHEMA_VERSION: u32 = 1;
 
@@ -196,9 +198,8 @@ impl Requirements {
 }
 
 fn check_spacecraft(craft: &SpacecraftFile) -> Result<(), ModelError> {
-    for (axis, &limit) in craft.torque_limit_nm.iter().enumerate() {
-        check_positive(&format!("spacecraft.torque_limit_nm[{axis}]"), limit)?;
-    }
+    let limits = &craft.torque_limit_nm;
+    each("spacecraft.torque_limit_nm", limits, check_positive)?;
     match craft.longest_on_s {
         Some(longest) => check_positive("spacecraft.longest_on_s", longest),
         None => Ok(()),
@@ -213,9 +214,7 @@ fn check_task(file: &TuneFile) -> Result<(), ModelError> {
         (0.0, 170.0),
     )?;
     if let Some(axis) = &file.manoeuvre.axis {
-        for (index, &part) in axis.iter().enumerate() {
-            finite(&format!("manoeuvre.axis[{index}]"), part)?;
-        }
+        each("manoeuvre.axis", axis, finite)?;
         check_positive("manoeuvre.axis", Vector3::from(*axis).norm())?;
     }
     check_positive("limits.rate_rad_s", limits.rate_rad_s)?;
@@ -225,13 +224,11 @@ fn check_task(file: &TuneFile) -> Result<(), ModelError> {
     }
     let accuracy = limits.accuracy_deg;
     let ok = (1e-4..=10.0).contains(&accuracy);
-    range("limits.accuracy_deg", accuracy, ok, "from 0.0001 to 10")?;
+    require(ok, "limits.accuracy_deg", accuracy, "from 0.0001 to 10")?;
     if let Some(interval) = file.sampling_interval_s {
         check_positive("sampling_interval_s", interval)?;
     }
-    let bound = file.disturbance.bound_nm;
-    range("disturbance.bound_nm", bound, bound >= 0.0, "0 or above")?;
-    finite("disturbance.bound_nm", bound)?;
+    not_negative("disturbance.bound_nm", file.disturbance.bound_nm)?;
     check_positive(
         "disturbance.frequency_rad_s",
         file.disturbance.frequency_rad_s,
@@ -247,34 +244,18 @@ fn check_search(file: &TuneFile) -> Result<f64, ModelError> {
     ];
     for (field, count, least, most) in counts {
         let ok = (least..=most).contains(&count);
-        range(field, count as f64, ok, &format!("from {least} to {most}"))?;
+        require(ok, field, count as f64, &format!("from {least} to {most}"))?;
     }
     let settle = file.limits.settle_s;
     let duration = search.duration_s.unwrap_or((4.0 * settle).max(700.0));
-    range(
-        "search.duration_s",
-        duration,
-        duration > settle,
-        "above limits.settle_s",
-    )?;
-    finite("search.duration_s", duration)?;
+    let ok = duration > settle;
+    require(ok, "search.duration_s", duration, "above limits.settle_s")?;
     Ok(duration)
 }
 
 fn within(field: &str, value: f64, (above, most): (f64, f64)) -> Result<(), ModelError> {
     let allowed = format!("above {above} and at most {most}");
-    range(field, value, value > above && value <= most, &allowed)
-}
-
-fn range(field: &str, value: f64, ok: bool, allowed: &str) -> Result<(), ModelError> {
-    match ok {
-        true => Ok(()),
-        false => Err(ModelError::OutOfRange {
-            field: field.to_string(),
-            value,
-            allowed: allowed.to_string(),
-        }),
-    }
+    require(value > above && value <= most, field, value, &allowed)
 }
 
 /// A start of a run, at rest.

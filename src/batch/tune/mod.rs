@@ -7,7 +7,6 @@
 //! search has not seen.
 
 pub mod file;
-pub mod interrupted;
 pub mod limits;
 pub mod report;
 pub mod search;
@@ -17,13 +16,11 @@ pub mod trial;
 use nalgebra::Vector3;
 
 use file::Requirements;
-use interrupted::{stop, Interrupted};
 use report::TuneReport;
 use search::Search;
 use trial::{starts, Trial};
 
-use crate::batch::watch::Watch;
-
+use super::engine::{Control, Interrupted, Threads};
 use crate::scenario::ScenarioFile;
 use crate::sim::random::{Purpose, Random};
 
@@ -43,26 +40,29 @@ pub struct Tuned {
 ///
 /// # Errors
 /// It was stopped.
-pub fn tune(requirements: &Requirements, watch: &Watch) -> Result<Tuned, Interrupted> {
+pub fn tune(
+    requirements: &Requirements,
+    threads: &Threads,
+    control: &Control,
+) -> Result<Tuned, Interrupted> {
     let settings = &requirements.search;
+    let with = (threads, control);
     let mut random = Random::new(settings.seed, Purpose::InitialState);
     // Drawn first, so that they do not depend on how the search goes.
     let unseen = axes(&mut random, settings.validation_axes);
     let mut training: Vec<Vector3<f64>> = (0..3).map(|axis| Vector3::ith(axis, 1.0)).collect();
     training.extend(axes(&mut random, settings.training_axes));
-    let mut search = Search::new(requirements, settings.candidates);
+    let mut search = Search::new(requirements, threads, settings.candidates);
     for _ in 0..ROUNDS {
-        search.run(&training, watch)?;
+        search.run(&training, control)?;
         let fresh = axes(&mut random, settings.validation_axes);
-        let missed = missed(requirements, &search, &fresh);
-        stop(watch)?;
+        let missed = missed(requirements, &search, &fresh, with)?;
         if missed.is_empty() || search.exhausted() {
             break;
         }
         training.extend(missed);
     }
-    let trials = trial::every(requirements, search.shape(), &starts(&unseen));
-    stop(watch)?;
+    let trials = trial::every(requirements, search.shape(), &starts(&unseen), with)?;
     let scenario = shape::scenario(requirements, search.shape(), &requirements.start());
     Ok(Tuned {
         report: TuneReport::new(requirements, &search, &scenario, unseen.len(), trials),
@@ -85,10 +85,11 @@ fn missed(
     requirements: &Requirements,
     search: &Search,
     axes: &[Vector3<f64>],
-) -> Vec<Vector3<f64>> {
-    let trials = trial::every(requirements, search.shape(), &starts(axes));
+    with: (&Threads, &Control),
+) -> Result<Vec<Vector3<f64>>, Interrupted> {
+    let trials = trial::every(requirements, search.shape(), &starts(axes), with)?;
     let failed = trials.iter().filter(|trial| !trial.met());
     let mut missed: Vec<Vector3<f64>> = failed.map(|trial: &Trial| trial.start.axis).collect();
     missed.dedup();
-    missed
+    Ok(missed)
 }

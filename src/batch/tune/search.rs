@@ -6,10 +6,9 @@
 use nalgebra::Vector3;
 
 use super::file::{Requirements, Start};
-use super::interrupted::{stop, Interrupted};
 use super::shape::Shape;
 use super::trial::{every, starts, Trial};
-use crate::batch::watch::Watch;
+use crate::batch::engine::{Control, Interrupted, Threads};
 
 /// Factor that the search begins with.
 const FIRST_FACTOR: f64 = 1.35;
@@ -21,6 +20,7 @@ const PROBES: usize = 4;
 /// A search and where it stands.
 pub struct Search<'a> {
     requirements: &'a Requirements,
+    threads: &'a Threads,
     shape: Shape,
     /// Sum of the penalties of the training runs.
     penalty: f64,
@@ -30,9 +30,14 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// A search that tries at most so many candidates in all.
-    pub fn new(requirements: &'a Requirements, most_candidates: usize) -> Self {
+    pub fn new(
+        requirements: &'a Requirements,
+        threads: &'a Threads,
+        most_candidates: usize,
+    ) -> Self {
         Search {
             requirements,
+            threads,
             shape: Shape::default(),
             penalty: f64::INFINITY,
             candidates: 0,
@@ -64,17 +69,17 @@ impl<'a> Search<'a> {
     ///
     /// # Errors
     /// It was stopped.
-    pub fn run(&mut self, axes: &[Vector3<f64>], watch: &Watch) -> Result<(), Interrupted> {
+    pub fn run(&mut self, axes: &[Vector3<f64>], control: &Control) -> Result<(), Interrupted> {
         let starts = starts(axes);
-        let trials = every(self.requirements, &self.shape, &starts);
-        self.count(watch)?;
+        let trials = self.every(&self.shape, &starts, control)?;
+        self.count(control)?;
         self.penalty = total(&trials);
         let mut worst_first = by_penalty(&trials);
         let mut factor = FIRST_FACTOR;
         while self.penalty > 0.0 && !self.exhausted() && factor >= LAST_FACTOR {
             let mut improved = false;
             for index in 0..Shape::COUNT {
-                if let Some(order) = self.improve(index, factor, &worst_first, watch)? {
+                if let Some(order) = self.improve(index, factor, &worst_first, control)? {
                     (worst_first, improved) = (order, true);
                 }
                 if self.penalty == 0.0 || self.exhausted() {
@@ -95,7 +100,7 @@ impl<'a> Search<'a> {
         index: usize,
         factor: f64,
         starts: &[Start],
-        watch: &Watch,
+        control: &Control,
     ) -> Result<Option<Vec<Start>>, Interrupted> {
         let mut order: Option<Vec<Start>> = None;
         for factor in [factor, factor.recip()] {
@@ -104,8 +109,8 @@ impl<'a> Search<'a> {
                     return Ok(order);
                 }
                 let starts = order.as_deref().unwrap_or(starts);
-                let better = self.better(&shape, starts);
-                self.count(watch)?;
+                let better = self.better(&shape, starts, control)?;
+                self.count(control)?;
                 let Some(trials) = better else { break };
                 self.penalty = total(&trials);
                 self.shape = shape;
@@ -122,20 +127,34 @@ impl<'a> Search<'a> {
     }
 
     /// The trials of a candidate when it is better than the best so far.
-    fn better(&self, shape: &Shape, starts: &[Start]) -> Option<Vec<Trial>> {
+    fn better(
+        &self,
+        shape: &Shape,
+        starts: &[Start],
+        control: &Control,
+    ) -> Result<Option<Vec<Trial>>, Interrupted> {
         let (probes, others) = starts.split_at(PROBES.min(starts.len()));
-        let mut trials = every(self.requirements, shape, probes);
+        let mut trials = self.every(shape, probes, control)?;
         if total(&trials) >= self.penalty {
-            return None;
+            return Ok(None);
         }
-        trials.extend(every(self.requirements, shape, others));
-        (total(&trials) < self.penalty).then_some(trials)
+        trials.extend(self.every(shape, others, control)?);
+        Ok((total(&trials) < self.penalty).then_some(trials))
     }
 
-    fn count(&mut self, watch: &Watch) -> Result<(), Interrupted> {
+    fn every(
+        &self,
+        shape: &Shape,
+        starts: &[Start],
+        control: &Control,
+    ) -> Result<Vec<Trial>, Interrupted> {
+        every(self.requirements, shape, starts, (self.threads, control))
+    }
+
+    fn count(&mut self, control: &Control) -> Result<(), Interrupted> {
         self.candidates += 1;
-        (watch.done)();
-        stop(watch)
+        (control.done)();
+        control.check()
     }
 }
 

@@ -1,10 +1,13 @@
 //! One run of a candidate, and how far it is from the requirements.
 
+use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 use super::file::{Requirements, Start};
 use super::shape::{scenario, Shape};
+use crate::batch::engine::{Control, Interrupted, Job, Threads};
 use crate::run::simulate;
 use crate::run::summary::{RequirementOutcome, RunVerdict, Summary};
 use crate::scenario::Scenario;
@@ -41,8 +44,8 @@ impl Trial {
     /// Runs a candidate from a start.
     pub fn new(requirements: &Requirements, shape: &Shape, start: Start) -> Self {
         let file = scenario(requirements, shape, &start);
-        let text = serde_json::to_string(&file).unwrap_or_default();
-        let run = Scenario::from_json(&text).ok();
+        // The hash is that of a text; a trial has none.
+        let run = Scenario::from_file(&file, String::new()).ok();
         let outcome = run.and_then(|scenario| simulate(&scenario, None, false).ok());
         Trial {
             start,
@@ -84,8 +87,42 @@ fn excess(outcome: &RequirementOutcome) -> f64 {
     ratio.map_or(ABSENT, |ratio| (ratio - 1.0).clamp(0.0, ABSENT))
 }
 
+/// The runs of a candidate.
+struct TrialJob<'a> {
+    requirements: &'a Requirements,
+    shape: &'a Shape,
+    starts: &'a [Start],
+}
+
+impl Job for TrialJob<'_> {
+    type Record = Trial;
+    type Error = Interrupted;
+
+    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<Trial, Interrupted> {
+        let start = self.starts[index as usize];
+        Ok(Trial::new(self.requirements, self.shape, start))
+    }
+}
+
 /// Runs a candidate from every start, in parallel; the trials are in the order of the starts.
-pub fn every(requirements: &Requirements, shape: &Shape, starts: &[Start]) -> Vec<Trial> {
-    let run = |start: &Start| Trial::new(requirements, shape, *start);
-    starts.par_iter().map(run).collect()
+///
+/// # Errors
+/// It was stopped.
+pub fn every(
+    requirements: &Requirements,
+    shape: &Shape,
+    starts: &[Start],
+    (threads, control): (&Threads, &Control),
+) -> Result<Vec<Trial>, Interrupted> {
+    let job = TrialJob {
+        requirements,
+        shape,
+        starts,
+    };
+    // What is counted is candidates, not runs.
+    let control = Control {
+        done: &|| {},
+        stop: Arc::clone(&control.stop),
+    };
+    threads.collect(&job, starts.len(), &control)
 }

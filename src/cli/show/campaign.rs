@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::written::written;
-use crate::batch::campaign::record::{Inputs, Results, Shard};
+use crate::batch::campaign::record::{Inputs, Results};
+use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{Answer, Exit};
 
 /// The results, and what they are about.

@@ -5,11 +5,12 @@ use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
 use crate::batch::campaign::finish::{finish, finish_again};
-use crate::batch::campaign::parts::Job;
+use crate::batch::campaign::job::CampaignJob;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
-use crate::batch::campaign::record::{Results, Shard, State};
+use crate::batch::campaign::record::{Results, State};
 use crate::batch::campaign::CampaignError;
-use crate::batch::watch::Watch;
+use crate::batch::engine::{Control, Interrupted};
+use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{note, Answer};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
@@ -72,45 +73,37 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     }
     let failed = |error| CliError::campaign(&args.scenario, error);
     let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
-    let job = Job::new(
-        &plan,
-        design_sha256,
-        shard,
-        threads(args.jobs),
-        &args.output,
-    )
-    .map_err(failed)?;
+    let threads = threads(args.jobs)?;
+    let job =
+        CampaignJob::new(&plan, design_sha256, shard, threads, &args.output).map_err(failed)?;
     let stop = interrupted();
-    let state = job.prepare(&text, design_text.as_deref(), &stop);
-    let results = state.and_then(|state| make(&job, state, args.keep, stop));
-    let results = results.map_err(|error| {
-        let done = job.runs_done().unwrap_or(0);
-        stopped(&args.scenario, &job, done, error)
-    })?;
+    let open = job.prepare(&text, design_text.as_deref(), &stop);
+    let results = open.and_then(|open| make(&job, open.state, args.keep, stop));
+    let results = results.map_err(|error| stopped(&args.scenario, &job, error))?;
     Ok(answer(&results, &job.inputs, &args.output))
 }
 
 fn make(
-    job: &Job,
+    job: &CampaignJob,
     state: State,
     keep: usize,
     stop: Arc<AtomicBool>,
 ) -> Result<Results, CampaignError> {
-    let all = job.inputs.end_run - job.inputs.first_run;
+    let all = job.runs();
     let done = match state {
-        State::Running => job.runs_done()?,
+        State::Running => job.runs_done(),
         State::Complete => all,
     };
     let progress = PartsProgress::resume(done as usize, all as usize, "runs");
-    let watch = Watch {
+    let control = Control {
         done: &|| progress.done(),
         stop,
     };
     if state == State::Complete {
-        return finish_again(job, keep, &watch);
+        return finish_again(job, keep, &control.stop);
     }
-    job.run(&watch)?;
-    finish(job, keep, &watch)
+    job.run(&control)?;
+    finish(job, keep, &control.stop)
 }
 
 /// Refuses numbers of runs that are no campaign.
@@ -138,8 +131,8 @@ fn parse_shard(text: &str) -> Result<Shard, CliError> {
 }
 
 /// What is wrong, and what is done.
-fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliError {
-    let all = job.inputs.end_run - job.inputs.first_run;
+fn stopped(scenario: &Path, job: &CampaignJob, error: CampaignError) -> CliError {
+    let (done, all) = (job.runs_done(), job.runs());
     let kept = match done {
         0 => "; nothing is done".to_string(),
         _ => format!(
@@ -148,7 +141,7 @@ fn stopped(scenario: &Path, job: &Job, done: u64, error: CampaignError) -> CliEr
         ),
     };
     match error {
-        CampaignError::Interrupted => CliError::Campaign(format!("interrupted{kept}")),
+        CampaignError::Interrupted(Interrupted) => CliError::Campaign(format!("interrupted{kept}")),
         error if done == 0 => CliError::campaign(scenario, error),
         error => CliError::Campaign(format!("{}{kept}", CliError::campaign(scenario, error))),
     }

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressStyle};
-
-use crate::batch::comparison::{compare, Candidate, Comparison, Curves, Task};
+use crate::batch::comparison::{
+    Candidate, Comparison, ComparisonError, ComparisonJob, Curves, RunError, Task,
+};
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::written::written;
 use crate::controllers::ControllerChoice;
 use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
@@ -115,17 +116,16 @@ fn run_all(
     candidates: &[Candidate],
     taken_from: Option<String>,
 ) -> Result<(Comparison, Vec<Curves>), CliError> {
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {elapsed}") {
-        bar.set_style(style);
-    }
-    let done = |done: usize, total: usize| {
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
-    };
-    let result = compare(candidates, taken_from, !args.without_faults, &done);
-    bar.finish_and_clear();
-    result.map_err(|error| CliError::Comparison(error.to_string()))
+    let with_faults = !args.without_faults;
+    let job = ComparisonJob::new(candidates, taken_from, with_faults).map_err(comparison)?;
+    let threads = threads(None)?;
+    let progress = PartsProgress::start(job.runs(), "runs");
+    let done = || progress.done();
+    let compared = job.compare(&threads, &progress.control(&done));
+    compared.map_err(|error| match error {
+        RunError::Interrupted(_) => CliError::Interrupted,
+        error => CliError::Comparison(error.to_string()),
+    })
 }
 
 fn read(path: &Path) -> Result<Read, CliError> {
@@ -160,19 +160,17 @@ fn require_one_task(files: &[Read]) -> Result<(), CliError> {
     };
     for (task, read) in others.iter().zip(&files[1..]) {
         if let Some(difference) = task.first_difference(first) {
-            return Err(comparison(
-                crate::batch::comparison::ComparisonError::Differs {
-                    file: read.name(),
-                    other_file: files[0].name(),
-                    difference,
-                },
-            ));
+            return Err(comparison(ComparisonError::Differs {
+                file: read.name(),
+                other_file: files[0].name(),
+                difference,
+            }));
         }
     }
     Ok(())
 }
 
-fn comparison(error: crate::batch::comparison::ComparisonError) -> CliError {
+fn comparison(error: ComparisonError) -> CliError {
     CliError::Comparison(error.to_string())
 }
 

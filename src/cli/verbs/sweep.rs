@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 
 use crate::base::files::create_folder;
+use crate::batch::engine::Interrupted;
 use crate::batch::sweep;
-use crate::batch::sweep::axis::Axis;
 use crate::batch::sweep::finished::Finished;
-use crate::batch::sweep::grid::Grid;
-use crate::batch::sweep::journal::{Identity, Journal, Known};
 use crate::batch::sweep::outcome::PointOutcome;
+use crate::batch::sweep::points::{PointStore, SweepIdentity};
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::SweepError;
-use crate::batch::watch::Watch;
+use crate::batch::variation::axis::Axis;
+use crate::batch::variation::grid::Grid;
 use crate::cli::answer::Answer;
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
@@ -21,6 +21,7 @@ use crate::cli::show;
 use crate::cli::solver::SolverArg;
 use crate::report::pages::files::write_sweep;
 use crate::run::check_design;
+use crate::scenario::Scenario;
 
 /// Arguments of `sweep`.
 #[derive(clap::Args)]
@@ -70,10 +71,10 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
     let grid = Grid::new(subject.file(), &axes)
         .map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
-    let identity = Identity::new(&text, &subject, &grid);
-    let (journal, known) = Journal::open(&args.output, &identity, &grid, args.restart)?;
-    let resumed = known.iter().flatten().count();
-    let outcomes = swept(args, &mut subject, &grid, (&journal, known))?;
+    let identity = SweepIdentity::new(&text, &subject, &grid);
+    let store = PointStore::open(&args.output, &identity, &grid, args.restart)?;
+    let resumed = store.done();
+    let outcomes = swept(args, &mut subject, &grid, &store)?;
     let name = args.file.file_name().map(|name| name.to_string_lossy());
     let finished = Finished {
         subject: &subject,
@@ -83,7 +84,7 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         file: &name.unwrap_or_default(),
     };
     write_sweep(&args.output, &finished)?;
-    journal.sort(&identity, &outcomes)?;
+    store.sort(&outcomes)?;
     Ok(show::sweep::answer(&finished, resumed, &args.output))
 }
 
@@ -96,16 +97,19 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
                 reason: "a solver goes with a model; this file is a scenario".to_string(),
             });
         }
-        let scenario = files::scenario_of(&args.file, text)?;
+        let (file, sha256) = Scenario::read(text).map_err(failed)?;
+        let scenario = Scenario::from_file(&file, sha256);
+        let scenario = scenario.map_err(|error| CliError::value(&args.file, error))?;
         let design = design_of(&scenario, &args.file, args.design.as_deref())?;
         check_design(&scenario, design.as_ref())
             .map_err(|error| CliError::unsuitable(&args.file, error))?;
-        return Subject::scenario(text, design.map(Box::new)).map_err(failed);
+        return Ok(Subject::scenario(&file, design.map(Box::new)));
     }
     match &args.design {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Clarabel);
-            Subject::model(text, solver.choice()).map_err(failed)
+            let model = files::model_of(&args.file, text)?;
+            Ok(Subject::model(&model, solver.choice()))
         }
         Some(_) => Err(CliError::Argument {
             argument: "--design",
@@ -118,28 +122,23 @@ fn swept(
     args: &SweepArgs,
     subject: &mut Subject,
     grid: &Grid,
-    (journal, known): (&Journal, Known),
+    store: &PointStore,
 ) -> Result<Vec<PointOutcome>, CliError> {
-    let done = known.iter().flatten().count();
+    let done = store.done();
     let progress = PartsProgress::resume(done, grid.points(), "points");
-    let watch = Watch {
-        done: &|| progress.done(),
-        stop: progress.stop(),
-    };
+    let threads = threads(args.jobs)?;
+    let done_one = || progress.done();
+    let control = progress.control(&done_one);
     if done < grid.points() {
-        subject.prepare(&watch.stop);
+        subject.prepare(&control.stop);
     }
-    let outcomes = sweep::run(subject, grid, threads(args.jobs), (journal, known), &watch);
+    let outcomes = sweep::run(subject, grid, &threads, store, &control);
     outcomes.map_err(|error| match error {
-        SweepError::Interrupted { done, points } => CliError::Resumable {
-            done,
-            points,
+        SweepError::Interrupted(Interrupted) => CliError::Resumable {
+            done: store.done(),
+            points: grid.points(),
             folder: args.output.clone(),
         },
         SweepError::Journal(error) => error.into(),
-        SweepError::Threads(error) => CliError::Argument {
-            argument: "--jobs",
-            reason: error.to_string(),
-        },
     })
 }

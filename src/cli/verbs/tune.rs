@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::batch::engine::Threads;
 use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::check_possible;
 use crate::batch::tune::{tune, Tuned};
-use crate::batch::watch::Watch;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -38,7 +38,7 @@ pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
     files::check_output(&args.output, &args.requirements)?;
-    let tuned = tuned(&requirements, threads(args.jobs))?;
+    let tuned = tuned(&requirements, &threads(args.jobs)?)?;
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";
     files::write(&args.output, &scenario)?;
@@ -51,15 +51,9 @@ pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
     ))
 }
 
-fn tuned(requirements: &Requirements, jobs: usize) -> Result<Tuned, CliError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|error| CliError::Argument {
-        argument: "--jobs",
-        reason: error.to_string(),
-    })?;
+fn tuned(requirements: &Requirements, threads: &Threads) -> Result<Tuned, CliError> {
     let progress = PartsProgress::start(requirements.search.candidates, "candidates at most");
-    let stop = progress.stop();
     let done = || progress.done();
-    let search = || tune(requirements, &Watch { done: &done, stop });
-    pool.install(search).map_err(|_| CliError::Interrupted)
+    let tuned = tune(requirements, threads, &progress.control(&done));
+    tuned.map_err(|_| CliError::Interrupted)
 }

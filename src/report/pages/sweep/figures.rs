@@ -3,10 +3,10 @@
 use synth::model::Kind;
 
 use crate::base::number::label;
-use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::table::metric_names;
+use crate::batch::variation::grid::Grid;
 use crate::report::chart::COLOURS;
 use crate::report::plot::{Marker, Plot, Series, FAINT, INK};
 

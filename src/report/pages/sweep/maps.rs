@@ -5,9 +5,9 @@ use plotters::style::RGBColor;
 use super::figures::{shown, Labels};
 use super::reasons::Reason;
 use crate::base::number::label;
-use crate::batch::sweep::grid::Grid;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::subject::Subject;
+use crate::batch::variation::grid::Grid;
 use crate::report::chart::hexadecimal;
 use crate::report::plot::{Cell, Map};
 

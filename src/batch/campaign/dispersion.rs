@@ -5,7 +5,7 @@ use runtime::attitude::Quaternion;
 use serde_json::Value;
 use synth::model::ModelError;
 
-use crate::batch::parameter::{Parameter, ParameterError};
+use crate::batch::variation::parameter::{Parameter, ParameterError};
 use crate::plants::rigid_body::check::attitude as attitude_of;
 use crate::plants::rigid_body::{AttitudeFile, FaultFile, RigidBodyFile};
 use crate::plants::takagi_sugeno::TakagiSugenoFile;
@@ -15,7 +15,7 @@ use crate::scenario::{ChangeFile, Dispersion, FaultDispersion, ScenarioFile};
 
 /// What is sampled for every run, with what it needs to know of the scenario.
 #[derive(Debug, Clone)]
-pub(crate) struct Sample {
+pub(crate) struct Sampler {
     pub dispersion: Dispersion,
     pub context: Context,
 }
@@ -56,7 +56,7 @@ fn attitude_columns() -> Vec<String> {
     names
 }
 
-impl Sample {
+impl Sampler {
     /// Coordinates that it uses.
     pub fn numbers(&self) -> usize {
         match &self.dispersion {

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::axis::Axis;
-use crate::batch::parameter::{Parameter, ParameterError};
+use super::parameter::{Parameter, ParameterError};
 
 /// Most points of a grid.
 pub const MAX_POINTS: usize = 1_000_000;

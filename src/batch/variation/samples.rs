@@ -1,8 +1,7 @@
-//! Points of the unit cube, one for each run: independent, a Latin hypercube or a Sobol sequence.
+//! Samples of the unit cube, one for each run: independent, a Latin hypercube or a Sobol sequence.
 //!
-//! A point follows from the seed and the run's index; nothing is stored for each run.
+//! A sample follows from the seed and the run's index; nothing is stored for each run.
 
-use super::CampaignError;
 use crate::scenario::PlanFile;
 use crate::sim::random::{open_unit, CampaignStream, Random};
 use sobol::params::JoeKuoD6;
@@ -13,16 +12,16 @@ const SOBOL_NUMBERS: usize = 1000;
 /// Bits of a Sobol number; the sequence is used for fewer than 2^this runs.
 const SOBOL_BITS: usize = 52;
 
-/// The points of a campaign.
+/// The samples of a campaign.
 #[derive(Debug, Clone)]
-pub struct Points {
+pub struct Samples {
     seed: u64,
     numbers: usize,
-    spread: Spread,
+    method: SamplingMethod,
 }
 
 #[derive(Debug, Clone)]
-enum Spread {
+enum SamplingMethod {
     Independent,
     LatinHypercube(Vec<Permutation>),
     Sobol {
@@ -31,17 +30,29 @@ enum Spread {
     },
 }
 
+/// More numbers are sampled than there are directions for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "field 'dispersions.sampling': a Sobol sequence has at most {most} numbers; {numbers} are drawn"
+)]
+pub struct TooManyNumbers {
+    /// Numbers that are sampled.
+    pub numbers: usize,
+    /// Most.
+    pub most: usize,
+}
+
 /// What determines a run: the seed of its noise, and a point of the unit cube.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
+pub struct Sample {
     /// Seed of the run.
     pub seed: u64,
     /// Coordinates, each in (0, 1).
     pub coordinates: Vec<f64>,
 }
 
-impl Points {
-    /// The points of a campaign of `runs` runs that draws `numbers` numbers for each.
+impl Samples {
+    /// The samples of a campaign of `runs` runs that draws `numbers` numbers for each.
     ///
     /// # Errors
     /// More numbers than a Sobol sequence is known for.
@@ -50,24 +61,24 @@ impl Points {
         seed: u64,
         runs: u64,
         numbers: usize,
-    ) -> Result<Self, CampaignError> {
+    ) -> Result<Self, TooManyNumbers> {
         let streams = || {
             let all = 0..numbers as u64;
             all.map(|number| Random::of_campaign(seed, CampaignStream::Number(number)))
         };
-        let spread = match plan {
-            PlanFile::Independent => Spread::Independent,
+        let method = match plan {
+            PlanFile::Independent => SamplingMethod::Independent,
             PlanFile::LatinHypercube => {
                 let permutations = streams().map(|mut random| Permutation::new(runs, &mut random));
-                Spread::LatinHypercube(permutations.collect())
+                SamplingMethod::LatinHypercube(permutations.collect())
             }
             PlanFile::Sobol if numbers > SOBOL_NUMBERS => {
-                return Err(CampaignError::TooManyNumbers {
+                return Err(TooManyNumbers {
                     numbers,
                     most: SOBOL_NUMBERS,
                 });
             }
-            PlanFile::Sobol => Spread::Sobol {
+            PlanFile::Sobol => SamplingMethod::Sobol {
                 directions: Sobol::<f64>::init_direction_vals(
                     numbers,
                     SOBOL_BITS,
@@ -76,33 +87,35 @@ impl Points {
                 shifts: streams().map(|mut random| random.bits()).collect(),
             },
         };
-        Ok(Points {
+        Ok(Samples {
             seed,
             numbers,
-            spread,
+            method,
         })
     }
 
-    /// The point of a run, and the seed of its noise.
-    pub fn point(&self, run: u64) -> Point {
+    /// The sample of a run, and the seed of its noise.
+    pub fn sample(&self, run: u64) -> Sample {
         let mut random = Random::of_campaign(self.seed, CampaignStream::Run(run));
         let seed = random.bits();
-        let coordinates = match &self.spread {
-            Spread::Independent => (0..self.numbers).map(|_| random.open_uniform()).collect(),
-            Spread::LatinHypercube(permutations) => {
+        let coordinates = match &self.method {
+            SamplingMethod::Independent => {
+                (0..self.numbers).map(|_| random.open_uniform()).collect()
+            }
+            SamplingMethod::LatinHypercube(permutations) => {
                 let cells = permutations.iter();
                 cells
                     .map(|cells| cells.fraction(run, random.open_uniform()))
                     .collect()
             }
-            Spread::Sobol { directions, shifts } => {
+            SamplingMethod::Sobol { directions, shifts } => {
                 let numbers = directions.iter().zip(shifts);
                 numbers
                     .map(|(directions, shift)| open_unit(sobol(directions, run) ^ shift))
                     .collect()
             }
         };
-        Point { seed, coordinates }
+        Sample { seed, coordinates }
     }
 }
 
@@ -174,8 +187,8 @@ fn mix(value: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn points(plan: PlanFile, runs: u64, numbers: usize) -> Points {
-        Points::new(plan, 7, runs, numbers).unwrap()
+    fn points(plan: PlanFile, runs: u64, numbers: usize) -> Samples {
+        Samples::new(plan, 7, runs, numbers).unwrap()
     }
 
     #[test]
@@ -183,7 +196,7 @@ mod tests {
         for runs in [1, 2, 3, 5, 17, 64, 1000] {
             let points = points(PlanFile::LatinHypercube, runs, 3);
             for number in 0..3 {
-                let cell = |run| (points.point(run).coordinates[number] * runs as f64) as u64;
+                let cell = |run| (points.sample(run).coordinates[number] * runs as f64) as u64;
                 let mut cells: Vec<u64> = (0..runs).map(cell).collect();
                 cells.sort_unstable();
                 assert_eq!(cells, (0..runs).collect::<Vec<_>>());
@@ -214,7 +227,7 @@ mod tests {
     #[test]
     fn a_sobol_sequence_is_the_library_s_and_the_shift_keeps_one_point_in_every_cell() {
         let points = points(PlanFile::Sobol, 256, 5);
-        let Spread::Sobol { directions, .. } = &points.spread else {
+        let SamplingMethod::Sobol { directions, .. } = &points.method else {
             panic!("not a Sobol sequence");
         };
         let params = JoeKuoD6::standard();
@@ -225,7 +238,7 @@ mod tests {
             assert_eq!(own, expected);
         }
         for number in 0..5 {
-            let cell = |run| (points.point(run).coordinates[number] * 256.0) as u64;
+            let cell = |run| (points.sample(run).coordinates[number] * 256.0) as u64;
             let mut cells: Vec<u64> = (0..256).map(cell).collect();
             cells.sort_unstable();
             assert_eq!(cells, (0..256).collect::<Vec<_>>());
@@ -240,11 +253,11 @@ mod tests {
             PlanFile::Sobol,
         ] {
             let points = points(plan, 500, 4);
-            let mut seeds: Vec<u64> = (0..500).map(|run| points.point(run).seed).collect();
+            let mut seeds: Vec<u64> = (0..500).map(|run| points.sample(run).seed).collect();
             seeds.sort_unstable();
             seeds.dedup();
             assert_eq!(seeds.len(), 500);
-            let all = (0..500).flat_map(|run| points.point(run).coordinates);
+            let all = (0..500).flat_map(|run| points.sample(run).coordinates);
             assert!(all.into_iter().all(|u| u > 0.0 && u < 1.0));
         }
         assert_eq!(open_unit(0), 0.5 / (1u64 << 52) as f64);

@@ -1,0 +1,287 @@
+//! The work of a campaign: its runs in chunks, each of which is a table in the folder `parts` until the
+//! campaign is complete.
+
+use std::fs::File;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+
+use synth::model::write_atomically;
+
+use super::folder::{part_file, CAMPAIGN_FILE, DESIGN_FILE, PARTS_FOLDER, SCENARIO_FILE};
+use super::plan::Plan;
+use super::record::{CampaignFile, Inputs, State, CAMPAIGN_SCHEMA_VERSION};
+use super::row::RunRow;
+use super::table::part_table;
+use super::CampaignError;
+use crate::base::files::{create_folder, write};
+use crate::base::provenance::GENERATOR;
+use crate::batch::engine::{Control, Job, Threads};
+use crate::batch::store::chunks::{Chunks, Shard};
+use crate::batch::store::identity::{first_difference, Identity};
+use crate::batch::store::lock::{lock_folder, InUse};
+use crate::batch::store::Store;
+use crate::scenario::Scenario;
+use crate::sim::integrator::Method;
+use crate::sim::sampling::Instants;
+
+/// Most runs of a chunk.
+const LARGEST_CHUNK: u64 = 1024;
+/// Chunks that a campaign should have, so that any number of processors is busy.
+const CHUNKS: u64 = 256;
+/// Integration steps after which a chunk should end, so that an interruption loses little.
+const CHUNK_STEPS: f64 = 2e7;
+/// Most chunks of a campaign: they are files of one folder.
+const MOST_CHUNKS: u64 = 20_000;
+
+/// The chunks of a campaign.
+fn chunks(runs: u64, scenario: &Scenario) -> Chunks {
+    let affordable = (CHUNK_STEPS / steps(scenario)).max(1.0) as u64;
+    let wanted = runs.div_ceil(CHUNKS).clamp(1, LARGEST_CHUNK);
+    let size = wanted.min(affordable).max(runs.div_ceil(MOST_CHUNKS));
+    Chunks::new(runs, size.max(1))
+}
+
+/// Integration steps of a run, about.
+fn steps(scenario: &Scenario) -> f64 {
+    let interval = match scenario.instants {
+        Instants::Periodic { interval_s, .. } => interval_s,
+        Instants::Aperiodic {
+            shortest_s,
+            longest_s,
+        } => 0.5 * (shortest_s + longest_s),
+        Instants::Continuous { .. } => f64::INFINITY,
+    };
+    let step = match scenario.method {
+        Method::RungeKutta4 { step_s } => step_s.min(interval),
+        Method::DormandPrince853 { .. } => interval,
+    };
+    (scenario.duration_s / step).max(1.0)
+}
+
+/// A campaign, or a shard of it, and its folder.
+pub struct CampaignJob<'a> {
+    /// The runs.
+    pub plan: &'a Plan<'a>,
+    /// What determines every number.
+    pub inputs: Inputs,
+    /// The campaign's folder.
+    pub folder: PathBuf,
+    /// Threads.
+    pub threads: Threads,
+    chunks: Chunks,
+    /// Numbers of the chunks of this shard.
+    own: Range<u64>,
+}
+
+/// A campaign's folder, which nobody else can write to as long as this is there.
+pub struct OpenFolder {
+    /// How far the campaign is in it.
+    pub state: State,
+    _lock: Option<File>,
+}
+
+impl<'a> CampaignJob<'a> {
+    /// The campaign of a plan, or a shard of it.
+    ///
+    /// # Errors
+    /// A shard that the campaign does not have.
+    pub fn new(
+        plan: &'a Plan<'a>,
+        design_sha256: Option<String>,
+        shard: Option<Shard>,
+        threads: Threads,
+        folder: &Path,
+    ) -> Result<Self, CampaignError> {
+        let chunks = chunks(plan.runs, &plan.nominal);
+        let own = chunks.of_shard(shard)?;
+        let inputs = Inputs {
+            generator: GENERATOR.to_string(),
+            scenario: plan.nominal.name.clone(),
+            scenario_sha256: plan.nominal.sha256.clone(),
+            design_sha256,
+            seed: plan.seed,
+            runs: plan.runs,
+            sampling: plan.sampling,
+            shard,
+            first_run: chunks.runs_of(own.start).start,
+            end_run: chunks.runs_of(own.end - 1).end,
+        };
+        Ok(CampaignJob {
+            plan,
+            inputs,
+            folder: folder.to_path_buf(),
+            threads,
+            chunks,
+            own,
+        })
+    }
+
+    /// Checks the runs that are not done, and creates the folder or finds in it what is done of the same
+    /// campaign.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, that is in use or that holds another campaign; a run that cannot
+    /// be made; it was stopped.
+    pub fn prepare(
+        &self,
+        scenario: &str,
+        design: Option<&str>,
+        stop: &AtomicBool,
+    ) -> Result<OpenFolder, CampaignError> {
+        if found(&self.folder, &self.inputs)? != Some(State::Complete) {
+            self.threads.each(self.missing(), stop, |mut runs| {
+                runs.try_for_each(|run| self.plan.resolve(run).map(drop))
+            })?;
+        }
+        let open = prepare(&self.folder, &self.inputs, scenario, design)?;
+        if open.state == State::Running {
+            create_folder(&self.folder.join(PARTS_FOLDER))?;
+        }
+        Ok(open)
+    }
+
+    /// Files of all chunks, in the order of their runs.
+    pub(super) fn part_files(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        let own = self.own.clone();
+        own.map(|chunk| part_file(&self.folder, chunk))
+    }
+
+    /// Number of its runs.
+    pub fn runs(&self) -> u64 {
+        self.inputs.end_run - self.inputs.first_run
+    }
+
+    /// Number of its runs that are done while it is running.
+    pub fn runs_done(&self) -> u64 {
+        let missing = self.missing().into_iter();
+        self.runs() - missing.map(|runs| runs.end - runs.start).sum::<u64>()
+    }
+
+    /// Makes every run that is not done.
+    ///
+    /// # Errors
+    /// It was stopped; a file that cannot be written. What was done before stays.
+    pub fn run(&self, control: &Control) -> Result<(), CampaignError> {
+        self.threads.execute(self, self, control)
+    }
+}
+
+impl Job for CampaignJob<'_> {
+    type Record = RunRow;
+    type Error = CampaignError;
+
+    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<RunRow, CampaignError> {
+        self.plan.row(index)
+    }
+}
+
+impl Store<RunRow> for CampaignJob<'_> {
+    type Error = CampaignError;
+
+    fn missing(&self) -> Vec<Range<u64>> {
+        let missing = self.own.clone().zip(self.part_files());
+        let missing = missing.filter(|(_, file)| !file.exists());
+        missing
+            .map(|(chunk, _)| self.chunks.runs_of(chunk))
+            .collect()
+    }
+
+    fn keep(&self, chunk: Range<u64>, rows: Vec<RunRow>) -> Result<(), CampaignError> {
+        let path = part_file(&self.folder, self.chunks.holding(chunk.start));
+        let bytes = part_table(&path, &self.plan.columns, &inputs_text(&self.inputs), &rows)?;
+        write_atomically(&path, &bytes).map_err(|problem| CampaignError::file(&path, problem))
+    }
+}
+
+/// The inputs as they are in the tables' metadata.
+pub(super) fn inputs_text(inputs: &Inputs) -> String {
+    // They hold numbers and texts only, so they can always be written.
+    serde_json::to_string(inputs).unwrap_or_default()
+}
+
+/// How far a campaign is in a folder; `None` when there is nothing of it.
+///
+/// # Errors
+/// A folder that holds another campaign.
+fn found(folder: &Path, inputs: &Inputs) -> Result<Option<State>, CampaignError> {
+    if !folder.join(CAMPAIGN_FILE).exists() {
+        return Ok(None);
+    }
+    let known = CampaignFile::read(folder)?;
+    match difference(&known.inputs, inputs) {
+        None => Ok(Some(known.state)),
+        Some(difference) => Err(CampaignError::Unsuitable {
+            path: folder.to_path_buf(),
+            reason: format!("holds another campaign: {difference}; choose another folder"),
+        }),
+    }
+}
+
+/// Creates a campaign's folder with its record, or says how far the same campaign is in it.
+///
+/// # Errors
+/// A folder that cannot be written, that is in use or that holds another campaign.
+pub(super) fn prepare(
+    folder: &Path,
+    inputs: &Inputs,
+    scenario: &str,
+    design: Option<&str>,
+) -> Result<OpenFolder, CampaignError> {
+    create_folder(folder)?;
+    let lock = lock_folder(folder).map_err(|InUse| CampaignError::Unsuitable {
+        path: folder.to_path_buf(),
+        reason: "is in use by another campaign".to_string(),
+    })?;
+    let state = match found(folder, inputs)? {
+        Some(state) => state,
+        None => begin(folder, inputs, scenario, design)?,
+    };
+    Ok(OpenFolder { state, _lock: lock })
+}
+
+fn begin(
+    folder: &Path,
+    inputs: &Inputs,
+    scenario: &str,
+    design: Option<&str>,
+) -> Result<State, CampaignError> {
+    let write = |name: &str, text: &str| write(&folder.join(name), text);
+    write(SCENARIO_FILE, scenario)?;
+    if let Some(design) = design {
+        write(DESIGN_FILE, design)?;
+    }
+    let record = CampaignFile {
+        schema_version: CAMPAIGN_SCHEMA_VERSION,
+        state: State::Running,
+        inputs: inputs.clone(),
+        results: None,
+    };
+    write(CAMPAIGN_FILE, &record.to_json())?;
+    Ok(State::Running)
+}
+
+impl Identity for Inputs {
+    const FIELDS: &'static [(&'static str, &'static str)] = &[
+        ("scenario_sha256", "scenario_sha256"),
+        ("design_sha256", "design_sha256"),
+        ("seed", "seed"),
+        ("runs", "runs"),
+        ("shard", "shard"),
+        ("sampling", "sampling"),
+        ("generator", "generator"),
+        ("scenario", "scenario"),
+        ("first_run", "first_run"),
+        ("end_run", "end_run"),
+    ];
+}
+
+/// The first input that differs, as text.
+pub(super) fn difference(known: &Inputs, requested: &Inputs) -> Option<String> {
+    let differs = first_difference(known, requested)?;
+    Some(format!(
+        "its {} is {}, not {}",
+        differs.name, differs.known, differs.requested
+    ))
+}
