@@ -429,6 +429,7 @@ impl CoupledSynthesis<'_> {
         // The controller is the inner certificate's; that of the large set differs in the last digits only.
         let (_, mut certificate) = CertificateFile::split(&second);
         certificate.gamma = smallest_gamma(&second);
+        certificate.xi = certificate.xi.min(self.outer.file.specs.xi_max);
         let outer = OuterFile {
             trigger_multiple: choice.coupling.trigger_multiple,
             certificate,
