@@ -51,6 +51,9 @@ impl<'a> Duals<'a> {
 
 use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
 
+/// A clique's name and its signals, in the order of its rows.
+type Clique = (&'static str, Vec<Signal>);
+
 /// A dual solution and the problem that it belongs to.
 pub struct Source<'a> {
     pub model: &'a Model,
@@ -117,7 +120,8 @@ impl Source<'_> {
         if rule == 0 && divisible && determinable {
             end.multiplied_sample = None;
         }
-        let at = |a, b| self.moment(duals, (SamplingEnd::End, &suffix), (a, b));
+        let cliques = self.cliques(SamplingEnd::End);
+        let at = |a, b| self.moment(duals, (&cliques, SamplingEnd::End, &suffix), (a, b));
         let n = self.task.system.states();
         let inputs = (0..self.task.system.inputs()).map(|input| {
             let dual = duals.get(&format!("anti-windup input {}{suffix}", input + 1))?;
@@ -144,7 +148,8 @@ impl Source<'_> {
     }
 
     fn moments(&self, duals: &Duals, interval: SamplingEnd, suffix: &str) -> Option<Moments> {
-        let at = |a, b| self.moment(duals, (interval, suffix), (a, b));
+        let cliques = self.cliques(interval);
+        let at = |a, b| self.moment(duals, (&cliques, interval, suffix), (a, b));
         let vertices = (0..self.task.system.vertices.len()).filter_map(|vertex| {
             let dual = duals.get(&(condition_name(interval, vertex) + suffix))?;
             let moments = self.pair(dual);
@@ -180,7 +185,7 @@ impl Source<'_> {
 
     /// The cliques of (18) at one end with their signals in the order of their rows, those of the split form and
     /// the one of the whole form; the root first.
-    fn cliques(&self, interval: SamplingEnd) -> Vec<(&'static str, Vec<Signal>)> {
+    fn cliques(&self, interval: SamplingEnd) -> Vec<Clique> {
         let design = &self.assembled.design;
         let basis = Basis::reduced(self.task, interval, design);
         let splits = elimination(&basis, &terms(self.task, interval, design), &ELIMINATED);
@@ -192,10 +197,10 @@ impl Source<'_> {
     fn moment(
         &self,
         duals: &Duals,
-        (interval, suffix): (SamplingEnd, &str),
+        (cliques, interval, suffix): (&[Clique], SamplingEnd, &str),
         (row, column): (Signal, Signal),
     ) -> Option<DMatrix<f64>> {
-        self.cliques(interval).iter().find_map(|(name, signals)| {
+        cliques.iter().find_map(|(name, signals)| {
             let sizes = signals.iter().map(|&of| (of, self.units(of).len()));
             let place = |wanted: Signal| {
                 signals.contains(&wanted).then(|| {
