@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::marker::PhantomData;
 
 use schemars::{json_schema, JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use synth::model::{finite, readable, FileError};
 
@@ -34,6 +35,14 @@ macro_rules! bounded {
         impl $name {
             /// The number.
             pub const fn get(self) -> f64 {
+                self.0
+            }
+        }
+
+        impl Ranged for $name {
+            type Plain = f64;
+
+            fn plain(self) -> f64 {
                 self.0
             }
         }
@@ -96,6 +105,95 @@ bounded! {
     /// A number in (0, 1).
     InsideUnit "in (0, 1)" |value| value > 0.0 && value < 1.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "exclusiveMaximum": 1 };
+    /// A number in [0, 1].
+    UnitInterval "in [0, 1]" |value| (0.0..=1.0).contains(&value),
+        { "type": "number", "format": "double", "minimum": 0, "maximum": 1 };
+    /// A number that is 1 or above.
+    AtLeastOne "1 or above" |value| value >= 1.0,
+        { "type": "number", "format": "double", "minimum": 1 };
+    /// A number in (1, 2).
+    OneToTwo "in (1, 2)" |value| value > 1.0 && value < 2.0,
+        { "type": "number", "format": "double", "exclusiveMinimum": 1, "exclusiveMaximum": 2 };
+    /// An angle up to half a turn, deg.
+    HalfTurn "above 0 and at most 180" |value| value > 0.0 && value <= 180.0,
+        { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 180 };
+    /// A relative tolerance of an integrator.
+    Tolerance "in [1e-14, 0.001]" |value| (1e-14..=1e-3).contains(&value),
+        { "type": "number", "format": "double", "minimum": 1e-14, "maximum": 0.001 };
+    /// The resolution of a root in time, s.
+    Resolution "at least 1e-9" |value| value >= 1e-9,
+        { "type": "number", "format": "double", "minimum": 1e-9 };
+}
+
+/// Numbers that carry their range.
+pub trait Ranged {
+    /// The same without the range.
+    type Plain;
+
+    /// Forgets the range.
+    fn plain(self) -> Self::Plain;
+}
+
+impl<T: Ranged, const N: usize> Ranged for [T; N] {
+    type Plain = [T::Plain; N];
+
+    fn plain(self) -> Self::Plain {
+        self.map(T::plain)
+    }
+}
+
+impl<T: Ranged> Ranged for Option<T> {
+    type Plain = Option<T::Plain>;
+
+    fn plain(self) -> Self::Plain {
+        self.map(T::plain)
+    }
+}
+
+impl<T: Ranged> Ranged for Vec<T> {
+    type Plain = Vec<T::Plain>;
+
+    fn plain(self) -> Self::Plain {
+        self.into_iter().map(T::plain).collect()
+    }
+}
+
+/// Plain numbers that are read as `T`, whose range stands in the schema: `#[serde(with = "Plain::<T>")]`.
+pub struct Plain<T>(PhantomData<T>);
+
+impl<T: Ranged + DeserializeOwned> Plain<T> {
+    /// Writes them.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn serialize<S: Serializer>(numbers: &T::Plain, to: S) -> Result<S::Ok, S::Error>
+    where
+        T::Plain: Serialize,
+    {
+        numbers.serialize(to)
+    }
+
+    /// Reads them.
+    ///
+    /// # Errors
+    /// Something else, or a number out of its range.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<T::Plain, D::Error> {
+        T::deserialize(from).map(T::plain)
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Plain<T> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
 }
 
 impl Default for BelowOne {

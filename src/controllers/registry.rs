@@ -1,15 +1,18 @@
 //! The controllers that a scenario file may name: a new one is a file and a row here.
 
+use runtime::attitude::AttitudeMeasurement;
+use runtime::error::ParameterError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use super::law::{AttitudeLaw, LawFile};
+use super::law::{AttitudeLaw, LawFile, Surroundings};
 use super::lei2022::LeiFile;
 use super::wu2018::WuFile;
 use super::xu2020::XuFile;
 use super::yang2025::YangFile;
 use crate::plants::System;
+use crate::sim::controller::Use;
 
 /// Makes the file's and the checked list of controllers and what is the same for all. A row: the words
 /// for the schema, the key in the file, the names in the two lists and the file's type.
@@ -48,6 +51,21 @@ macro_rules! controllers {
                 match self {
                     ControllerChoice::Design(_) => None,
                     $(ControllerChoice::$law(law) => Some(law.as_ref()),)+
+                }
+            }
+
+            /// Hands on the controller, unless it is that of a design: then `then` comes back.
+            ///
+            /// # Errors
+            /// A parameter that the flight code refuses.
+            pub fn build<U: Use<AttitudeMeasurement, 3>>(
+                &self,
+                around: &Surroundings,
+                then: U,
+            ) -> Result<Result<U::Output, U>, ParameterError> {
+                match self {
+                    ControllerChoice::Design(_) => Ok(Err(then)),
+                    $(ControllerChoice::$law(law) => law.build(around, then).map(Ok),)+
                 }
             }
         }

@@ -9,11 +9,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use super::law::{matrix, AnyAttitudeController, AttitudeLaw, LawFile, Surroundings};
+use super::law::{matrix, AttitudeLaw, LawFile, Surroundings};
 use crate::base::bounded::{plain, BelowOne, InsideUnit, Positive};
 use crate::base::empty_file::EmptyFile;
 use crate::plants::RigidBodySystem;
-use crate::sim::controller::Controller;
+use crate::sim::controller::{Controller, Use};
 
 /// Law (6) and trigger (8) of Wu, Shen and Cao 2018.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -153,8 +153,12 @@ impl AttitudeLaw for wu2018::Parameters {
         self.torque_limit
     }
 
-    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
-        Ok(Box::new(wu2018::Controller::new(*self)?))
+    fn build<U: Use<AttitudeMeasurement, 3>>(
+        &self,
+        _: &Surroundings,
+        then: U,
+    ) -> Result<U::Output, ParameterError> {
+        Ok(then.with(wu2018::Controller::new(*self)?))
     }
 
     fn sends_every_sample(&self) -> bool {

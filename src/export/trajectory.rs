@@ -102,7 +102,7 @@ fn provenance(summary: &Summary) -> Vec<(&'static str, String)> {
     vec![
         ("scenario", summary.scenario.clone()),
         ("source", summary.source.clone()),
-        ("system", summary.system.clone()),
+        ("system", summary.system.key().to_string()),
         ("controller", summary.controller.clone()),
         ("verdict", summary.verdict.name().to_string()),
         ("generator", made.generator.clone()),

@@ -138,6 +138,16 @@ impl Design {
         }
     }
 
+    /// The name of the law, and its torque limits, N m (inputs of another plant).
+    pub fn law(&self) -> (String, Vec<f64>) {
+        let name = format!(
+            "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
+            self.file.name
+        );
+        let limit = self.model.plant.takagi_sugeno().input_limit;
+        (name, limit.as_slice().to_vec())
+    }
+
     /// Refuses a design that is made for another plant.
     ///
     /// # Errors

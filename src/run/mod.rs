@@ -1,14 +1,14 @@
 //! From a scenario (and a design) to the outcome of its run.
 
-mod attitude_log;
 pub mod design;
 mod designed;
 pub mod files;
+mod flight;
 pub mod inner;
 mod judge;
+mod log;
 pub mod outcome;
 mod rigid_body;
-mod state_log;
 pub mod summary;
 mod takagi_sugeno;
 
@@ -18,16 +18,6 @@ use outcome::{Outcome, Recording, SimulateError};
 use crate::controllers::ControllerChoice;
 use crate::plants::System;
 use crate::scenario::Scenario;
-
-pub use attitude_log::{AttitudeLog, SettleRule};
-
-/// The quantities of a profile, with units.
-pub fn profile_quantities(system: &System) -> Vec<&'static str> {
-    match system {
-        System::RigidBody(_) => vec!["error_deg", "rate_rad_s"],
-        System::TakagiSugeno(_) => vec!["state_norm"],
-    }
-}
 
 /// Runs a scenario. `trajectory`: whether to keep it.
 ///

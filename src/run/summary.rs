@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
+use crate::plants::SystemKind;
 use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::link::LinkOutcome;
@@ -78,8 +79,8 @@ pub struct Summary {
     pub scenario: String,
     /// Where its numbers come from.
     pub source: String,
-    /// Kind of the system: rigid_body or takagi_sugeno.
-    pub system: String,
+    /// Kind of the system.
+    pub system: SystemKind,
     /// The controller as text.
     pub controller: String,
     /// The answer.

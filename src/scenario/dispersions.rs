@@ -1,14 +1,167 @@
-//! The checked dispersions of a scenario.
+//! What a campaign samples for every run.
 
-use synth::model::{check_positive, ModelError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use synth::model::ModelError;
 
-use super::dispersions_file::{
-    AttitudeDispersionFile, ChangeFile, DispersionsFile, DistributionFile, FaultDispersionFile,
-    PlanFile,
-};
 use super::distribution::Distribution;
+use crate::base::bounded::{Plain, Positive, UnitInterval};
+use crate::base::empty_file::EmptyFile;
 use crate::base::ranges::require;
 use crate::plants::SystemFile;
+
+/// What a campaign draws anew for every run. A single run without an index leaves it aside.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DispersionsFile {
+    /// How the drawn numbers are spread over the runs.
+    #[serde(default)]
+    pub sampling: PlanFile,
+    /// Attitude of a spacecraft at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_attitude: Option<AttitudeDispersionFile>,
+    /// Added to each component of a spacecraft's rate at the start, each drawn by itself [rad/s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_rate_rad_s: Option<Distribution>,
+    /// Added to each component of the state of a plant that is no spacecraft at the start, each drawn by
+    /// itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_state: Option<Distribution>,
+    /// Start on the boundary of the certified set of the design, in the place of the three above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certified_boundary: Option<BoundaryFile>,
+    /// Inertia of a spacecraft.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<InertiaDispersionFile>,
+    /// Amplitude and phase of the disturbance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbance: Option<DisturbanceDispersionFile>,
+    /// Faults of a spacecraft's actuators, in addition to those of the scenario.
+    #[serde(default)]
+    pub faults: Vec<FaultDispersion>,
+    /// Any other number of the scenario by its name, such as `sampling.dropout_probability`.
+    #[serde(default)]
+    pub values: Vec<ValueDispersionFile>,
+}
+
+/// How the drawn numbers are spread over the runs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PlanFile {
+    /// Every number of every run by itself.
+    #[default]
+    Independent,
+    /// Every number in N runs takes one value from each of N equally probable intervals.
+    LatinHypercube,
+    /// A Sobol sequence with the direction numbers of Joe and Kuo, shifted by the seed.
+    Sobol,
+}
+
+/// Attitude at the start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AttitudeDispersionFile {
+    /// Any attitude, uniform over all rotations. Write `{}` after it.
+    Uniform(EmptyFile),
+    /// The scenario's attitude turned about an axis of uniformly random direction.
+    AxisAngle(TurnFile),
+}
+
+/// A turn about a random axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TurnFile {
+    /// The angle (deg).
+    pub angle_deg: Distribution,
+}
+
+/// The boundary of the certified set x'Ux <= 1 of a design.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundaryFile {
+    /// x'Ux of every start, above 0; 1, the edge of the certified set, when left out. The direction is
+    /// uniform in the metric of U, so units play no part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<Positive>,
+}
+
+/// Changes of the inertia matrix. The controller keeps what it knows of the nominal one.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InertiaDispersionFile {
+    /// Change of each moment of inertia, drawn by itself (percent of it).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moments_percent: Option<Distribution>,
+    /// Change of each product of inertia, drawn by itself (percent of it).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub products_percent: Option<Distribution>,
+}
+
+/// Changes of the disturbance.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DisturbanceDispersionFile {
+    /// Factor of the whole disturbance: bias, sines and table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<Distribution>,
+    /// Phase added to each of the sines, drawn by itself (deg).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phase_deg: Option<Distribution>,
+}
+
+/// A fault that may happen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaultDispersion {
+    /// Which of the list, from 1; set by the check.
+    #[serde(skip)]
+    pub number: usize,
+    /// Probability that it happens in a run, in [0, 1]; 1 when left out.
+    #[serde(default = "certain", with = "Plain::<UnitInterval>")]
+    pub probability: f64,
+    /// Axis: 1, 2 or 3; any of them when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 3))]
+    pub axis: Option<u32>,
+    /// Start (s).
+    pub from_s: Distribution,
+    /// Duration; to the end of the run when left out (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub duration_s: Option<Distribution>,
+    /// Share of the commanded torque that acts.
+    pub effectiveness: Distribution,
+}
+
+fn certain() -> f64 {
+    1.0
+}
+
+/// A number of the scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ValueDispersionFile {
+    /// Its name, such as `system.rigid_body.sensors.attitude_noise_deg`; the end of the name will do
+    /// when it is the end of one name only.
+    pub name: String,
+    /// What is drawn.
+    pub distribution: Distribution,
+    /// What is done with it.
+    #[serde(default)]
+    pub change: ChangeFile,
+}
+
+/// What is done with a drawn value.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ChangeFile {
+    /// It takes the place of the scenario's.
+    #[default]
+    Replace,
+    /// It is added.
+    Add,
+    /// The scenario's is multiplied by it.
+    Multiply,
+}
 
 /// What a campaign samples for every run.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,23 +207,6 @@ pub enum Dispersion {
     Fault(FaultDispersion),
 }
 
-/// A fault that may happen.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FaultDispersion {
-    /// Which of the list, from 1.
-    pub number: usize,
-    /// Probability that it happens.
-    pub probability: f64,
-    /// Axis; any when left out.
-    pub axis: Option<u32>,
-    /// Start, s.
-    pub from_s: Distribution,
-    /// Duration, s; to the end when left out.
-    pub duration_s: Option<Distribution>,
-    /// Fraction of the commanded torque that acts.
-    pub effectiveness: Distribution,
-}
-
 /// Numbers that a dispersion may not change: they belong to the campaign.
 const FIXED: [&str; 5] = [
     "schema_version",
@@ -97,21 +233,19 @@ pub(crate) fn check_dispersions(
                         .to_string(),
             });
         }
+        let distribution = value.distribution.clone();
+        distribution.check(&format!("{field}.distribution"))?;
         all.push(Dispersion::Number {
             name: value.name.clone(),
-            distribution: Distribution::new(&format!("{field}.distribution"), &value.distribution)?,
+            distribution,
             change: value.change,
         });
     }
     check_kind(file, system)?;
     check_start(file, system, &mut all)?;
     if let Some(inertia) = &file.inertia {
-        let part = |name: &str, file: &Option<DistributionFile>| {
-            let field = format!("inertia.{name}_percent");
-            optional(&field, file)
-        };
-        let moments = part("moments", &inertia.moments_percent)?;
-        let products = part("products", &inertia.products_percent)?;
+        let moments = optional("inertia.moments_percent", &inertia.moments_percent)?;
+        let products = optional("inertia.products_percent", &inertia.products_percent)?;
         all.push(Dispersion::Inertia([moments, products]));
     }
     if let Some(disturbance) = &file.disturbance {
@@ -136,10 +270,11 @@ pub(crate) fn check_dispersions(
 
 fn optional(
     field: &str,
-    file: &Option<DistributionFile>,
+    distribution: &Option<Distribution>,
 ) -> Result<Option<Distribution>, ModelError> {
-    let distribution = file.as_ref().map(|file| Distribution::new(field, file));
-    distribution.transpose()
+    let checked = distribution.as_ref().map(|one| one.check(field));
+    checked.transpose()?;
+    Ok(distribution.clone())
 }
 
 /// Refuses what the kind of plant does not have.
@@ -179,15 +314,16 @@ fn check_start(
         None => {}
         Some(AttitudeDispersionFile::Uniform(_)) => all.push(Dispersion::AnyAttitude),
         Some(AttitudeDispersionFile::AxisAngle(turn)) => {
-            let field = "initial_attitude.axis_angle.angle_deg";
-            all.push(Dispersion::Turn(Distribution::new(field, &turn.angle_deg)?));
+            turn.angle_deg
+                .check("initial_attitude.axis_angle.angle_deg")?;
+            all.push(Dispersion::Turn(turn.angle_deg.clone()));
         }
     }
     let rate = optional("initial_rate_rad_s", &file.initial_rate_rad_s)?;
     all.extend(rate.map(Dispersion::Rate));
     if let (Some(state), SystemFile::TakagiSugeno(model)) = (&file.initial_state, system) {
-        let state = Distribution::new("initial_state", state)?;
-        all.push(Dispersion::State(state, model.initial_state.len()));
+        state.check("initial_state")?;
+        all.push(Dispersion::State(state.clone(), model.initial_state.len()));
     }
     let Some(boundary) = &file.certified_boundary else {
         return Ok(());
@@ -203,34 +339,28 @@ fn check_start(
             reason: "must be left out, because certified_boundary sets the whole start".to_string(),
         });
     }
-    let level = boundary.level.unwrap_or(1.0);
-    check_positive("certified_boundary.level", level)?;
+    let level = boundary.level.map_or(1.0, Positive::get);
     all.push(Dispersion::Boundary { level });
     Ok(())
 }
 
-fn check_fault(index: usize, file: &FaultDispersionFile) -> Result<FaultDispersion, ModelError> {
+fn check_fault(index: usize, file: &FaultDispersion) -> Result<FaultDispersion, ModelError> {
     let field = |name: &str| format!("faults[{index}].{name}");
-    let probability = file.probability;
-    let ok = (0.0..=1.0).contains(&probability);
-    require(ok, &field("probability"), probability, "in [0, 1]")?;
     if let Some(axis) = file.axis {
         let ok = (1..=3).contains(&axis);
         require(ok, &field("axis"), f64::from(axis), "1, 2 or 3")?;
     }
-    let effectiveness = Distribution::new(&field("effectiveness"), &file.effectiveness)?;
-    for end in effectiveness.range() {
+    file.effectiveness.check(&field("effectiveness"))?;
+    for end in file.effectiveness.range() {
         let ok = (0.0..=1.0).contains(&end);
         let allowed =
             "in [0, 1] for every value; at_least and at_most cut a normal distribution off";
         require(ok, &field("effectiveness"), end, allowed)?;
     }
+    file.from_s.check(&field("from_s"))?;
+    optional(&field("duration_s"), &file.duration_s)?;
     Ok(FaultDispersion {
         number: index + 1,
-        probability,
-        axis: file.axis,
-        from_s: Distribution::new(&field("from_s"), &file.from_s)?,
-        duration_s: optional(&field("duration_s"), &file.duration_s)?,
-        effectiveness,
+        ..file.clone()
     })
 }

@@ -46,7 +46,7 @@ impl<const M: usize> ActuatorData<M> {
     }
 
     /// Times at which a fault begins or ends, s.
-    pub fn fault_edges_s(&self) -> Vec<f64> {
+    pub fn discontinuities_s(&self) -> Vec<f64> {
         let edges = self.faults.iter();
         edges
             .flat_map(|fault| [fault.from_s, fault.until_s])

@@ -131,7 +131,7 @@ impl<const D: usize> Disturbance<D> {
     }
 
     /// Times at which the value or its slope jumps.
-    pub fn kinks_s(&self) -> Vec<f64> {
+    pub fn discontinuities_s(&self) -> Vec<f64> {
         let table = self.table.iter().flat_map(|table| table.times_s.clone());
         let pulses = self.pulses.iter();
         table
@@ -393,7 +393,7 @@ mod tests {
         };
         let open =
             |time: f64| Vector2::new(0.5, 2.0 * (3.0 * time + 0.4).sin() * (-0.25 * time).exp());
-        assert_eq!(disturbance.kinks_s(), vec![1.0, 2.0]);
+        assert_eq!(disturbance.discontinuities_s(), vec![1.0, 2.0]);
         assert_eq!(disturbance.at(0.99), Vector2::zeros());
         assert!((disturbance.at(1.0) - open(1.0)).amax() < 1e-15);
         assert_eq!(disturbance.at(2.0), Vector2::zeros());

@@ -4,6 +4,7 @@
 //! an observer measures it.
 
 pub mod actuator;
+pub mod bench;
 pub mod bound_utilisation;
 pub mod closed_loop;
 pub mod controller;

@@ -14,7 +14,7 @@ use crate::batch::variation::samples::Samples;
 use crate::plants::{System, SystemFile};
 use crate::run::design::Design;
 use crate::run::outcome::{Outcome, Recording};
-use crate::run::{check_design, profile_quantities, simulate_recording};
+use crate::run::{check_design, simulate_recording};
 use crate::scenario::{ChangeFile, Dispersion, PlanFile, Scenario, ScenarioFile};
 use crate::sim::reference::Reference;
 
@@ -93,9 +93,11 @@ impl<'a> Plan<'a> {
         let times = (0..PROFILE_TIMES).map(|time| nominal.duration_s * (f64::from(time) / last));
         let columns = CampaignColumns {
             drawn: samplers.iter().flat_map(Sampler::columns).collect(),
-            quantities: profile_quantities(&nominal.system)
-                .into_iter()
-                .map(str::to_string)
+            quantities: nominal
+                .system
+                .profile_quantities()
+                .iter()
+                .map(|name| name.to_string())
                 .collect(),
             times_s: times.collect(),
         };

@@ -19,10 +19,12 @@ use crate::plants::rigid_body::{
 };
 use crate::plants::SystemFile;
 use crate::scenario::{
-    ContinuousFile, InstantsFile, IntegratorFile, MetricsFile, OutputFile, PeriodicFile,
-    RandomFile, RequirementFile, SamplingFile, ScenarioFile, StepFile, SCENARIO_SCHEMA_VERSION,
+    MetricsFile, OutputFile, RandomFile, RequirementFile, SamplingFile, ScenarioFile,
+    SCENARIO_SCHEMA_VERSION,
 };
+use crate::sim::integrator::Method;
 use crate::sim::metrics::Metric;
+use crate::sim::sampling::Instants;
 
 /// Room of the funnel around the start.
 const START_ROOM: f64 = 1.0167;
@@ -215,13 +217,13 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
     let (file, limits) = (&requirements.file, &requirements.file.limits);
     let unit = limits.settle_s / 60.0;
     let instants = match file.sampling_interval_s {
-        Some(interval_s) => InstantsFile::Periodic(PeriodicFile {
+        Some(interval_s) => Instants::Periodic {
             interval_s,
             jitter_s: 0.0,
-        }),
-        None => InstantsFile::Continuous(ContinuousFile {
+        },
+        None => Instants::Continuous {
             resolution_s: (RESOLUTION * unit).max(1e-9),
-        }),
+        },
     };
     ScenarioFile {
         schema_version: SCENARIO_SCHEMA_VERSION,
@@ -236,9 +238,9 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
         },
         controller: ControllerFile::Lei2022(Box::new(controller(requirements, shape, start))),
         link: None,
-        integrator: IntegratorFile::RungeKutta4(StepFile {
+        integrator: Method::RungeKutta4 {
             step_s: STEP * unit.min((FAST_WAVE * file.disturbance.frequency_rad_s).recip()),
-        }),
+        },
         metrics: MetricsFile {
             settle_tolerance_deg: None,
             settle_tolerance_component: Some(requirements.component),

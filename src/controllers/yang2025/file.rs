@@ -1,9 +1,22 @@
-//! The controller of Yang et al. 2025, as written in a scenario file.
+//! Yang et al. 2025 in the scenario file.
 
+use nalgebra::{Matrix3, Vector3};
+use runtime::error::ParameterError;
+use runtime::yang2025::envelope::{Adhesion, EnvelopeParameters, Resilience};
+use runtime::yang2025::fault::FaultEstimation;
+use runtime::yang2025::law::Gains;
+use runtime::yang2025::performance::Performance;
+use runtime::yang2025::{Controller, Parameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use synth::model::{check_inertia, ModelError};
 
+use crate::base::bounded::{
+    plain, AtLeastOne, Finite, InsideUnit, NonNegative, OneToTwo, Plain, Positive,
+};
 use crate::base::empty_file::EmptyFile;
+use crate::controllers::law::{matrix, LawFile};
+use crate::plants::RigidBodySystem;
 
 /// Law (20) inside of the envelope (10)-(12) of Yang et al. 2025.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,8 +28,9 @@ pub struct YangFile {
     /// Nominal actuator matrix D0: torque about each body axis (rows) per unit torque of each actuator
     /// (columns); the identity when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub actuator_matrix: Option<[[f64; 3]; 3]>,
+    pub actuator_matrix: Option<[[Finite; 3]; 3]>,
     /// Largest torque of each actuator, above 0 [N m].
+    #[serde(with = "Plain::<[Positive; 3]>")]
     pub torque_limit_nm: [f64; 3],
     /// The envelope of each component of the error quaternion's vector part.
     pub envelope: YangEnvelopeFile,
@@ -33,6 +47,7 @@ pub struct YangEnvelopeFile {
     /// The performance function rho(t).
     pub performance: YangPerformanceFile,
     /// a in (10), above 0.
+    #[serde(with = "Plain::<Positive>")]
     pub shape: f64,
     /// True for (10), wide on the side of the initial error and narrow on the other; false for bounds
     /// of -a rho and a rho.
@@ -66,12 +81,15 @@ pub enum YangPerformanceFile {
 #[serde(deny_unknown_fields)]
 pub struct AppointedTimeFile {
     /// rho_0, above `final_level`.
+    #[serde(with = "Plain::<Positive>")]
     pub initial_level: f64,
     /// rho_inf, above 0.
+    #[serde(with = "Plain::<Positive>")]
     pub final_level: f64,
     /// t_f of each component, above 0 (s).
     pub appointed_time_s: [f64; 3],
     /// k, above 0 [1/s].
+    #[serde(with = "Plain::<Positive>")]
     pub rate_per_s: f64,
     /// b, in [0.001, 50].
     pub offset: f64,
@@ -82,10 +100,13 @@ pub struct AppointedTimeFile {
 #[serde(deny_unknown_fields)]
 pub struct ExponentialFile {
     /// Level at the start, above `final_level`.
+    #[serde(with = "Plain::<Positive>")]
     pub initial_level: f64,
     /// Level it tends to, above 0.
+    #[serde(with = "Plain::<Positive>")]
     pub final_level: f64,
     /// Rate, above 0 [1/s].
+    #[serde(with = "Plain::<Positive>")]
     pub rate_per_s: f64,
 }
 
@@ -94,12 +115,14 @@ pub struct ExponentialFile {
 #[serde(deny_unknown_fields)]
 pub struct AdhesionFile {
     /// lambda, 1 or above.
+    #[serde(with = "Plain::<AtLeastOne>")]
     pub width: f64,
     /// nu, above 0.
+    #[serde(with = "Plain::<Positive>")]
     pub exponent: f64,
     /// Time after which the terms are zero, above 0; the appointed times when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub span_s: Option<[f64; 3]>,
+    pub span_s: Option<[Positive; 3]>,
 }
 
 /// Parameters of (11).
@@ -107,16 +130,22 @@ pub struct AdhesionFile {
 #[serde(deny_unknown_fields)]
 pub struct ResilienceFile {
     /// delta_1, above 0 [1/(N m s)].
+    #[serde(with = "Plain::<Positive>")]
     pub fault_gain_per_nm_s: f64,
     /// delta_2, 0 or above.
+    #[serde(with = "Plain::<NonNegative>")]
     pub rate_gain: f64,
     /// delta_3, above 0 [1/s].
+    #[serde(with = "Plain::<Positive>")]
     pub decay_per_s: f64,
     /// delta_4, above 0.
+    #[serde(with = "Plain::<Positive>")]
     pub decay_size: f64,
     /// kappa_1, 0 or above: how far the bound on the side away from the fault moves outwards.
+    #[serde(with = "Plain::<NonNegative>")]
     pub away_width: f64,
     /// kappa_2, 0 or above: how far the bound on the side the fault pushes to moves outwards.
+    #[serde(with = "Plain::<NonNegative>")]
     pub toward_width: f64,
 }
 
@@ -125,16 +154,22 @@ pub struct ResilienceFile {
 #[serde(deny_unknown_fields)]
 pub struct YangGainsFile {
     /// k1, above 0 [rad/s].
+    #[serde(with = "Plain::<Positive>")]
     pub surface_gain_rad_s: f64,
     /// p/q, in (1, 2).
+    #[serde(with = "Plain::<OneToTwo>")]
     pub surface_exponent: f64,
     /// k2, above 0 [N m s/rad].
+    #[serde(with = "Plain::<Positive>")]
     pub linear_gain_nm_s_rad: f64,
     /// k3, above 0 [N m (s/rad)^chi].
+    #[serde(with = "Plain::<Positive>")]
     pub power_gain: f64,
     /// chi, in (0, 1).
+    #[serde(with = "Plain::<InsideUnit>")]
     pub power_exponent: f64,
     /// zeta of each axis, 0 or above [rad/s].
+    #[serde(with = "Plain::<[NonNegative; 3]>")]
     pub dead_zone_rad_s: [f64; 3],
 }
 
@@ -155,6 +190,7 @@ pub enum FaultEstimationFile {
 #[serde(deny_unknown_fields)]
 pub struct LowPassFile {
     /// Time constant, above 0 (s).
+    #[serde(with = "Plain::<Positive>")]
     pub time_constant_s: f64,
 }
 
@@ -163,5 +199,154 @@ pub struct LowPassFile {
 #[serde(deny_unknown_fields)]
 pub struct ObserverFile {
     /// Bandwidth, above 0 [rad/s].
+    #[serde(with = "Plain::<Positive>")]
     pub bandwidth_rad_s: f64,
+}
+
+/// The checked controller.
+#[derive(Debug, Clone, Copy)]
+pub struct YangChoice {
+    /// Parameters that the flight code accepts.
+    pub parameters: Parameters<3>,
+    /// Whether the simulation gives it the true fault.
+    pub told_fault: bool,
+}
+
+impl LawFile for YangFile {
+    type Law = YangChoice;
+
+    /// The flight code checks what relates several numbers; the plant's inertia stands in for a nominal one
+    /// that is left out.
+    fn check(&self, system: &RigidBodySystem) -> Result<YangChoice, ModelError> {
+        let gains = &self.gains;
+        let parameters = Parameters {
+            inertia: match &self.nominal_inertia_kg_m2 {
+                None => *system.body.inertia(),
+                Some(rows) => check_inertia("nominal_inertia_kg_m2", rows)?,
+            },
+            actuator_matrix: match &self.actuator_matrix {
+                None => Matrix3::identity(),
+                Some(rows) => matrix(&rows.map(|row| plain(&row))),
+            },
+            torque_limit: Vector3::from(self.torque_limit_nm),
+            envelopes: self.envelope.parameters()?,
+            gains: Gains {
+                surface_gain: gains.surface_gain_rad_s,
+                surface_exponent: gains.surface_exponent,
+                linear_gain: gains.linear_gain_nm_s_rad,
+                power_gain: gains.power_gain,
+                power_exponent: gains.power_exponent,
+                dead_zone_rad_s: Vector3::from(gains.dead_zone_rad_s),
+            },
+            fault_estimation: match &self.fault_estimation {
+                FaultEstimationFile::Perfect(_) => FaultEstimation::External,
+                FaultEstimationFile::LowPass(filter) => FaultEstimation::LowPass {
+                    time_constant_s: filter.time_constant_s,
+                },
+                FaultEstimationFile::Observer(observer) => FaultEstimation::ExtendedState {
+                    bandwidth_rad_s: observer.bandwidth_rad_s,
+                },
+            },
+        };
+        Controller::new(parameters).map_err(located)?;
+        Ok(YangChoice {
+            parameters,
+            told_fault: matches!(self.fault_estimation, FaultEstimationFile::Perfect(_)),
+        })
+    }
+
+    fn assume_inertia(&mut self, inertia_kg_m2: &[[f64; 3]; 3]) {
+        self.nominal_inertia_kg_m2.get_or_insert(*inertia_kg_m2);
+    }
+}
+
+impl YangEnvelopeFile {
+    /// The envelope of each component.
+    fn parameters(&self) -> Result<[EnvelopeParameters; 3], ModelError> {
+        let appointed = match &self.performance {
+            YangPerformanceFile::AppointedTime(function) => Some(function.appointed_time_s),
+            YangPerformanceFile::Exponential(_) => None,
+        };
+        let given = self.adhesion.as_ref().and_then(|adhesion| adhesion.span_s);
+        let spans = given.map(|spans| plain(&spans)).or(appointed);
+        if self.adhesion.is_some() && spans.is_none() {
+            return Err(ModelError::WrongShape {
+                field: "envelope.adhesion.span_s".to_string(),
+                found: "no value".to_string(),
+                expected: "3 times, because an exponential has no appointed time".to_string(),
+            });
+        }
+        let adhesion = self.adhesion.as_ref().zip(spans);
+        let resilience = self.resilience.as_ref();
+        Ok(std::array::from_fn(|axis| EnvelopeParameters {
+            performance: self.performance.of_axis(axis),
+            shape: self.shape,
+            one_sided: self.one_sided,
+            adhesion: adhesion.map(|(file, spans)| Adhesion {
+                width: file.width,
+                exponent: file.exponent,
+                span_s: spans[axis],
+            }),
+            resilience: resilience.map(|file| Resilience {
+                fault_gain: file.fault_gain_per_nm_s,
+                rate_gain: file.rate_gain,
+                decay_per_s: file.decay_per_s,
+                decay_size: file.decay_size,
+                away_width: file.away_width,
+                toward_width: file.toward_width,
+            }),
+        }))
+    }
+}
+
+impl YangPerformanceFile {
+    fn of_axis(&self, axis: usize) -> Performance {
+        match self {
+            YangPerformanceFile::AppointedTime(function) => Performance::AppointedTime {
+                initial_level: function.initial_level,
+                final_level: function.final_level,
+                appointed_time_s: function.appointed_time_s[axis],
+                rate_per_s: function.rate_per_s,
+                offset: function.offset,
+            },
+            YangPerformanceFile::Exponential(function) => Performance::Exponential {
+                initial_level: function.initial_level,
+                final_level: function.final_level,
+                rate_per_s: function.rate_per_s,
+            },
+        }
+    }
+}
+
+/// The flight code's refusal in terms of the file: the ranges of single numbers are checked when they are
+/// read, so that it is about the performance function or the actuator matrix.
+fn located(error: ParameterError) -> ModelError {
+    match error {
+        ParameterError::OutOfRange {
+            field,
+            value,
+            allowed,
+        } => {
+            let function = match field.name {
+                "initial_level" => "envelope.performance: ",
+                _ => "envelope.performance.appointed_time.",
+            };
+            ModelError::OutOfRange {
+                field: format!("{function}{}", field.name),
+                value,
+                allowed: format!("in {allowed}"),
+            }
+        }
+        ParameterError::RankDeficient { determinant, .. } => ModelError::OutOfRange {
+            field: "actuator_matrix".to_string(),
+            value: determinant,
+            allowed: "a matrix that reaches every axis; this is its relative determinant"
+                .to_string(),
+        },
+        other => ModelError::WrongShape {
+            field: "yang2025".to_string(),
+            found: other.to_string(),
+            expected: "parameters that the flight code accepts".to_string(),
+        },
+    }
 }

@@ -2,14 +2,14 @@
 
 use nalgebra::SVector;
 use synth::fuzzy::VertexSystem;
-use synth::model::{check_positive, finite, Model, ModelError, Plant, PlantFile};
+use synth::model::{finite, vertex_system, ModelError};
 
-use super::file::{MixingFile, TakagiSugenoFile};
-use super::Mixing;
-use crate::base::plant_model::{placeholder, relocated};
+use super::file::{Mixing, SignalFile, TakagiSugenoFile};
+use crate::base::plant_model::relocated;
 use crate::base::ranges::{each, not_negative, require};
 use crate::sim::disturbance::{Disturbance, Harmonic};
 use crate::sim::embedding;
+use crate::sim::plant::PlantFile;
 
 /// Largest Takagi-Sugeno plant: states (and disturbances).
 pub const MAX_STATES: usize = 24;
@@ -33,94 +33,75 @@ pub struct TakagiSugenoSystem {
     pub input_delay_s: f64,
 }
 
-pub(crate) fn takagi_sugeno(file: &TakagiSugenoFile) -> Result<TakagiSugenoSystem, ModelError> {
-    let model = Model::new(placeholder(PlantFile::Vertices(file.vertices.clone())))
-        .map_err(|error| relocated(error, "plant.vertices.", "vertices."))?;
-    let Plant::Vertices(system) = model.plant else {
-        return Err(length("vertices", 0, 1));
-    };
-    let (states, inputs) = system.input_matrix.shape();
-    let sizes = [
-        ("vertices.state_matrices", states, MAX_STATES),
-        ("vertices.input_matrix", inputs, MAX_INPUTS),
-        (
-            "vertices.disturbance_matrix",
-            system.disturbance_matrix.ncols(),
-            MAX_STATES,
-        ),
-    ];
-    for (field, size, largest) in sizes {
-        let allowed = format!("at most {largest} columns; this is their number");
-        require(size <= largest, field, size as f64, &allowed)?;
-    }
-    if file.initial_state.len() != states {
-        return Err(length("initial_state", file.initial_state.len(), states));
-    }
-    each("initial_state", &file.initial_state, finite)?;
-    not_negative("state_noise", file.state_noise)?;
-    not_negative("input_delay_s", file.input_delay_s)?;
-    Ok(TakagiSugenoSystem {
-        mixing: mixing(&file.mixing, system.state_matrices.len())?,
-        disturbance: signal(file, system.disturbance_matrix.ncols())?,
-        initial_state: file.initial_state.clone(),
-        state_noise: file.state_noise,
-        input_delay_s: file.input_delay_s,
-        system,
-    })
-}
+impl PlantFile for TakagiSugenoFile {
+    type System = TakagiSugenoSystem;
 
-pub(crate) fn length(field: &str, found: usize, expected: usize) -> ModelError {
-    ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{found} entries"),
-        expected: format!("{expected} entries"),
-    }
-}
+    const QUANTITIES: &'static [&'static str] = &["state_norm"];
 
-fn mixing(file: &MixingFile, vertices: usize) -> Result<Mixing, ModelError> {
-    match file {
-        MixingFile::Constant(weights) => {
+    fn check(&self, _seed: u64) -> Result<TakagiSugenoSystem, ModelError> {
+        let system = vertex_system(&self.vertices)
+            .map_err(|error| relocated(error, "plant.vertices.", "vertices."))?;
+        let (states, inputs) = system.input_matrix.shape();
+        let disturbances = system.disturbance_matrix.ncols();
+        for (field, size, largest) in [
+            ("vertices.state_matrices", states, MAX_STATES),
+            ("vertices.input_matrix", inputs, MAX_INPUTS),
+            ("vertices.disturbance_matrix", disturbances, MAX_STATES),
+        ] {
+            let allowed = format!("at most {largest} columns; this is their number");
+            require(size <= largest, field, size as f64, &allowed)?;
+        }
+        check_length("initial_state", &self.initial_state, states)?;
+        each("initial_state", &self.initial_state, finite)?;
+        if let Mixing::Constant(weights) = &self.mixing {
             let field = "mixing.constant";
-            if weights.len() != vertices {
-                return Err(length(field, weights.len(), vertices));
-            }
+            check_length(field, weights, system.state_matrices.len())?;
             each(field, weights, not_negative)?;
             let sum: f64 = weights.iter().sum();
             let ok = (sum - 1.0).abs() <= 1e-12;
             require(ok, field, sum, "weights with sum 1; this is their sum")?;
-            Ok(Mixing::Constant(weights.clone()))
         }
-        MixingFile::Model => Ok(Mixing::Model),
-        MixingFile::Cycle(cycle) => {
-            check_positive("mixing.cycle.dwell_s", cycle.dwell_s)?;
-            Ok(Mixing::Cycle {
-                dwell_s: cycle.dwell_s,
-            })
-        }
+        Ok(TakagiSugenoSystem {
+            mixing: self.mixing.clone(),
+            disturbance: signal(&self.disturbance, disturbances)?,
+            initial_state: self.initial_state.clone(),
+            state_noise: self.state_noise,
+            input_delay_s: self.input_delay_s,
+            system,
+        })
     }
 }
 
-fn signal(file: &TakagiSugenoFile, size: usize) -> Result<Disturbance<MAX_STATES>, ModelError> {
+fn check_length(field: &str, values: &[f64], expected: usize) -> Result<(), ModelError> {
+    if values.len() == expected {
+        return Ok(());
+    }
+    Err(ModelError::WrongShape {
+        field: field.to_string(),
+        found: format!("{} entries", values.len()),
+        expected: format!("{expected} entries"),
+    })
+}
+
+fn signal(file: &SignalFile, size: usize) -> Result<Disturbance<MAX_STATES>, ModelError> {
     let part = |field: &str, values: &[f64]| -> Result<SVector<f64, MAX_STATES>, ModelError> {
-        if !values.is_empty() && values.len() != size {
-            return Err(length(field, values.len(), size));
+        if !values.is_empty() {
+            check_length(field, values, size)?;
         }
         each(field, values, finite)?;
         Ok(embedding::vector(values))
     };
-    let mut harmonics = Vec::new();
-    for (index, sine) in file.disturbance.sines.iter().enumerate() {
+    let harmonics = file.sines.iter().enumerate().map(|(index, sine)| {
         let field = format!("disturbance.sines[{index}]");
-        check_positive(&format!("{field}.frequency_rad_s"), sine.frequency_rad_s)?;
-        harmonics.push(Harmonic {
+        Ok(Harmonic {
             frequency_rad_s: sine.frequency_rad_s,
             sine: part(&format!("{field}.sine"), &sine.sine)?,
             cosine: part(&format!("{field}.cosine"), &sine.cosine)?,
-        });
-    }
+        })
+    });
     Ok(Disturbance {
-        bias: part("disturbance.bias", &file.disturbance.bias)?,
-        harmonics,
+        bias: part("disturbance.bias", &file.bias)?,
+        harmonics: harmonics.collect::<Result<_, ModelError>>()?,
         table: None,
         pulses: Vec::new(),
     })

@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::VerticesPlant;
 
+use crate::base::bounded::{NonNegative, Plain, Positive};
+
 /// A Takagi-Sugeno model as the plant: x' = A(t) x + B u + B_w tau.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -11,38 +13,34 @@ pub struct TakagiSugenoFile {
     /// Its vertex systems, as in a model file. At most 24 states and 12 inputs.
     pub vertices: VerticesPlant,
     /// How they are weighted in time.
-    pub mixing: MixingFile,
+    pub mixing: Mixing,
     /// State at the start, n entries.
     pub initial_state: Vec<f64>,
     /// Disturbance; none when left out.
     #[serde(default)]
     pub disturbance: SignalFile,
     /// Standard deviation of the measurement of each state, not negative.
-    #[serde(default)]
+    #[serde(default, with = "Plain::<NonNegative>")]
     pub state_noise: f64,
     /// Time from command to input, not negative (s).
-    #[serde(default)]
+    #[serde(default, with = "Plain::<NonNegative>")]
     pub input_delay_s: f64,
 }
 
-/// Weights of the vertex systems in time.
+/// How the vertex systems are weighted in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MixingFile {
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Mixing {
     /// Constant weights, one for each vertex, not negative, with sum 1.
     Constant(Vec<f64>),
-    /// From each vertex to the next and back to the first.
-    Cycle(CycleFile),
+    /// From each vertex to the next and from the last back to the first, linearly.
+    Cycle {
+        /// Time from one vertex to the next, above 0 (s).
+        #[serde(with = "Plain::<Positive>")]
+        dwell_s: f64,
+    },
     /// By the memberships of the design's model at the plant's state; the vertices are its rules.
     Model,
-}
-
-/// A cycle through the vertices.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CycleFile {
-    /// Time from one vertex to the next, above 0 (s).
-    pub dwell_s: f64,
 }
 
 /// A disturbance of any size: the sum of its parts.
@@ -62,6 +60,7 @@ pub struct SignalFile {
 #[serde(deny_unknown_fields)]
 pub struct SignalSineFile {
     /// Angular frequency, above 0 [rad/s].
+    #[serde(with = "Plain::<Positive>")]
     pub frequency_rad_s: f64,
     /// Amplitude of the sine.
     #[serde(default)]

@@ -21,13 +21,15 @@ pub use file::{
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
 pub use ranges::{
-    check_count, check_line, check_matrix, check_not_negative, check_positive,
+    check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     check_positive_definite, check_symmetric, finite, MAX_BOUNDS, MAX_COLUMNS,
 };
 pub use read::{
     make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,
 };
-pub use validate::{check_bounds, check_state_matrices, Model, MAX_SCHEDULED_RULES};
+pub use validate::{
+    check_bounds, check_state_matrices, spacecraft, vertex_system, Model, MAX_SCHEDULED_RULES,
+};
 
 use nalgebra::{DMatrix, Matrix3};
 

@@ -139,7 +139,8 @@ fn size_word(size: Option<usize>) -> String {
     size.map_or("at least 1".to_string(), |size| size.to_string())
 }
 
-pub(super) fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
+/// An inertia matrix [kg m^2]: 3 x 3, symmetric positive definite.
+pub fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
     let inertia = check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
     check_positive_definite(field, &inertia)?;

@@ -158,7 +158,8 @@ fn check_gain_form(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
     }
 }
 
-fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
+/// The plant of an exact spacecraft; fields are named from `plant.exact` on.
+pub fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
     let inertia = check_inertia("plant.exact.inertia_kg_m2", &exact.inertia_kg_m2)?;
     for axis in 0..3 {
         let torque = format!("plant.exact.torque_limit_nm[{axis}]");
@@ -218,7 +219,8 @@ pub fn check_state_matrices(matrices: &[Vec<Vec<f64>>]) -> Result<Vec<DMatrix<f6
     checked.collect()
 }
 
-fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
+/// The plant given by its vertices; fields are named from `plant.vertices` on.
+pub fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
     let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
         field: format!("plant.vertices.{field}"),
         found,

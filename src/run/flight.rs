@@ -1,0 +1,129 @@
+//! One run of a plant in its surroundings, with any controller.
+
+use super::design::Design;
+use super::inner::InnerMonitor;
+use super::judge::{self, About};
+use super::log::{Kept, Log, Monitors};
+use super::outcome::{Outcome, Recording};
+use super::summary::Summary;
+use crate::scenario::Scenario;
+use crate::sim::bench::{Bench, Gauge};
+use crate::sim::closed_loop::{ClosedLoop, End};
+use crate::sim::controller::{Controller, Use};
+use crate::sim::link::Link;
+use crate::sim::lyapunov::LyapunovMonitor;
+use crate::sim::plant::Plant;
+use crate::sim::sampling::Sampling;
+use crate::sim::sensor::Sensor;
+
+/// A run that waits for its controller.
+pub(crate) struct Flight<'a, P, S, G, const N: usize, const M: usize, const D: usize> {
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// Its plant.
+    pub bench: Bench<P, S, G, N, M, D>,
+    /// The design that the controller is from, where it is from one.
+    pub design: Option<&'a Design>,
+    /// What is between the controller and the actuators.
+    pub link: Option<Link<M>>,
+    /// What is recorded.
+    pub recording: &'a Recording<'a>,
+}
+
+/// A [`Flight`] of a plant whose certificates are about `L` states.
+pub(crate) struct Certified<F, const L: usize>(pub F);
+
+impl<P, S, G, const N: usize, const M: usize, const D: usize, const L: usize> Use<S::Measurement, M>
+    for Certified<Flight<'_, P, S, G, N, M, D>, L>
+where
+    P: Plant<N, M, D>,
+    S: Sensor<N>,
+    G: Gauge<N, M, D, L, Seen = S::Measurement>,
+{
+    type Output = (End, Log<G, N, M, D, L>);
+
+    fn with<C: Controller<S::Measurement, M>>(self, controller: C) -> Self::Output {
+        let Flight {
+            scenario,
+            bench,
+            design,
+            mut link,
+            recording,
+        } = self.0;
+        let breakpoints_s = bench.discontinuities_s(scenario.duration_s);
+        let monitors = Monitors {
+            lyapunov: design.map(|design| LyapunovMonitor::new(design.claims())),
+            inner: design.and_then(|design| Some(InnerMonitor::new(design.inner_claims()?))),
+        };
+        let kept = Kept {
+            interval_s: recording.trajectory.then_some(scenario.output_interval_s),
+            profile_times_s: recording.profile_times_s,
+            signals: controller.signal_names(),
+            linked: link.is_some(),
+        };
+        let tail_from_s = scenario.duration_s - scenario.tail_s;
+        let mut log = Log::new(bench.gauge, tail_from_s, monitors, &kept);
+        let closed_loop = ClosedLoop {
+            plant: &bench.plant,
+            disturbance: &bench.disturbance,
+            sensor: bench.sensor,
+            controller,
+            link: link.as_mut(),
+            sampling: Sampling::new(
+                scenario.instants,
+                scenario.dropout_probability,
+                scenario.seed,
+            ),
+            actuators: &bench.actuators,
+            breakpoints_s,
+            method: scenario.method,
+            duration_s: scenario.duration_s,
+        };
+        let end = closed_loop.run(&bench.initial, &mut log);
+        log.link = link.map(|link| link.outcome());
+        (end, log)
+    }
+}
+
+/// A controller without a trigger of its own sends what the encoder behind it sends.
+fn messages_on_the_link(summary: &mut Summary) {
+    let Some(link) = &summary.link else {
+        return;
+    };
+    summary.measured.triggers = link.messages;
+    summary.measured.bits = link.bits;
+    summary.measured.bytes = link.bytes;
+    summary.shortest_interval_s = link.shortest_interval_s;
+    summary.mean_interval_s = link.mean_interval_s;
+}
+
+/// The outcome of a run.
+pub(crate) fn finish<G, const N: usize, const M: usize, const D: usize, const L: usize>(
+    scenario: &Scenario,
+    design: Option<&Design>,
+    (end, log): (End, Log<G, N, M, D, L>),
+    about: About,
+) -> Outcome
+where
+    G: Gauge<N, M, D, L>,
+{
+    let start = log.start.as_ref().map(|start| log.gauge.certified(start));
+    let from_rest = start.is_some_and(|start| start.norm() == 0.0);
+    let certificate = design.zip(log.monitors.lyapunov.as_ref());
+    let certificate = certificate.map(|(design, monitor)| {
+        let monitors = (monitor, log.monitors.inner.as_ref());
+        judge::certificate(scenario, design, monitors, &log.events, from_rest)
+    });
+    let sends_by_link = about.sends_by_link;
+    let mut summary = judge::summary(scenario, design, &log, (about, end), certificate);
+    if sends_by_link {
+        messages_on_the_link(&mut summary);
+    }
+    judge::conclude(scenario, &mut summary, end);
+    let (profile, trajectory) = log.into_records(end == End::Completed);
+    Outcome {
+        summary,
+        trajectory,
+        profile,
+    }
+}
