@@ -196,11 +196,18 @@ impl<T: JsonSchema> JsonSchema for Plain<T> {
     }
 }
 
-impl Default for BelowOne {
-    fn default() -> Self {
-        Self(0.0)
-    }
+/// Zero, for those ranges that hold it.
+macro_rules! zero_by_default {
+    ($($name:ident)+) => {$(
+        impl Default for $name {
+            fn default() -> Self {
+                Self(0.0)
+            }
+        }
+    )+};
 }
+
+zero_by_default! { Finite NonNegative BelowOne }
 
 /// The plain numbers of a list.
 pub fn plain<T: Copy + Into<f64>, const N: usize>(numbers: &[T; N]) -> [f64; N] {

@@ -53,44 +53,29 @@ pub struct RuleFile {
 
 /// The threshold of the trigger, in [0, 1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ThresholdFile {
     /// It never changes.
-    Fixed(FixedThresholdFile),
+    Fixed {
+        /// nu.
+        nu: BelowOne,
+    },
     /// The published update between two bounds.
-    Clamped(ClampedThresholdFile),
+    Clamped {
+        /// Smallest and first threshold.
+        nu_min: BelowOne,
+        /// Largest threshold, not below the smallest.
+        nu_max: BelowOne,
+        /// mu_1, mu_2, mu_3, each not negative.
+        mu: [NonNegative; 3],
+    },
     /// The published update, bounded from below only.
-    UnclampedAsPublished(UnclampedThresholdFile),
-}
-
-/// A constant threshold.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FixedThresholdFile {
-    /// nu.
-    pub nu: BelowOne,
-}
-
-/// The published update between two bounds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ClampedThresholdFile {
-    /// Smallest and first threshold.
-    pub nu_min: BelowOne,
-    /// Largest threshold, not below the smallest.
-    pub nu_max: BelowOne,
-    /// mu_1, mu_2, mu_3, each not negative.
-    pub mu: [NonNegative; 3],
-}
-
-/// The published update, bounded from below only.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct UnclampedThresholdFile {
-    /// Smallest and first threshold.
-    pub nu_min: BelowOne,
-    /// mu_1, mu_2, mu_3, each not negative.
-    pub mu: [NonNegative; 3],
+    UnclampedAsPublished {
+        /// Smallest and first threshold.
+        nu_min: BelowOne,
+        /// mu_1, mu_2, mu_3, each not negative.
+        mu: [NonNegative; 3],
+    },
 }
 
 /// A claim of a paper.
@@ -262,23 +247,25 @@ fn weight(rows: &[[f64; 6]; 6]) -> Result<Matrix6<f64>, ModelError> {
 
 fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
     Ok(match file {
-        ThresholdFile::Fixed(fixed) => ThresholdUpdate::Fixed {
-            threshold: fixed.nu.get(),
+        ThresholdFile::Fixed { nu } => ThresholdUpdate::Fixed {
+            threshold: nu.get(),
         },
-        ThresholdFile::Clamped(clamped) => {
-            let (minimum, maximum) = (clamped.nu_min.get(), clamped.nu_max.get());
+        ThresholdFile::Clamped { nu_min, nu_max, mu } => {
+            let (minimum, maximum) = (nu_min.get(), nu_max.get());
             let field = "threshold.clamped.nu_max";
             require(minimum <= maximum, field, maximum, "nu_min or above")?;
             ThresholdUpdate::Clamped {
-                adaptation: adaptation(&clamped.mu),
+                adaptation: adaptation(mu),
                 minimum,
                 maximum,
             }
         }
-        ThresholdFile::UnclampedAsPublished(printed) => ThresholdUpdate::UnclampedAsPublished {
-            adaptation: adaptation(&printed.mu),
-            minimum: printed.nu_min.get(),
-        },
+        ThresholdFile::UnclampedAsPublished { nu_min, mu } => {
+            ThresholdUpdate::UnclampedAsPublished {
+                adaptation: adaptation(mu),
+                minimum: nu_min.get(),
+            }
+        }
     })
 }
 

@@ -1,10 +1,11 @@
 //! From a scenario file to checked numbers.
 
-use synth::model::{check_line, parse, FileError, Kind, ModelError};
+use synth::model::{check_line, finite, parse, FileError, Kind, ModelError};
 
 use super::dispersions::{check_dispersions, Dispersions};
 use super::file::{MetricsFile, RequirementFile, ScenarioFile, SCENARIO_SCHEMA_VERSION};
 use super::link::check_link;
+use crate::base::bounded::{HalfTurn, InsideUnit, Positive};
 use crate::base::provenance::sha256_of;
 use crate::base::ranges::require;
 use crate::controllers::registry::check_controller;
@@ -115,7 +116,12 @@ impl Scenario {
         let dispersions = file.dispersions.as_ref();
         let dispersions = dispersions.map(|all| check_dispersions(all, &file.system));
         let dispersions = dispersions.transpose();
-        let tolerance_deg = file.metrics.settle_tolerance_deg;
+        let metrics = &file.metrics;
+        let (angle_deg, component) = (
+            metrics.settle_tolerance_deg,
+            metrics.settle_tolerance_component,
+        );
+        let (state, tail_s) = (metrics.settle_tolerance_state, metrics.tail_s);
         Ok(Self {
             name: file.name.clone(),
             source: file.source.clone(),
@@ -128,18 +134,12 @@ impl Scenario {
             controller,
             link: link.transpose()?,
             method,
-            settle_tolerance_rad: tolerance_deg
-                .unwrap_or(DEFAULT_SETTLE_TOLERANCE_DEG)
+            settle_tolerance_rad: angle_deg
+                .map_or(DEFAULT_SETTLE_TOLERANCE_DEG, HalfTurn::get)
                 .to_radians(),
-            settle_tolerance_component: file.metrics.settle_tolerance_component,
-            settle_tolerance_state: file
-                .metrics
-                .settle_tolerance_state
-                .unwrap_or(DEFAULT_SETTLE_TOLERANCE_STATE),
-            tail_s: file
-                .metrics
-                .tail_s
-                .unwrap_or(DEFAULT_TAIL * file.duration_s),
+            settle_tolerance_component: component.map(InsideUnit::get),
+            settle_tolerance_state: state.map_or(DEFAULT_SETTLE_TOLERANCE_STATE, Positive::get),
+            tail_s: tail_s.map_or(DEFAULT_TAIL * file.duration_s, Positive::get),
             requirements: file.requirements.clone(),
             output_interval_s: check_output(file)?,
             dispersions: dispersions.map_err(|error| error.within("dispersions"))?,
@@ -226,22 +226,26 @@ fn check_metrics(file: &MetricsFile, duration: f64) -> Result<(), ModelError> {
         let field = "metrics.settle_tolerance_component";
         let alone = file.settle_tolerance_deg.is_none();
         let allowed = "left out when settle_tolerance_deg is given";
-        require(alone, field, tolerance, allowed)?;
+        require(alone, field, tolerance.get(), allowed)?;
     }
-    let tail = file.tail_s.unwrap_or(duration);
+    let tail = file.tail_s.map_or(duration, Positive::get);
     let allowed = "above 0 and at most duration_s";
     require(tail <= duration, "metrics.tail_s", tail, allowed)
 }
 
 fn check_requirements(requirements: &[RequirementFile]) -> Result<(), ModelError> {
     for (index, requirement) in requirements.iter().enumerate() {
-        let most = requirement.at_most.is_some();
-        if most == requirement.at_least.is_some() {
-            return Err(ModelError::WrongShape {
-                field: format!("requirements[{index}]"),
-                found: format!("{} limits", 2 * u8::from(most)),
-                expected: "1 limit: at_most or at_least".to_string(),
-            });
+        let field = format!("requirements[{index}]");
+        match (requirement.at_most, requirement.at_least) {
+            (Some(limit), None) => finite(&format!("{field}.at_most"), limit)?,
+            (None, Some(limit)) => finite(&format!("{field}.at_least"), limit)?,
+            (most, _) => {
+                return Err(ModelError::WrongShape {
+                    field,
+                    found: format!("{} limits", 2 * u8::from(most.is_some())),
+                    expected: "1 limit: at_most or at_least".to_string(),
+                })
+            }
         }
     }
     Ok(())
@@ -249,7 +253,7 @@ fn check_requirements(requirements: &[RequirementFile]) -> Result<(), ModelError
 
 fn check_output(file: &ScenarioFile) -> Result<f64, ModelError> {
     let default = file.duration_s / DEFAULT_ROWS;
-    let interval = file.output.interval_s.unwrap_or(default);
+    let interval = file.output.interval_s.map_or(default, Positive::get);
     let allowed = format!("at least duration_s / {MAX_ROWS:e}");
     let ok = interval >= file.duration_s / MAX_ROWS;
     require(ok, "output.interval_s", interval, &allowed)?;

@@ -6,7 +6,6 @@ use synth::model::ModelError;
 
 use super::distribution::Distribution;
 use crate::base::bounded::{Plain, Positive, UnitInterval};
-use crate::base::empty_file::EmptyFile;
 use crate::base::ranges::require;
 use crate::plants::SystemFile;
 
@@ -59,20 +58,15 @@ pub enum PlanFile {
 
 /// Attitude at the start.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum AttitudeDispersionFile {
     /// Any attitude, uniform over all rotations. Write `{}` after it.
-    Uniform(EmptyFile),
+    Uniform {},
     /// The scenario's attitude turned about an axis of uniformly random direction.
-    AxisAngle(TurnFile),
-}
-
-/// A turn about a random axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TurnFile {
-    /// The angle (deg).
-    pub angle_deg: Distribution,
+    AxisAngle {
+        /// The angle (deg).
+        angle_deg: Distribution,
+    },
 }
 
 /// The boundary of the certified set x'Ux <= 1 of a design.
@@ -312,11 +306,10 @@ fn check_start(
 ) -> Result<(), ModelError> {
     match &file.initial_attitude {
         None => {}
-        Some(AttitudeDispersionFile::Uniform(_)) => all.push(Dispersion::AnyAttitude),
-        Some(AttitudeDispersionFile::AxisAngle(turn)) => {
-            turn.angle_deg
-                .check("initial_attitude.axis_angle.angle_deg")?;
-            all.push(Dispersion::Turn(turn.angle_deg.clone()));
+        Some(AttitudeDispersionFile::Uniform {}) => all.push(Dispersion::AnyAttitude),
+        Some(AttitudeDispersionFile::AxisAngle { angle_deg }) => {
+            angle_deg.check("initial_attitude.axis_angle.angle_deg")?;
+            all.push(Dispersion::Turn(angle_deg.clone()));
         }
     }
     let rate = optional("initial_rate_rad_s", &file.initial_rate_rad_s)?;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispersions::DispersionsFile;
 use super::link::LinkFile;
-use crate::base::bounded::{BelowOne, Finite, HalfTurn, InsideUnit, Plain, Positive};
+use crate::base::bounded::{BelowOne, HalfTurn, InsideUnit, Plain, Positive};
 use crate::controllers::ControllerFile;
 use crate::plants::SystemFile;
 use crate::sim::integrator::Method;
@@ -103,36 +103,20 @@ pub struct SamplingFile {
 pub struct MetricsFile {
     /// A spacecraft has settled when its attitude error stays below this, above 0; 1 when left out
     /// (deg).
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<HalfTurn>>"
-    )]
-    pub settle_tolerance_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle_tolerance_deg: Option<HalfTurn>,
     /// Another plant has settled when the norm of its state stays below this, above 0; 0.01 when left
     /// out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<Positive>>"
-    )]
-    pub settle_tolerance_state: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle_tolerance_state: Option<Positive>,
     /// A spacecraft has settled when no component of the vector part of its error quaternion is above
     /// this in magnitude, above 0 and below 1. In the place of settle_tolerance_deg.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<InsideUnit>>"
-    )]
-    pub settle_tolerance_component: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle_tolerance_component: Option<InsideUnit>,
     /// The root mean square is taken over the last so many seconds, above 0; a fifth of the run when
     /// left out (s).
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<Positive>>"
-    )]
-    pub tail_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tail_s: Option<Positive>,
 }
 
 /// A requirement: one metric, one limit.
@@ -142,18 +126,10 @@ pub struct RequirementFile {
     /// The metric.
     pub metric: Metric,
     /// The metric must not be above this.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<Finite>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_most: Option<f64>,
     /// The metric must not be below this.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<Finite>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
 }
 
@@ -162,10 +138,6 @@ pub struct RequirementFile {
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
     /// Longest time between two rows of the trajectory, above 0; a 4000th of the run when left out (s).
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<Positive>>"
-    )]
-    pub interval_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval_s: Option<Positive>,
 }

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use crate::base::bounded::{BelowOne, NonNegative, Plain, Positive};
+use crate::base::bounded::{BelowOne, NonNegative, Positive};
 use crate::base::ranges::require;
 use crate::plants::System;
 use crate::sim::link::{LinkData, MAX_LEVELS};
@@ -21,8 +21,7 @@ pub struct LinkFile {
     /// What is sent and when.
     pub encoding: EncodingFile,
     /// Largest torque of each axis that a word can say, above 0; commands beyond it are cut off [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
-    pub torque_limit_nm: [f64; 3],
+    pub torque_limit_nm: [Positive; 3],
     /// Probability that a bit of a word arrives inverted, in [0, 1).
     #[serde(default)]
     pub bit_error_probability: BelowOne,
@@ -36,21 +35,39 @@ pub struct LinkFile {
 
 /// The encodings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum EncodingFile {
     /// Every command that differs from the one before is sent.
-    EveryChange(EveryChangeFile),
+    EveryChange {
+        /// How a torque is written; `double` when left out.
+        #[serde(default)]
+        format: FormatFile,
+    },
     /// A command is sent when it differs from the torque held by the threshold or more.
-    FixedThreshold(CommandThresholdFile),
-    /// As `fixed_threshold`, with a threshold that grows with the command.
-    RelativeThreshold(RelativeCommandThresholdFile),
+    FixedThreshold {
+        /// Threshold of each axis, above 0 and at most twice the limit [N m].
+        threshold_nm: [Positive; 3],
+        /// How a torque is written; `double` when left out.
+        #[serde(default)]
+        format: FormatFile,
+    },
+    /// As `fixed_threshold`, with the threshold `relative |u| + absolute_nm` of a command u.
+    RelativeThreshold {
+        /// Fraction of the command's magnitude, in [0, 1).
+        relative: BelowOne,
+        /// Threshold of each axis at zero, above 0 and at most twice the limit [N m].
+        absolute_nm: [Positive; 3],
+        /// How a torque is written; `double` when left out.
+        #[serde(default)]
+        format: FormatFile,
+    },
     /// Steps up and down, named by a few base-z digits: Yang et al. 2025, (21)-(23).
     ZAry(Box<ZAryFile>),
 }
 
 /// How a torque is written into a word.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FormatFile {
     /// IEEE 754 double precision: 64 bits.
     #[default]
@@ -58,51 +75,10 @@ pub enum FormatFile {
     /// IEEE 754 single precision: 32 bits.
     Single,
     /// Evenly spaced torques between the limits.
-    Quantised(QuantisedFile),
-}
-
-/// Evenly spaced torques.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct QuantisedFile {
-    /// Bits of a word, 2 to 32.
-    pub bits: u32,
-}
-
-/// Every change.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EveryChangeFile {
-    /// How a torque is written; `double` when left out.
-    #[serde(default)]
-    pub format: FormatFile,
-}
-
-/// A fixed threshold.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CommandThresholdFile {
-    /// Threshold of each axis, above 0 and at most twice the limit [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
-    pub threshold_nm: [f64; 3],
-    /// How a torque is written; `double` when left out.
-    #[serde(default)]
-    pub format: FormatFile,
-}
-
-/// The threshold `relative |u| + absolute_nm` of a command u.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RelativeCommandThresholdFile {
-    /// Share of the command's magnitude, in [0, 1).
-    #[serde(with = "Plain::<BelowOne>")]
-    pub relative: f64,
-    /// Threshold of each axis at zero, above 0 and at most twice the limit [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
-    pub absolute_nm: [f64; 3],
-    /// How a torque is written; `double` when left out.
-    #[serde(default)]
-    pub format: FormatFile,
+    Quantised {
+        /// Bits of a word, 2 to 32.
+        bits: u32,
+    },
 }
 
 /// z-ary compression.
@@ -119,38 +95,24 @@ pub struct ZAryFile {
 
 /// Levels of the command's magnitude, at most z^m / 2.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LevelsFile {
-    /// Given one by one.
-    Table(LevelTableFile),
-    /// Evenly spaced.
-    Even(EvenLevelsFile),
-}
-
-/// Levels one by one, at most 64.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LevelTableFile {
-    /// Lower ends of the intervals of the command's magnitude, from 0 upwards, below the limit [N m].
-    #[serde(with = "Plain::<Vec<NonNegative>>")]
-    pub from_nm: Vec<f64>,
-    /// Step of each interval for each axis, above 0 and at most twice the limit [N m].
-    #[serde(with = "Plain::<[Vec<Positive>; 3]>")]
-    pub threshold_nm: [Vec<f64>; 3],
-}
-
-/// Intervals of equal width up to the limit with steps that grow evenly.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EvenLevelsFile {
-    /// Number of intervals, at least 1.
-    pub count: u32,
-    /// Step of the first interval for each axis, above 0 and at most twice the limit [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
-    pub smallest_threshold_nm: [f64; 3],
-    /// Step of the last interval for each axis, above 0 and at most twice the limit [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
-    pub largest_threshold_nm: [f64; 3],
+    /// Given one by one, at most 64.
+    Table {
+        /// Lower ends of the intervals of the command's magnitude, from 0 upwards, below the limit [N m].
+        from_nm: Vec<NonNegative>,
+        /// Step of each interval for each axis, above 0 and at most twice the limit [N m].
+        threshold_nm: [Vec<Positive>; 3],
+    },
+    /// Intervals of equal width up to the limit with steps that grow evenly.
+    Even {
+        /// Number of intervals, at least 1.
+        count: u32,
+        /// Step of the first interval for each axis, above 0 and at most twice the limit [N m].
+        smallest_threshold_nm: [Positive; 3],
+        /// Step of the last interval for each axis, above 0 and at most twice the limit [N m].
+        largest_threshold_nm: [Positive; 3],
+    },
 }
 
 /// Checks the link of a file.
@@ -185,86 +147,100 @@ pub(crate) fn check_link(
 
 fn axes(file: &LinkFile) -> Result<[AxisParameters<MAX_LEVELS>; 3], ModelError> {
     let schemes = match &file.encoding {
-        EncodingFile::EveryChange(every) => {
-            let format = format(every.format);
-            [Scheme::EveryChange { format }; 3]
+        EncodingFile::EveryChange { format } => {
+            [Scheme::EveryChange {
+                format: format.number(),
+            }; 3]
         }
-        EncodingFile::FixedThreshold(fixed) => {
-            fixed.threshold_nm.map(|threshold| Scheme::FixedThreshold {
-                threshold,
-                format: format(fixed.format),
-            })
-        }
-        EncodingFile::RelativeThreshold(relative) => {
-            let scheme = |absolute| Scheme::RelativeThreshold {
-                relative: relative.relative,
-                absolute,
-                format: format(relative.format),
-            };
-            relative.absolute_nm.map(scheme)
-        }
+        EncodingFile::FixedThreshold {
+            threshold_nm,
+            format,
+        } => threshold_nm.map(|threshold| Scheme::FixedThreshold {
+            threshold: threshold.get(),
+            format: format.number(),
+        }),
+        EncodingFile::RelativeThreshold {
+            relative,
+            absolute_nm,
+            format,
+        } => absolute_nm.map(|absolute| Scheme::RelativeThreshold {
+            relative: relative.get(),
+            absolute: absolute.get(),
+            format: format.number(),
+        }),
         EncodingFile::ZAry(compressed) => {
             let alphabet = Alphabet::new(compressed.radix, compressed.digits)
                 .map_err(|error| located(file, &error))?;
-            levels(compressed)?.map(|levels| Scheme::Compressed { alphabet, levels })
+            let levels = compressed.levels.of_axes()?;
+            levels.map(|levels| Scheme::Compressed { alphabet, levels })
         }
     };
     Ok(std::array::from_fn(|axis| AxisParameters {
-        limit: file.torque_limit_nm[axis],
+        limit: file.torque_limit_nm[axis].get(),
         scheme: schemes[axis],
     }))
 }
 
-fn format(file: FormatFile) -> NumberFormat {
-    match file {
-        FormatFile::Double => NumberFormat::Double,
-        FormatFile::Single => NumberFormat::Single,
-        FormatFile::Quantised(quantised) => NumberFormat::Quantised {
-            bits: quantised.bits,
-        },
+impl FormatFile {
+    fn number(self) -> NumberFormat {
+        match self {
+            FormatFile::Double => NumberFormat::Double,
+            FormatFile::Single => NumberFormat::Single,
+            FormatFile::Quantised { bits } => NumberFormat::Quantised { bits },
+        }
     }
 }
 
-fn levels(file: &ZAryFile) -> Result<[Levels<MAX_LEVELS>; 3], ModelError> {
-    let table = match &file.levels {
-        LevelsFile::Even(even) => {
-            return Ok(std::array::from_fn(|axis| Levels::Even {
-                count: even.count,
-                smallest_threshold: even.smallest_threshold_nm[axis],
-                largest_threshold: even.largest_threshold_nm[axis],
-            }))
-        }
-        LevelsFile::Table(table) => table,
-    };
-    let count = table.from_nm.len();
-    let place = "link.encoding.z_ary.levels.table";
-    if !(1..=MAX_LEVELS).contains(&count) {
-        return Err(ModelError::WrongShape {
-            field: format!("{place}.from_nm"),
-            found: format!("{count} levels"),
-            expected: format!("1 to {MAX_LEVELS} levels"),
-        });
-    }
-    let mut out = [Levels::Table {
-        levels: [Level::default(); MAX_LEVELS],
-        count: 0,
-    }; 3];
-    for (axis, thresholds) in table.threshold_nm.iter().enumerate() {
-        let wrong = || ModelError::WrongShape {
-            field: format!("{place}.threshold_nm[{axis}]"),
-            found: format!("{} entries", thresholds.len()),
-            expected: format!("{count} entries, as in from_nm"),
+impl LevelsFile {
+    fn of_axes(&self) -> Result<[Levels<MAX_LEVELS>; 3], ModelError> {
+        let (from_nm, threshold_nm) = match self {
+            LevelsFile::Even {
+                count,
+                smallest_threshold_nm,
+                largest_threshold_nm,
+            } => {
+                return Ok(std::array::from_fn(|axis| Levels::Even {
+                    count: *count,
+                    smallest_threshold: smallest_threshold_nm[axis].get(),
+                    largest_threshold: largest_threshold_nm[axis].get(),
+                }))
+            }
+            LevelsFile::Table {
+                from_nm,
+                threshold_nm,
+            } => (from_nm, threshold_nm),
         };
-        if thresholds.len() != count {
-            return Err(wrong());
+        let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
+            field: format!("link.encoding.z_ary.levels.table.{field}"),
+            found,
+            expected,
+        };
+        let count = from_nm.len();
+        if !(1..=MAX_LEVELS).contains(&count) {
+            let expected = format!("1 to {MAX_LEVELS} levels");
+            return Err(wrong("from_nm", format!("{count} levels"), expected));
         }
-        let pairs = table.from_nm.iter().zip(thresholds);
-        let given: Vec<Level> = pairs
-            .map(|(&from, &threshold)| Level { from, threshold })
-            .collect();
-        out[axis] = Levels::table(&given).ok_or_else(wrong)?;
+        let mut out = [Levels::Table {
+            levels: [Level::default(); MAX_LEVELS],
+            count: 0,
+        }; 3];
+        for (axis, thresholds) in threshold_nm.iter().enumerate() {
+            let pairs = from_nm.iter().zip(thresholds);
+            let given: Vec<Level> = pairs
+                .map(|(from, threshold)| Level {
+                    from: from.get(),
+                    threshold: threshold.get(),
+                })
+                .collect();
+            let levels = Levels::table(&given).filter(|_| thresholds.len() == count);
+            out[axis] = levels.ok_or_else(|| {
+                let found = format!("{} entries", thresholds.len());
+                let expected = format!("{count} entries, as in from_nm");
+                wrong(&format!("threshold_nm[{axis}]"), found, expected)
+            })?;
+        }
+        Ok(out)
     }
-    Ok(out)
 }
 
 /// The codec's error with the place in the file.
@@ -294,13 +270,12 @@ fn located(file: &LinkFile, error: &ParameterError) -> ModelError {
 
 fn place(file: &LinkFile, field: Field) -> String {
     let encoding = match &file.encoding {
-        EncodingFile::EveryChange(_) => "every_change",
-        EncodingFile::FixedThreshold(_) => "fixed_threshold",
-        EncodingFile::RelativeThreshold(_) => "relative_threshold",
+        EncodingFile::EveryChange { .. } => "every_change",
+        EncodingFile::FixedThreshold { .. } => "fixed_threshold",
+        EncodingFile::RelativeThreshold { .. } => "relative_threshold",
         EncodingFile::ZAry(_) => "z_ary",
     };
-    let even =
-        matches!(&file.encoding, EncodingFile::ZAry(z) if matches!(z.levels, LevelsFile::Even(_)));
+    let even = matches!(&file.encoding, EncodingFile::ZAry(z) if matches!(z.levels, LevelsFile::Even { .. }));
     let levels = if even { "levels.even" } else { "levels.table" };
     let (name, element) = (field.name, field.element);
     let inside = match (name, element) {

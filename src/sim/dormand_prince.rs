@@ -76,8 +76,7 @@ impl<P, const D: usize> DormandPrince<'_, P, D> {
     {
         let mut slopes = [SVector::<f64, N>::zeros(); STAGES];
         for stage in 0..STAGES {
-            let weights = &STAGE_WEIGHTS[stage][..stage];
-            let at = state + combination(&slopes, weights) * step;
+            let at = state + combination(&slopes, STAGE_WEIGHTS[stage]) * step;
             let time = time_s + NODES[stage] * step;
             slopes[stage] = self
                 .plant

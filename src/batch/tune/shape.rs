@@ -8,6 +8,7 @@
 use nalgebra::Vector3;
 
 use super::file::{Requirements, Start};
+use crate::base::bounded::{InsideUnit, Positive};
 use crate::controllers::lei2022::{
     BarrierFile, CompositeTriggerFile, DisturbanceTermFile, LeiFile, LeiTriggerFile,
     PerformanceFile, VirtualLawFile,
@@ -241,11 +242,12 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
         integrator: Method::RungeKutta4 {
             step_s: STEP * unit.min((FAST_WAVE * file.disturbance.frequency_rad_s).recip()),
         },
+        // In their ranges as the requirements are checked.
         metrics: MetricsFile {
             settle_tolerance_deg: None,
-            settle_tolerance_component: Some(requirements.component),
+            settle_tolerance_component: InsideUnit::try_from(requirements.component).ok(),
             settle_tolerance_state: None,
-            tail_s: Some(requirements.duration_s - limits.settle_s),
+            tail_s: Positive::try_from(requirements.duration_s - limits.settle_s).ok(),
         },
         requirements: vec![
             at_most(Metric::SettleSeconds, limits.settle_s),

@@ -1,6 +1,6 @@
 //! Yang et al. 2025 in the scenario file.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use runtime::error::ParameterError;
 use runtime::yang2025::envelope::{Adhesion, EnvelopeParameters, Resilience};
 use runtime::yang2025::fault::FaultEstimation;
@@ -12,9 +12,8 @@ use serde::{Deserialize, Serialize};
 use synth::model::{check_inertia, ModelError};
 
 use crate::base::bounded::{
-    plain, AtLeastOne, Finite, InsideUnit, NonNegative, OneToTwo, Plain, Positive,
+    plain, AtLeastOne, Finite, InsideUnit, NonNegative, OneToTwo, Positive,
 };
-use crate::base::empty_file::EmptyFile;
 use crate::controllers::law::{matrix, LawFile};
 use crate::plants::RigidBodySystem;
 
@@ -30,8 +29,7 @@ pub struct YangFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actuator_matrix: Option<[[Finite; 3]; 3]>,
     /// Largest torque of each actuator, above 0 [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
-    pub torque_limit_nm: [f64; 3],
+    pub torque_limit_nm: [Positive; 3],
     /// The envelope of each component of the error quaternion's vector part.
     pub envelope: YangEnvelopeFile,
     /// Gains of the law.
@@ -47,8 +45,7 @@ pub struct YangEnvelopeFile {
     /// The performance function rho(t).
     pub performance: YangPerformanceFile,
     /// a in (10), above 0.
-    #[serde(with = "Plain::<Positive>")]
-    pub shape: f64,
+    pub shape: Positive,
     /// True for (10), wide on the side of the initial error and narrow on the other; false for bounds
     /// of -a rho and a rho.
     #[serde(default = "yes")]
@@ -68,46 +65,30 @@ fn yes() -> bool {
 
 /// A performance function.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum YangPerformanceFile {
     /// (8): reaches its final level at the appointed time.
-    AppointedTime(AppointedTimeFile),
-    /// The usual exponential.
-    Exponential(ExponentialFile),
-}
-
-/// Parameters of (8).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AppointedTimeFile {
-    /// rho_0, above `final_level`.
-    #[serde(with = "Plain::<Positive>")]
-    pub initial_level: f64,
-    /// rho_inf, above 0.
-    #[serde(with = "Plain::<Positive>")]
-    pub final_level: f64,
-    /// t_f of each component, above 0 (s).
-    pub appointed_time_s: [f64; 3],
-    /// k, above 0 [1/s].
-    #[serde(with = "Plain::<Positive>")]
-    pub rate_per_s: f64,
-    /// b, in [0.001, 50].
-    pub offset: f64,
-}
-
-/// (initial - final) exp(-rate t) + final.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ExponentialFile {
-    /// Level at the start, above `final_level`.
-    #[serde(with = "Plain::<Positive>")]
-    pub initial_level: f64,
-    /// Level it tends to, above 0.
-    #[serde(with = "Plain::<Positive>")]
-    pub final_level: f64,
-    /// Rate, above 0 [1/s].
-    #[serde(with = "Plain::<Positive>")]
-    pub rate_per_s: f64,
+    AppointedTime {
+        /// rho_0, above `final_level`.
+        initial_level: Positive,
+        /// rho_inf, above 0.
+        final_level: Positive,
+        /// t_f of each component, above 0 (s).
+        appointed_time_s: [f64; 3],
+        /// k, above 0 [1/s].
+        rate_per_s: Positive,
+        /// b, in [0.001, 50].
+        offset: f64,
+    },
+    /// The usual exponential: (initial - final) exp(-rate t) + final.
+    Exponential {
+        /// Level at the start, above `final_level`.
+        initial_level: Positive,
+        /// Level it tends to, above 0.
+        final_level: Positive,
+        /// Rate, above 0 [1/s].
+        rate_per_s: Positive,
+    },
 }
 
 /// Parameters of (12).
@@ -115,11 +96,9 @@ pub struct ExponentialFile {
 #[serde(deny_unknown_fields)]
 pub struct AdhesionFile {
     /// lambda, 1 or above.
-    #[serde(with = "Plain::<AtLeastOne>")]
-    pub width: f64,
+    pub width: AtLeastOne,
     /// nu, above 0.
-    #[serde(with = "Plain::<Positive>")]
-    pub exponent: f64,
+    pub exponent: Positive,
     /// Time after which the terms are zero, above 0; the appointed times when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub span_s: Option<[Positive; 3]>,
@@ -130,23 +109,17 @@ pub struct AdhesionFile {
 #[serde(deny_unknown_fields)]
 pub struct ResilienceFile {
     /// delta_1, above 0 [1/(N m s)].
-    #[serde(with = "Plain::<Positive>")]
-    pub fault_gain_per_nm_s: f64,
+    pub fault_gain_per_nm_s: Positive,
     /// delta_2, 0 or above.
-    #[serde(with = "Plain::<NonNegative>")]
-    pub rate_gain: f64,
+    pub rate_gain: NonNegative,
     /// delta_3, above 0 [1/s].
-    #[serde(with = "Plain::<Positive>")]
-    pub decay_per_s: f64,
+    pub decay_per_s: Positive,
     /// delta_4, above 0.
-    #[serde(with = "Plain::<Positive>")]
-    pub decay_size: f64,
+    pub decay_size: Positive,
     /// kappa_1, 0 or above: how far the bound on the side away from the fault moves outwards.
-    #[serde(with = "Plain::<NonNegative>")]
-    pub away_width: f64,
+    pub away_width: NonNegative,
     /// kappa_2, 0 or above: how far the bound on the side the fault pushes to moves outwards.
-    #[serde(with = "Plain::<NonNegative>")]
-    pub toward_width: f64,
+    pub toward_width: NonNegative,
 }
 
 /// Gains of the law.
@@ -154,53 +127,35 @@ pub struct ResilienceFile {
 #[serde(deny_unknown_fields)]
 pub struct YangGainsFile {
     /// k1, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
-    pub surface_gain_rad_s: f64,
+    pub surface_gain_rad_s: Positive,
     /// p/q, in (1, 2).
-    #[serde(with = "Plain::<OneToTwo>")]
-    pub surface_exponent: f64,
+    pub surface_exponent: OneToTwo,
     /// k2, above 0 [N m s/rad].
-    #[serde(with = "Plain::<Positive>")]
-    pub linear_gain_nm_s_rad: f64,
+    pub linear_gain_nm_s_rad: Positive,
     /// k3, above 0 [N m (s/rad)^chi].
-    #[serde(with = "Plain::<Positive>")]
-    pub power_gain: f64,
+    pub power_gain: Positive,
     /// chi, in (0, 1).
-    #[serde(with = "Plain::<InsideUnit>")]
-    pub power_exponent: f64,
+    pub power_exponent: InsideUnit,
     /// zeta of each axis, 0 or above [rad/s].
-    #[serde(with = "Plain::<[NonNegative; 3]>")]
-    pub dead_zone_rad_s: [f64; 3],
+    pub dead_zone_rad_s: [NonNegative; 3],
 }
 
 /// Where the estimate of the lumped fault comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FaultEstimationFile {
     /// The simulation tells the controller the true one. Write `{}` after it.
-    Perfect(EmptyFile),
+    Perfect {},
     /// A low-pass of the torque that explains the measured change of the rate.
-    LowPass(LowPassFile),
+    LowPass {
+        /// Time constant, above 0 (s).
+        time_constant_s: Positive,
+    },
     /// An extended state observer.
-    Observer(ObserverFile),
-}
-
-/// A low-pass.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LowPassFile {
-    /// Time constant, above 0 (s).
-    #[serde(with = "Plain::<Positive>")]
-    pub time_constant_s: f64,
-}
-
-/// An extended state observer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ObserverFile {
-    /// Bandwidth, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
-    pub bandwidth_rad_s: f64,
+    Observer {
+        /// Bandwidth, above 0 [rad/s].
+        bandwidth_rad_s: Positive,
+    },
 }
 
 /// The checked controller.
@@ -228,30 +183,32 @@ impl LawFile for YangFile {
                 None => Matrix3::identity(),
                 Some(rows) => matrix(&rows.map(|row| plain(&row))),
             },
-            torque_limit: Vector3::from(self.torque_limit_nm),
+            torque_limit: plain(&self.torque_limit_nm).into(),
             envelopes: self.envelope.parameters()?,
             gains: Gains {
-                surface_gain: gains.surface_gain_rad_s,
-                surface_exponent: gains.surface_exponent,
-                linear_gain: gains.linear_gain_nm_s_rad,
-                power_gain: gains.power_gain,
-                power_exponent: gains.power_exponent,
-                dead_zone_rad_s: Vector3::from(gains.dead_zone_rad_s),
+                surface_gain: gains.surface_gain_rad_s.get(),
+                surface_exponent: gains.surface_exponent.get(),
+                linear_gain: gains.linear_gain_nm_s_rad.get(),
+                power_gain: gains.power_gain.get(),
+                power_exponent: gains.power_exponent.get(),
+                dead_zone_rad_s: plain(&gains.dead_zone_rad_s).into(),
             },
             fault_estimation: match &self.fault_estimation {
-                FaultEstimationFile::Perfect(_) => FaultEstimation::External,
-                FaultEstimationFile::LowPass(filter) => FaultEstimation::LowPass {
-                    time_constant_s: filter.time_constant_s,
+                FaultEstimationFile::Perfect {} => FaultEstimation::External,
+                FaultEstimationFile::LowPass { time_constant_s } => FaultEstimation::LowPass {
+                    time_constant_s: time_constant_s.get(),
                 },
-                FaultEstimationFile::Observer(observer) => FaultEstimation::ExtendedState {
-                    bandwidth_rad_s: observer.bandwidth_rad_s,
-                },
+                FaultEstimationFile::Observer { bandwidth_rad_s } => {
+                    FaultEstimation::ExtendedState {
+                        bandwidth_rad_s: bandwidth_rad_s.get(),
+                    }
+                }
             },
         };
         Controller::new(parameters).map_err(located)?;
         Ok(YangChoice {
             parameters,
-            told_fault: matches!(self.fault_estimation, FaultEstimationFile::Perfect(_)),
+            told_fault: matches!(self.fault_estimation, FaultEstimationFile::Perfect {}),
         })
     }
 
@@ -264,8 +221,10 @@ impl YangEnvelopeFile {
     /// The envelope of each component.
     fn parameters(&self) -> Result<[EnvelopeParameters; 3], ModelError> {
         let appointed = match &self.performance {
-            YangPerformanceFile::AppointedTime(function) => Some(function.appointed_time_s),
-            YangPerformanceFile::Exponential(_) => None,
+            YangPerformanceFile::AppointedTime {
+                appointed_time_s, ..
+            } => Some(*appointed_time_s),
+            YangPerformanceFile::Exponential { .. } => None,
         };
         let given = self.adhesion.as_ref().and_then(|adhesion| adhesion.span_s);
         let spans = given.map(|spans| plain(&spans)).or(appointed);
@@ -280,20 +239,20 @@ impl YangEnvelopeFile {
         let resilience = self.resilience.as_ref();
         Ok(std::array::from_fn(|axis| EnvelopeParameters {
             performance: self.performance.of_axis(axis),
-            shape: self.shape,
+            shape: self.shape.get(),
             one_sided: self.one_sided,
             adhesion: adhesion.map(|(file, spans)| Adhesion {
-                width: file.width,
-                exponent: file.exponent,
+                width: file.width.get(),
+                exponent: file.exponent.get(),
                 span_s: spans[axis],
             }),
             resilience: resilience.map(|file| Resilience {
-                fault_gain: file.fault_gain_per_nm_s,
-                rate_gain: file.rate_gain,
-                decay_per_s: file.decay_per_s,
-                decay_size: file.decay_size,
-                away_width: file.away_width,
-                toward_width: file.toward_width,
+                fault_gain: file.fault_gain_per_nm_s.get(),
+                rate_gain: file.rate_gain.get(),
+                decay_per_s: file.decay_per_s.get(),
+                decay_size: file.decay_size.get(),
+                away_width: file.away_width.get(),
+                toward_width: file.toward_width.get(),
             }),
         }))
     }
@@ -301,18 +260,28 @@ impl YangEnvelopeFile {
 
 impl YangPerformanceFile {
     fn of_axis(&self, axis: usize) -> Performance {
-        match self {
-            YangPerformanceFile::AppointedTime(function) => Performance::AppointedTime {
-                initial_level: function.initial_level,
-                final_level: function.final_level,
-                appointed_time_s: function.appointed_time_s[axis],
-                rate_per_s: function.rate_per_s,
-                offset: function.offset,
+        match *self {
+            YangPerformanceFile::AppointedTime {
+                initial_level,
+                final_level,
+                appointed_time_s,
+                rate_per_s,
+                offset,
+            } => Performance::AppointedTime {
+                initial_level: initial_level.get(),
+                final_level: final_level.get(),
+                appointed_time_s: appointed_time_s[axis],
+                rate_per_s: rate_per_s.get(),
+                offset,
             },
-            YangPerformanceFile::Exponential(function) => Performance::Exponential {
-                initial_level: function.initial_level,
-                final_level: function.final_level,
-                rate_per_s: function.rate_per_s,
+            YangPerformanceFile::Exponential {
+                initial_level,
+                final_level,
+                rate_per_s,
+            } => Performance::Exponential {
+                initial_level: initial_level.get(),
+                final_level: final_level.get(),
+                rate_per_s: rate_per_s.get(),
             },
         }
     }

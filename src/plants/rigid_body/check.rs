@@ -10,6 +10,7 @@ use super::file::{
     ActuatorsFile, AttitudeFile, FaultFile, ReferenceFile, RigidBodyFile, SensorsFile, TorqueFile,
 };
 use super::RigidBody;
+use crate::base::bounded::plain;
 use crate::base::plant_model::relocated;
 use crate::base::ranges::{each, not_negative, require};
 use crate::sim::actuator::{ActuatorData, Fault};
@@ -143,21 +144,33 @@ fn unit_axis(field: &str, axis: &[f64; 3]) -> Result<Vector3<f64>, ModelError> {
 fn reference(file: &ReferenceFile) -> Result<Reference, ModelError> {
     Ok(match file {
         ReferenceFile::Constant(fixed) => Reference::Fixed(attitude("reference.constant", fixed)?),
-        ReferenceFile::Slew(slew) => {
-            check_window("reference.slew", slew.from_s, slew.until_s)?;
+        ReferenceFile::Slew {
+            start,
+            axis,
+            rate_rad_s,
+            from_s,
+            until_s,
+        } => {
+            let (from_s, until_s) = (from_s.get(), until_s.get());
+            check_window("reference.slew", from_s, until_s)?;
             Reference::Slew {
-                start: attitude("reference.slew.start", &slew.start)?,
-                axis: unit_axis("reference.slew.axis", &slew.axis)?,
-                rate_rad_s: slew.rate_rad_s,
-                from_s: slew.from_s,
-                until_s: slew.until_s,
+                start: attitude("reference.slew.start", start)?,
+                axis: unit_axis("reference.slew.axis", &plain(axis))?,
+                rate_rad_s: rate_rad_s.get(),
+                from_s,
+                until_s,
             }
         }
-        ReferenceFile::Sine(sine) => Reference::Sine {
-            centre: attitude("reference.sine.centre", &sine.centre)?,
-            axis: unit_axis("reference.sine.axis", &sine.axis)?,
-            amplitude_rad: sine.amplitude_deg.to_radians(),
-            frequency_rad_s: sine.frequency_rad_s,
+        ReferenceFile::Sine {
+            centre,
+            axis,
+            amplitude_deg,
+            frequency_rad_s,
+        } => Reference::Sine {
+            centre: attitude("reference.sine.centre", centre)?,
+            axis: unit_axis("reference.sine.axis", &plain(axis))?,
+            amplitude_rad: amplitude_deg.get().to_radians(),
+            frequency_rad_s: frequency_rad_s.get(),
         },
     })
 }
@@ -243,10 +256,10 @@ fn check_fault(field: &str, file: &FaultFile) -> Result<(Fault, Option<Pulse<3>>
     let pulse = match &file.additive_wave {
         None => (file.additive_nm != 0.0).then_some(constant),
         Some(wave) => Some(Pulse {
-            wave: along(wave.amplitude_nm),
-            frequency_rad_s: wave.frequency_rad_s,
-            phase_rad: wave.phase_deg.to_radians(),
-            decay_per_s: wave.decay_per_s,
+            wave: along(wave.amplitude_nm.get()),
+            frequency_rad_s: wave.frequency_rad_s.get(),
+            phase_rad: wave.phase_deg.get().to_radians(),
+            decay_per_s: wave.decay_per_s.get(),
             ..constant
         }),
     };

@@ -67,57 +67,40 @@ pub struct AxisAngleFile {
 
 /// What the attitude should be in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ReferenceFile {
     /// A constant attitude.
     Constant(AttitudeFile),
-    /// A turn at a constant rate.
-    Slew(SlewFile),
-    /// An oscillation.
-    Sine(SineFile),
+    /// A turn at a constant rate about an axis fixed in the body.
+    Slew {
+        /// Attitude before the slew.
+        start: AttitudeFile,
+        /// The axis, of any length above 0.
+        axis: [Finite; 3],
+        /// The rate [rad/s].
+        rate_rad_s: Finite,
+        /// Start of the slew, not negative (s).
+        from_s: NonNegative,
+        /// End of the slew, after its start (s).
+        until_s: Finite,
+    },
+    /// An oscillation `amplitude sin(frequency t)` about an axis fixed in the body.
+    Sine {
+        /// Attitude in the middle.
+        centre: AttitudeFile,
+        /// The axis, of any length above 0.
+        axis: [Finite; 3],
+        /// Amplitude (deg).
+        amplitude_deg: Finite,
+        /// Angular frequency, above 0 [rad/s].
+        frequency_rad_s: Positive,
+    },
 }
 
 impl Default for ReferenceFile {
     fn default() -> Self {
         ReferenceFile::Constant(AttitudeFile::QuaternionScalarFirst([1.0, 0.0, 0.0, 0.0]))
     }
-}
-
-/// A turn at a constant rate about an axis fixed in the body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SlewFile {
-    /// Attitude before the slew.
-    pub start: AttitudeFile,
-    /// The axis, of any length above 0.
-    #[serde(with = "Plain::<[Finite; 3]>")]
-    pub axis: [f64; 3],
-    /// The rate [rad/s].
-    #[serde(with = "Plain::<Finite>")]
-    pub rate_rad_s: f64,
-    /// Start of the slew, not negative (s).
-    #[serde(with = "Plain::<NonNegative>")]
-    pub from_s: f64,
-    /// End of the slew, after its start (s).
-    #[serde(with = "Plain::<Finite>")]
-    pub until_s: f64,
-}
-
-/// An oscillation `amplitude sin(frequency t)` about an axis fixed in the body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SineFile {
-    /// Attitude in the middle.
-    pub centre: AttitudeFile,
-    /// The axis, of any length above 0.
-    #[serde(with = "Plain::<[Finite; 3]>")]
-    pub axis: [f64; 3],
-    /// Amplitude (deg).
-    #[serde(with = "Plain::<Finite>")]
-    pub amplitude_deg: f64,
-    /// Angular frequency, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
-    pub frequency_rad_s: f64,
 }
 
 /// A disturbance torque: the sum of its parts.
@@ -232,17 +215,15 @@ pub struct FaultFile {
 #[serde(deny_unknown_fields)]
 pub struct FaultWaveFile {
     /// Amplitude at time zero [N m].
-    #[serde(with = "Plain::<Finite>")]
-    pub amplitude_nm: f64,
+    pub amplitude_nm: Finite,
     /// Angular frequency, not negative [rad/s].
-    #[serde(with = "Plain::<NonNegative>")]
-    pub frequency_rad_s: f64,
+    pub frequency_rad_s: NonNegative,
     /// Phase (deg).
-    #[serde(default, with = "Plain::<Finite>")]
-    pub phase_deg: f64,
+    #[serde(default)]
+    pub phase_deg: Finite,
     /// Decay, not negative [1/s].
-    #[serde(default, with = "Plain::<NonNegative>")]
-    pub decay_per_s: f64,
+    #[serde(default)]
+    pub decay_per_s: NonNegative,
 }
 
 fn one() -> f64 {
