@@ -7,7 +7,9 @@ use schemars::{json_schema, JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use synth::model::{finite, readable, FileError};
+
+use super::error::{readable, FileError};
+use super::ranges::finite;
 
 /// A number out of its range, without its place in the file, which the reader knows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
