@@ -6,8 +6,8 @@ use nalgebra::DMatrix;
 use super::moments::EndMoments;
 use super::multipliers::{DualMultipliers, GainDuals, IntegralCross, Moments};
 use crate::certify::plant::DescriptorPlant;
-use crate::certify::theorem1::Statement;
-use crate::conditions::xu2020::gain_suffix;
+use crate::certify::signals::{bounded, reached_level};
+use crate::certify::theorem1::{gain_suffix, Statement};
 use crate::model::Model;
 use verified::matrix::{Matrix, SymmetricBlockMatrix};
 use verified::scalar::Scalar;
@@ -35,8 +35,8 @@ pub enum Level {
 
 impl Level {
     /// k2 and the largest xi.
-    fn with<S: Scalar>(self, phi: &S, bound_squared: &S, xi_max: S) -> (S, S) {
-        let reached = xi_max.clone() * bound_squared.clone() / phi.clone();
+    fn with<S: Scalar>(self, model: &Model, phi: &S, xi_max: S) -> (S, S) {
+        let reached = reached_level(&bounded(model), |_| xi_max.clone(), phi);
         let level = reached.max(S::one());
         match self {
             // xi_max / k2 is the smaller of xi_max and phi / taubar^2.
@@ -67,9 +67,7 @@ impl<S: Scalar> Numbers<S> {
         let plant = DescriptorPlant::<S>::explicit(&model.plant);
         let phi = S::from_f64(specs.phi_per_s);
         let hbar = S::from_f64(specs.hbar_s);
-        let bound = plant.disturbance_bound.clone();
-        let square = bound.clone() * bound;
-        let (level, xi_max) = level.with(&phi, &square, S::from_f64(specs.xi_max));
+        let (level, xi_max) = level.with(model, &phi, S::from_f64(specs.xi_max));
         // 1 / e^(-a) with the divisor rounded up.
         let growth = S::one() / (-(phi.clone() * hbar.clone())).exp_upper();
         Numbers {

@@ -1,0 +1,3 @@
+//! Numbers of files that carry their range, as `synth` has them.
+
+pub use synth::model::bounded::*;
