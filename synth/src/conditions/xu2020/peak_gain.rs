@@ -28,24 +28,37 @@ pub(super) fn peak_gain(
     strictness.positive("peak gain", lhs.finish())
 }
 
+/// The name and the weight of every bounded signal.
+fn weights<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+) -> impl Iterator<Item = (&'static str, &'a Affine)> {
+    let names = task.further_signals.iter().map(|signal| signal.name);
+    let further = names.zip(&unknowns.further_weights);
+    std::iter::once(("disturbance", &unknowns.disturbance_weight)).chain(further)
+}
+
 /// gamma >= xi (in the units of xi).
-pub(super) fn gain_above_weight(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Condition {
-    let weight = &unknowns.disturbance_weight;
-    strictness.positive(
-        "gain bound above disturbance weight",
-        1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
-    )
+pub(super) fn gain_above_weight<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+    strictness: &'a Strictness,
+) -> impl Iterator<Item = Condition> + 'a {
+    weights(task, unknowns).map(|(name, weight)| {
+        strictness.positive(
+            format!("gain bound above {name} weight"),
+            1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
+        )
+    })
 }
 
 /// xi <= xi_max, which [`Task::invariant_level`] relies on.
-pub(super) fn weight_bound(task: &Task, unknowns: &DesignUnknowns) -> Condition {
+pub(super) fn weight_bound<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+) -> impl Iterator<Item = Condition> + 'a {
     let largest = Affine::identity(1, task.specification.disturbance_weight_max);
-    Condition::semidefinite(
-        "disturbance weight bound",
-        &largest - &unknowns.disturbance_weight,
-    )
+    weights(task, unknowns).map(move |(name, weight)| {
+        Condition::semidefinite(format!("{name} weight bound"), &largest - weight)
+    })
 }
