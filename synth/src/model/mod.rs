@@ -1,5 +1,6 @@
 //! Model files: what an engineer writes.
 
+pub mod bounded;
 mod error;
 mod explain;
 mod file;

@@ -37,7 +37,9 @@ pub enum Signal {
     Integral,
 }
 
-use Signal::{DeadZone, Disturbance, Error, Further, Held, Integral, Multiplied, Rate, Sample, State};
+use Signal::{
+    DeadZone, Disturbance, Error, Further, Held, Integral, Multiplied, Rate, Sample, State,
+};
 
 impl Signal {
     /// The name of the clique in which the signal stands alone with its neighbours.
@@ -257,7 +259,10 @@ impl Basis {
     }
 
     fn new(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, signals: &[Signal]) -> Self {
-        let further = task.further_signals.iter().map(|signal| Further(signal.name));
+        let further = task
+            .further_signals
+            .iter()
+            .map(|signal| Further(signal.name));
         let integral = (end == SamplingEnd::End).then_some(Integral);
         let signals = signals.iter().copied().chain(further);
         let signals: Vec<Signal> = signals.chain(integral).collect();
