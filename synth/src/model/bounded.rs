@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
-use super::error::{readable, FileError};
+use super::error::{readable, FileError, ModelError};
 use super::ranges::finite;
 
 /// A number out of its range, without its place in the file, which the reader knows.
@@ -380,6 +380,22 @@ pub fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, FileError> {
         field: error.path().to_string(),
         reason: error.inner().to_string(),
     })
+}
+
+/// A document that was put together by the program, with every number checked as if it was read.
+///
+/// # Errors
+/// The first number that is out of its range.
+pub fn within_ranges<T: DeserializeOwned + Serialize>(document: &T) -> Result<T, ModelError> {
+    let checked = serde_json::to_value(document).map(serde_path_to_error::deserialize::<_, T>);
+    match checked {
+        Ok(Ok(document)) => Ok(document),
+        Ok(Err(error)) => Err(ModelError::choice(
+            error.path().to_string(),
+            error.inner().to_string(),
+        )),
+        Err(error) => Err(ModelError::choice("(top level)", error.to_string())),
+    }
 }
 
 #[cfg(test)]
