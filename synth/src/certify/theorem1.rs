@@ -12,7 +12,7 @@ use super::plant::DescriptorPlant;
 use super::signals::{bounded, reached_level, BoundedSignal, Signal, SignalForm};
 use crate::fuzzy::inertia_bounds;
 use crate::model::{Mismatch, Model, Plant};
-use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 use Signal::{DeadZone, Error, Integral, Rate, Sample, State};
@@ -225,12 +225,16 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn gain_form(&self, (gain, anti_windup): &(Matrix<S>, Matrix<S>)) -> Matrix<S> {
         let (m, n) = (gain.nrows(), gain.ncols());
         let zone = self.certificate.mismatch_side() - m - n;
-        let mut out = SymmetricBlockMatrix::new(&[m, zone, n]);
-        out.set(0, 2, gain);
-        if zone > 0 {
-            out.set(1, 2, anti_windup);
-        }
-        out.finish()
+        let zeros = |rows, columns| Matrix::zeros(rows, columns);
+        let sector = match zone {
+            0 => &zeros(0, n),
+            _ => anti_windup,
+        };
+        Matrix::symmetric(&[
+            &[&zeros(m, m), &zeros(m, zone), gain],
+            &[&zeros(zone, zone), sector],
+            &[&zeros(n, n)],
+        ])
     }
 
     /// kappa sum_j P_j on the rows of (18).
@@ -353,12 +357,9 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let difference = gain.minus(anti_windup);
             for (input, limit) in self.plant.input_limit.iter().enumerate() {
                 let factor = limit.clone() * limit.clone() / self.level.clone();
-                let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), 1]);
-                out.set(0, 0, &self.lyapunov.scaled(&factor));
-                out.set(0, 1, &difference.row(input).transposed());
-                out.set(1, 1, &Matrix::identity(1, S::one()));
+                let bound = self.inside(factor, &difference.row(input), S::one());
                 let name = format!("anti-windup input {}", input + 1);
-                emit(name + &gain_suffix(self.gains.len(), rule), out.finish());
+                emit(name + &gain_suffix(self.gains.len(), rule), bound);
             }
         }
     }
@@ -395,25 +396,24 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         }
     }
 
+    /// `C'C <= bound phi U`.
     fn gain_block(&self, bound: S) -> Matrix<S> {
-        let output = &self.plant.output;
-        let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), output.nrows()]);
-        out.set(0, 0, &self.lyapunov.scaled(&self.phi));
-        out.set(0, 1, &output.transposed());
-        out.set(1, 1, &Matrix::identity(output.nrows(), bound));
-        out.finish()
+        self.inside(self.phi.clone(), &self.plant.output, bound)
+    }
+
+    /// `[ factor U, rows' ; *, unit I ]`: |rows x|^2 <= factor unit x'Ux.
+    fn inside(&self, factor: S, rows: &Matrix<S>, unit: S) -> Matrix<S> {
+        let corner = Matrix::identity(rows.nrows(), unit);
+        let upper = [&self.lyapunov.scaled(&factor), &rows.transposed()];
+        Matrix::symmetric(&[&upper, &[&corner]])
     }
 
     /// The set x'Ux <= k2 lies in the region of the model.
     fn region(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         for bound in &self.plant.region {
             let factor = bound.bound_squared.clone() / self.level.clone();
-            let rows = bound.rows.nrows();
-            let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), rows]);
-            out.set(0, 0, &self.lyapunov.scaled(&factor));
-            out.set(0, 1, &bound.rows.transposed());
-            out.set(1, 1, &Matrix::identity(rows, S::one()));
-            emit(format!("box {}", bound.name), out.finish());
+            let inside = self.inside(factor, &bound.rows, S::one());
+            emit(format!("box {}", bound.name), inside);
         }
     }
 

@@ -15,17 +15,13 @@ pub(super) fn peak_gain(
 ) -> Condition {
     let output = &task.system.output;
     let outputs = output.nrows();
-    let mut lhs = SymmetricBlocks::new(&[task.system.states(), outputs]);
-    lhs.add(0, 0, &(task.specification.decay_rate * &unknowns.lyapunov));
+    let decay = task.specification.decay_rate * &unknowns.lyapunov;
     let output_unit = task.disturbance_weight_unit.sqrt();
-    lhs.add(
-        0,
-        1,
-        &(&unknowns.multiplier * &(output.transpose() / output_unit)),
-    );
+    let seen = &unknowns.multiplier * &(output.transpose() / output_unit);
     let identity = DMatrix::identity(outputs, outputs) / task.disturbance_weight_unit;
-    lhs.add(1, 1, &unknowns.gain_bound.times_matrix(&identity));
-    strictness.positive("peak gain", lhs.finish())
+    let gamma = unknowns.gain_bound.times_matrix(&identity);
+    let lhs = SymmetricBlocks::of(&[&[&decay, &seen], &[&gamma]]);
+    strictness.positive("peak gain", lhs)
 }
 
 /// The name and the weight of every bounded signal.
