@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
 use super::distribution::Distribution;
-use crate::base::bounded::{Plain, Positive, UnitInterval};
+use crate::base::bounded::{As, Positive, Unit};
 use crate::base::ranges::require;
 use crate::plants::SystemFile;
 
@@ -111,7 +111,7 @@ pub struct FaultDispersion {
     #[serde(skip)]
     pub number: usize,
     /// Probability that it happens in a run, in [0, 1]; 1 when left out.
-    #[serde(default = "certain", with = "Plain::<UnitInterval>")]
+    #[serde(default = "certain", with = "As::<Unit>")]
     pub probability: f64,
     /// Axis: 1, 2 or 3; any of them when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use synth::model::ModelError;
 
-use crate::base::bounded::{Finite, NonNegative, Plain};
+use crate::base::bounded::{As, Finite, NonNegative};
 use crate::base::ranges::require;
 
 /// Least fraction of a normal distribution that its bounds may leave.
@@ -22,10 +22,10 @@ pub enum Distribution {
     /// Normal, cut off where bounds are given.
     Normal {
         /// Mean before it is cut off.
-        #[serde(default, with = "Plain::<Finite>")]
+        #[serde(default, with = "As::<Finite>")]
         mean: f64,
         /// Standard deviation before it is cut off, not negative.
-        #[serde(with = "Plain::<NonNegative>")]
+        #[serde(with = "As::<NonNegative>")]
         standard_deviation: f64,
         /// No value is below this.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -37,14 +37,14 @@ pub enum Distribution {
     /// Uniform between two bounds.
     Uniform {
         /// Lower bound.
-        #[serde(with = "Plain::<Finite>")]
+        #[serde(with = "As::<Finite>")]
         from: f64,
         /// Upper bound, not below the lower.
-        #[serde(with = "Plain::<Finite>")]
+        #[serde(with = "As::<Finite>")]
         to: f64,
     },
     /// One of these values, each as probable as any other.
-    Choice(#[serde(with = "Plain::<Vec<Finite>>")] Vec<f64>),
+    Choice(#[serde(with = "As::<Vec<Finite>>")] Vec<f64>),
 }
 
 impl Distribution {

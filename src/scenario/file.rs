@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispersions::DispersionsFile;
 use super::link::LinkFile;
-use crate::base::bounded::{BelowOne, HalfTurn, InsideUnit, Plain, Positive};
+use crate::base::bounded::{As, BelowOne, HalfTurn, InsideUnit, Positive};
 use crate::controllers::ControllerFile;
 use crate::plants::SystemFile;
 use crate::sim::integrator::Method;
@@ -27,7 +27,7 @@ pub struct ScenarioFile {
     #[serde(default)]
     pub source: String,
     /// Length of the run, above 0 (s).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub duration_s: f64,
     /// The generator of every random number of the run.
     #[serde(default)]
@@ -93,7 +93,7 @@ pub struct SamplingFile {
     /// The instants.
     pub instants: Instants,
     /// Probability that a sample is lost, in [0, 1).
-    #[serde(default, with = "Plain::<BelowOne>")]
+    #[serde(default, with = "As::<BelowOne>")]
     pub dropout_probability: f64,
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::base::bounded::{Plain, Positive, Tolerance};
+use crate::base::bounded::{As, Positive, Tolerance};
 
 /// How the plant is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -12,7 +12,7 @@ pub enum Method {
     /// The classical Runge-Kutta method of order 4.
     RungeKutta4 {
         /// Longest step, above 0 (s); 1/32 s when the integrator is left out.
-        #[serde(with = "Plain::<Positive>")]
+        #[serde(with = "As::<Positive>")]
         step_s: f64,
     },
     /// Dormand and Prince's adaptive method of order 8, with a step chosen from its error estimate: the
@@ -20,7 +20,7 @@ pub enum Method {
     DormandPrince853 {
         /// Allowed error of a step, relative to the state (and absolute where it is below 1), in
         /// [1e-14, 0.001].
-        #[serde(with = "Plain::<Tolerance>")]
+        #[serde(with = "As::<Tolerance>")]
         tolerance: f64,
     },
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::random::{Purpose, Random};
-use crate::base::bounded::{NonNegative, Plain, Positive, Resolution};
+use crate::base::bounded::{As, NonNegative, Positive, Resolution};
 
 /// When the sensor is sampled: the first time at time zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -13,26 +13,26 @@ pub enum Instants {
     /// At multiples of an interval, each shifted by a uniform jitter.
     Periodic {
         /// Interval, above 0 (s).
-        #[serde(with = "Plain::<Positive>")]
+        #[serde(with = "As::<Positive>")]
         interval_s: f64,
         /// Largest shift of an instant either way, below half of the interval (s).
-        #[serde(default, with = "Plain::<NonNegative>")]
+        #[serde(default, with = "As::<NonNegative>")]
         jitter_s: f64,
     },
     /// At random intervals, uniform between two bounds: Xu and Huang 2020, (9).
     Aperiodic {
         /// Shortest interval, above 0 (s).
-        #[serde(with = "Plain::<Positive>")]
+        #[serde(with = "As::<Positive>")]
         shortest_s: f64,
         /// Longest interval, not below the shortest (s).
-        #[serde(with = "Plain::<Positive>")]
+        #[serde(with = "As::<Positive>")]
         longest_s: f64,
     },
     /// No sampling: the trigger is watched continuously, and a sample is taken where it fires, found as a
     /// root. Needs exact sensors and the fixed-step integrator.
     Continuous {
         /// Width of the interval of time in which an event is known to lie, at least 1e-9 (s).
-        #[serde(with = "Plain::<Resolution>")]
+        #[serde(with = "As::<Resolution>")]
         resolution_s: f64,
     },
 }

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::{check_inertia, ModelError};
 
-use crate::base::bounded::{BelowOne, NonNegative, Plain, Positive};
+use crate::base::bounded::{As, BelowOne, NonNegative, Positive};
 use crate::base::empty_file::EmptyFile;
 use crate::base::ranges::require;
 use crate::controllers::law::LawFile;
@@ -27,14 +27,14 @@ pub struct LeiFile {
     /// The virtual law (10).
     pub virtual_law: VirtualLawFile,
     /// K2, above 0 [N m s/rad].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub rate_gain_nm_s_rad: f64,
     /// The disturbance term of (12).
     pub disturbance: DisturbanceTermFile,
     /// The trigger.
     pub trigger: LeiTriggerFile,
     /// Largest torque of each axis, above 0 [N m].
-    #[serde(with = "Plain::<[Positive; 3]>")]
+    #[serde(with = "As::<[Positive; 3]>")]
     pub torque_limit_nm: [f64; 3],
     /// Inertia that the law assumes, symmetric positive definite; that of the plant when left out
     /// [kg m^2].
@@ -42,7 +42,7 @@ pub struct LeiFile {
     pub inertia_kg_m2: Option<[[f64; 3]; 3]>,
     /// Half width of the hysteresis of the sign of the error quaternion's scalar part, in [0, 1); 0, as
     /// published, when left out.
-    #[serde(default, with = "Plain::<BelowOne>")]
+    #[serde(default, with = "As::<BelowOne>")]
     pub sign_hysteresis: f64,
 }
 
@@ -51,16 +51,16 @@ pub struct LeiFile {
 #[serde(deny_unknown_fields)]
 pub struct PerformanceFile {
     /// rho_0 of each component, above rho_infinity; the start must be inside.
-    #[serde(with = "Plain::<[Positive; 3]>")]
+    #[serde(with = "As::<[Positive; 3]>")]
     pub initial: [f64; 3],
     /// rho_infinity of each component, above 0.
-    #[serde(with = "Plain::<[Positive; 3]>")]
+    #[serde(with = "As::<[Positive; 3]>")]
     pub terminal: [f64; 3],
     /// T_s: when the funnel is half way, 0 or above (s).
-    #[serde(with = "Plain::<NonNegative>")]
+    #[serde(with = "As::<NonNegative>")]
     pub midpoint_s: f64,
     /// f_s: how fast it shrinks then, above 0 (s).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub time_scale_s: f64,
 }
 
@@ -69,10 +69,10 @@ pub struct PerformanceFile {
 #[serde(deny_unknown_fields)]
 pub struct BarrierFile {
     /// k1, above 0 (J).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub gain_j: f64,
     /// F1, above 0.
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub width: f64,
 }
 
@@ -81,13 +81,13 @@ pub struct BarrierFile {
 #[serde(deny_unknown_fields)]
 pub struct VirtualLawFile {
     /// k_m, above 0.
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub gain: f64,
     /// M_omega, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub rate_scale_rad_s: f64,
     /// gamma, above 0.
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub slope: f64,
 }
 
@@ -96,10 +96,10 @@ pub struct VirtualLawFile {
 #[serde(deny_unknown_fields)]
 pub struct DisturbanceTermFile {
     /// D_m, the bound of the disturbance's norm, 0 or above [N m].
-    #[serde(with = "Plain::<NonNegative>")]
+    #[serde(with = "As::<NonNegative>")]
     pub bound_nm: f64,
     /// p, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub smoothing_rad_s: f64,
 }
 
@@ -118,29 +118,29 @@ pub enum LeiTriggerFile {
 #[serde(deny_unknown_fields)]
 pub struct CompositeTriggerFile {
     /// s of (6), above 0 [N^2 m^2].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub held_error_initial_n2m2: f64,
     /// m of (6), above 0 [N^2 m^2].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub held_error_terminal_n2m2: f64,
     /// T_max: longest time on, above 0 (s).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub longest_on_s: f64,
     /// S2(0), above S2 at infinity (J).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub envelope_initial_j: f64,
     /// S2 at infinity, above 0 (J).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub envelope_terminal_j: f64,
     /// beta of (6) and (70), above 0 [1/s].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub decay_rate_per_s: f64,
     /// delta_m of (8), above 0 and below (1 - relative_buffer) envelope_terminal_j (J).
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub buffer_j: f64,
     /// kappa: turn on at (1 - kappa) S2 - delta_m, in [0, 1); 0, as published, when left out. A trigger
     /// that is evaluated at samples needs it.
-    #[serde(default, with = "Plain::<BelowOne>")]
+    #[serde(default, with = "As::<BelowOne>")]
     pub relative_buffer: f64,
 }
 

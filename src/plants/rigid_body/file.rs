@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::InertiaUncertaintyFile;
 
-use crate::base::bounded::{Finite, NonNegative, Plain, Positive, UnitInterval};
+use crate::base::bounded::{As, Finite, NonNegative, Positive, Unit};
 
 /// A rigid spacecraft: the true one, which may differ from the model of the design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -19,7 +19,7 @@ pub struct RigidBodyFile {
     /// Attitude at the start.
     pub initial_attitude: AttitudeFile,
     /// Body rate at the start [rad/s].
-    #[serde(default, with = "Plain::<[Finite; 3]>")]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub initial_rate_rad_s: [f64; 3],
     /// What the attitude should be; the zero attitude when left out.
     #[serde(default)]
@@ -43,12 +43,12 @@ pub struct RigidBodyFile {
 #[serde(rename_all = "snake_case")]
 pub enum AttitudeFile {
     /// [q0, q1, q2, q3], q0 the scalar.
-    QuaternionScalarFirst(#[serde(with = "Plain::<[Finite; 4]>")] [f64; 4]),
+    QuaternionScalarFirst(#[serde(with = "As::<[Finite; 4]>")] [f64; 4]),
     /// [q1, q2, q3, q0], q0 the scalar.
-    QuaternionScalarLast(#[serde(with = "Plain::<[Finite; 4]>")] [f64; 4]),
+    QuaternionScalarLast(#[serde(with = "As::<[Finite; 4]>")] [f64; 4]),
     /// [yaw, pitch, roll]: about axis 3, then 2, then 1 (deg).
     #[serde(rename = "euler_321_deg")]
-    Euler321Deg(#[serde(with = "Plain::<[Finite; 3]>")] [f64; 3]),
+    Euler321Deg(#[serde(with = "As::<[Finite; 3]>")] [f64; 3]),
     /// A turn about an axis.
     AxisAngle(AxisAngleFile),
 }
@@ -58,10 +58,10 @@ pub enum AttitudeFile {
 #[serde(deny_unknown_fields)]
 pub struct AxisAngleFile {
     /// The axis, of any length above 0.
-    #[serde(with = "Plain::<[Finite; 3]>")]
+    #[serde(with = "As::<[Finite; 3]>")]
     pub axis: [f64; 3],
     /// The angle (deg).
-    #[serde(with = "Plain::<Finite>")]
+    #[serde(with = "As::<Finite>")]
     pub angle_deg: f64,
 }
 
@@ -108,7 +108,7 @@ impl Default for ReferenceFile {
 #[serde(deny_unknown_fields)]
 pub struct TorqueFile {
     /// Constant part [N m].
-    #[serde(default, with = "Plain::<[Finite; 3]>")]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub bias_nm: [f64; 3],
     /// Periodic parts.
     #[serde(default)]
@@ -123,13 +123,13 @@ pub struct TorqueFile {
 #[serde(deny_unknown_fields)]
 pub struct TorqueSineFile {
     /// Angular frequency, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub frequency_rad_s: f64,
     /// Amplitude of the sine [N m].
-    #[serde(default, with = "Plain::<[Finite; 3]>")]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub sine_nm: [f64; 3],
     /// Amplitude of the cosine [N m].
-    #[serde(default, with = "Plain::<[Finite; 3]>")]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub cosine_nm: [f64; 3],
 }
 
@@ -138,10 +138,10 @@ pub struct TorqueSineFile {
 #[serde(deny_unknown_fields)]
 pub struct TorqueRowFile {
     /// Time, later than in the row before (s).
-    #[serde(with = "Plain::<Finite>")]
+    #[serde(with = "As::<Finite>")]
     pub time_s: f64,
     /// Torque [N m].
-    #[serde(with = "Plain::<[Finite; 3]>")]
+    #[serde(with = "As::<[Finite; 3]>")]
     pub torque_nm: [f64; 3],
 }
 
@@ -150,16 +150,16 @@ pub struct TorqueRowFile {
 #[serde(deny_unknown_fields)]
 pub struct SensorsFile {
     /// Standard deviation of the attitude about each axis, not negative (deg).
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub attitude_noise_deg: f64,
     /// Standard deviation of each rate, not negative [deg/s].
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub rate_noise_deg_s: f64,
     /// Resolution of the attitude, not negative; 0 for none (deg).
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub attitude_quantum_deg: f64,
     /// Resolution of each rate, not negative; 0 for none [deg/s].
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub rate_quantum_deg_s: f64,
 }
 
@@ -171,14 +171,14 @@ pub struct ActuatorsFile {
     #[serde(
         default,
         skip_serializing_if = "Option::is_none",
-        with = "Plain::<Option<[Positive; 3]>>"
+        with = "As::<Option<[Positive; 3]>>"
     )]
     pub torque_limit_nm: Option<[f64; 3]>,
     /// Commands below this magnitude give no torque, not negative [N m].
-    #[serde(default, with = "Plain::<[NonNegative; 3]>")]
+    #[serde(default, with = "As::<[NonNegative; 3]>")]
     pub dead_band_nm: [f64; 3],
     /// Time from command to torque, not negative (s).
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub delay_s: f64,
     /// Torque about each body axis (rows) per unit torque of each actuator (columns); the identity
     /// when left out.
@@ -194,16 +194,16 @@ pub struct FaultFile {
     #[schemars(range(min = 1, max = 3))]
     pub axis: u32,
     /// Start of the window, not negative (s).
-    #[serde(with = "Plain::<NonNegative>")]
+    #[serde(with = "As::<NonNegative>")]
     pub from_s: f64,
     /// End of the window, after its start (s).
-    #[serde(with = "Plain::<Finite>")]
+    #[serde(with = "As::<Finite>")]
     pub until_s: f64,
     /// Fraction of the commanded torque that acts, in [0, 1]; 1 when left out.
-    #[serde(default = "one", with = "Plain::<UnitInterval>")]
+    #[serde(default = "one", with = "As::<Unit>")]
     pub effectiveness: f64,
     /// Torque about the axis that acts on top, whatever is commanded [N m].
-    #[serde(default, with = "Plain::<Finite>")]
+    #[serde(default, with = "As::<Finite>")]
     pub additive_nm: f64,
     /// The same, changing in time: added to `additive_nm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

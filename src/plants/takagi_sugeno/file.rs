@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::VerticesPlant;
 
-use crate::base::bounded::{NonNegative, Plain, Positive};
+use crate::base::bounded::{As, NonNegative, Positive};
 
 /// A Takagi-Sugeno model as the plant: x' = A(t) x + B u + B_w tau.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,10 +20,10 @@ pub struct TakagiSugenoFile {
     #[serde(default)]
     pub disturbance: SignalFile,
     /// Standard deviation of the measurement of each state, not negative.
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub state_noise: f64,
     /// Time from command to input, not negative (s).
-    #[serde(default, with = "Plain::<NonNegative>")]
+    #[serde(default, with = "As::<NonNegative>")]
     pub input_delay_s: f64,
 }
 
@@ -36,7 +36,7 @@ pub enum Mixing {
     /// From each vertex to the next and from the last back to the first, linearly.
     Cycle {
         /// Time from one vertex to the next, above 0 (s).
-        #[serde(with = "Plain::<Positive>")]
+        #[serde(with = "As::<Positive>")]
         dwell_s: f64,
     },
     /// By the memberships of the design's model at the plant's state; the vertices are its rules.
@@ -60,7 +60,7 @@ pub struct SignalFile {
 #[serde(deny_unknown_fields)]
 pub struct SignalSineFile {
     /// Angular frequency, above 0 [rad/s].
-    #[serde(with = "Plain::<Positive>")]
+    #[serde(with = "As::<Positive>")]
     pub frequency_rad_s: f64,
     /// Amplitude of the sine.
     #[serde(default)]

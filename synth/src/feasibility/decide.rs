@@ -194,13 +194,13 @@ fn decide_with(
         }
         None if refuted.is_empty() => Answer::Undecided(None),
         None => {
-            let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
+            let (weights, checked): (_, Vec<Refutation>) = refuted.into_iter().unzip();
+            let bounds = checked.iter().map(|refutation| refutation.bound);
             let bound = bounds.fold(f64::MAX, f64::min);
-            let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
             let mut provenance = subject.provenance(units);
             provenance.solver_runs = runs.clone();
             let file = InfeasibilityFile::new(subject.model, subject.given, weights, provenance);
-            let limits = file.limits(subject.model)?;
+            let limits = file.limits(subject.model, &checked)?;
             let all = !undecided && limits.is_empty();
             let proof = Box::new(Infeasible {
                 file,
@@ -369,7 +369,7 @@ fn refutable(task: &Task) -> bool {
 
 /// The dual multipliers as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, DualMultipliers)> {
-    let file = WeightsFile::new(&source.weights()?)?;
+    let file = WeightsFile::new(source.weights()?)?;
     let weights = file.weights(source.model, source.given).ok()?;
     Some((file, weights))
 }
