@@ -1,12 +1,15 @@
 //! One axis of a grid: `key=lo:hi:n`, `key=lo:hi:n:log` or `key=a,b,c`.
 
+use serde::{Deserialize, Serialize};
+
 /// Most values of an axis.
 pub const MAX_VALUES: usize = 100_000;
 
 /// One number of the file with the values it takes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Axis {
-    /// The number's name as the user gave it.
+    /// The number's name: as the user gave it, or the full one.
     pub name: String,
     /// Its values, in the order in which they were given.
     pub values: Vec<f64>,
