@@ -209,7 +209,10 @@ impl Comparison {
         }
         for (index, (name, _)) in self.faults.iter().enumerate() {
             lines.push(line(&format!("  {name}"), &|row| {
-                let survived = row.faults.get(index).is_some_and(|outcome| outcome.survived);
+                let survived = row
+                    .faults
+                    .get(index)
+                    .is_some_and(|outcome| outcome.survived);
                 if survived { "yes" } else { "NO" }.to_string()
             }));
         }

@@ -225,7 +225,8 @@ fn difference(field: &str, here: &Value, there: &Value) -> Option<Difference> {
         }
         (Value::Array(left), Value::Array(right)) if left.len() == right.len() => {
             let mut pairs = (0..).zip(left.iter().zip(right));
-            return pairs.find_map(|(index, (a, b))| difference(&format!("{field}[{index}]"), a, b));
+            return pairs
+                .find_map(|(index, (a, b))| difference(&format!("{field}[{index}]"), a, b));
         }
         _ => None,
     };
