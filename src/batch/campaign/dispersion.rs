@@ -140,13 +140,8 @@ impl Sampler {
         matches!(self.context, Context::Number(..))
     }
 
-    /// Sets a number of the file; the other kinds do not apply to it.
-    pub fn set(
-        &self,
-        at: &[f64],
-        file: &mut Value,
-        drawn: &mut Vec<Option<f64>>,
-    ) -> Result<(), ParameterError> {
+    /// Sets a number of the file and returns it; the other kinds do not apply to it.
+    pub fn set(&self, at: &[f64], file: &mut Value) -> Result<Option<f64>, ParameterError> {
         let (
             Dispersion::Number {
                 distribution,
@@ -156,7 +151,7 @@ impl Sampler {
             Context::Number(parameter, base),
         ) = (&self.dispersion, &self.context)
         else {
-            return Ok(());
+            return Ok(None);
         };
         let value = distribution.value(at[0]);
         let value = match change {
@@ -164,81 +159,70 @@ impl Sampler {
             ChangeFile::Add => base + value,
             ChangeFile::Multiply => base * value,
         };
-        drawn.push(Some(value));
-        parameter.set(file, value)
+        parameter.set(file, value)?;
+        Ok(Some(value))
     }
 
-    /// Changes the scenario. What does not go with its plant is refused before.
+    /// Changes the scenario and returns what was drawn. What does not go with the plant is refused before.
     pub fn apply(
         &self,
         at: &[f64],
         file: &mut ScenarioFile,
-        drawn: &mut Vec<Option<f64>>,
-    ) -> Result<(), ModelError> {
-        let (duration_s, system) = (file.duration_s, &mut file.system);
-        match (&self.dispersion, system) {
-            (Dispersion::Number { .. }, _) => {}
-            (Dispersion::Boundary { .. }, system) => {
-                if let Context::Boundary(boundary) = &self.context {
-                    boundary.start(at, system, drawn)?;
-                }
-            }
+    ) -> Result<Vec<Option<f64>>, ModelError> {
+        let drawn = match (&self.dispersion, &mut file.system) {
+            (Dispersion::Boundary { .. }, system) => match &self.context {
+                Context::Boundary(boundary) => boundary.start(at, system)?,
+                _ => Vec::new(),
+            },
             (Dispersion::AnyAttitude, SystemFile::RigidBody(body)) => {
-                start_with(rotation([at[0], at[1], at[2]]), body, drawn);
+                start_with(rotation([at[0], at[1], at[2]]), body)
             }
             (Dispersion::Turn(distribution), SystemFile::RigidBody(body)) => {
                 let from = attitude_of("initial_attitude", &body.initial_attitude)?;
                 let half = 0.5 * distribution.value(at[0]).to_radians();
                 let (sine, cosine) = libm::sincos(half);
                 let turn = Quaternion::new(cosine, direction([at[1], at[2]]) * sine);
-                start_with((from * turn).to_scalar_first(), body, drawn);
+                start_with((from * turn).to_scalar_first(), body)
             }
             (Dispersion::Rate(distribution), SystemFile::RigidBody(body)) => {
-                add_to_each(&mut body.initial_rate_rad_s, distribution, at, drawn);
+                add_to_each(&mut body.initial_rate_rad_s, distribution, at)
             }
             (Dispersion::State(distribution, _), SystemFile::TakagiSugeno(model)) => {
-                add_to_each(&mut model.initial_state, distribution, at, drawn);
+                add_to_each(&mut model.initial_state, distribution, at)
             }
             (Dispersion::Inertia(parts), SystemFile::RigidBody(body)) => {
                 let matrix = &mut body.inertia_kg_m2;
-                for ((distribution, _, row, column), &u) in inertia(parts).zip(at) {
+                let entries = inertia(parts).zip(at);
+                let entries = entries.map(|((distribution, _, row, column), &u)| {
                     let value = matrix[row][column] * (1.0 + 0.01 * distribution.value(u));
                     matrix[row][column] = value;
                     matrix[column][row] = value;
-                    drawn.push(Some(value));
-                }
+                    value
+                });
+                entries.collect()
             }
             (Dispersion::Factor(distribution), system) => {
                 let factor = distribution.value(at[0]);
                 scale_disturbance(system, factor);
-                drawn.push(Some(factor));
+                vec![factor]
             }
             (Dispersion::Phase(distribution, _), system) => {
-                if let SystemFile::TakagiSugeno(model) = &mut *system {
-                    for sine in &mut model.disturbance.sines {
-                        let size = sine.sine.len().max(sine.cosine.len());
-                        sine.sine.resize(size, 0.0);
-                        sine.cosine.resize(size, 0.0);
-                    }
-                }
-                for ([sine, cosine], &u) in waves(system).into_iter().zip(at) {
-                    let phase_deg = distribution.value(u);
-                    shift(phase_deg, sine, cosine);
-                    drawn.push(Some(phase_deg));
-                }
+                let phases_deg: Vec<f64> = at.iter().map(|&u| distribution.value(u)).collect();
+                shift(system, &phases_deg);
+                phases_deg
             }
             (Dispersion::Fault(dispersion), SystemFile::RigidBody(body)) => {
-                let fault = fault_of(dispersion, at, duration_s);
-                let numbers = fault.as_ref().map(|fault| {
-                    let axis = f64::from(fault.axis);
-                    [axis, fault.from_s, fault.until_s, fault.effectiveness]
-                });
-                drawn.extend(numbers.map_or([None; 4], |numbers| numbers.map(Some)));
-                body.faults.extend(fault);
+                let Some(fault) = fault_of(dispersion, at, file.duration_s) else {
+                    return Ok(vec![None; 4]);
+                };
+                let axis = f64::from(fault.axis);
+                let drawn = vec![axis, fault.from_s, fault.until_s, fault.effectiveness];
+                body.faults.push(fault);
+                drawn
             }
-            _ => {}
-        }
-        Ok(())
+            _ => Vec::new(),
+        };
+        Ok(drawn.into_iter().map(Some).collect())
     }
 }
 
@@ -289,19 +273,13 @@ impl Boundary {
     }
 
     /// Starts in a state of the set; of a spacecraft, in the attitude and rate whose errors are the state.
-    fn start(
-        &self,
-        at: &[f64],
-        system: &mut SystemFile,
-        drawn: &mut Vec<Option<f64>>,
-    ) -> Result<(), ModelError> {
+    fn start(&self, at: &[f64], system: &mut SystemFile) -> Result<Vec<f64>, ModelError> {
         let state = &self.map * DVector::from_vec(direction_of_any_size(at));
         let body = match system {
             SystemFile::RigidBody(body) => body,
             SystemFile::TakagiSugeno(model) => {
                 model.initial_state = state.iter().copied().collect();
-                drawn.extend(state.iter().copied().map(Some));
-                return Ok(());
+                return Ok(model.initial_state.clone());
             }
         };
         let part = |first: usize| {
@@ -321,30 +299,24 @@ impl Boundary {
         }
         let error = Quaternion::new(libm::sqrt((1.0 - length) * (1.0 + length)), vector);
         let desired = self.desired.unwrap_or_else(Quaternion::identity);
-        start_with((desired * error).to_scalar_first(), body, drawn);
         body.initial_rate_rad_s = rate.into();
-        drawn.extend(body.initial_rate_rad_s.map(Some));
-        Ok(())
+        let mut drawn = start_with((desired * error).to_scalar_first(), body);
+        drawn.extend(body.initial_rate_rad_s);
+        Ok(drawn)
     }
 }
 
 /// Starts with an attitude, the scalar part first.
-fn start_with(attitude: [f64; 4], body: &mut RigidBodyFile, drawn: &mut Vec<Option<f64>>) {
+fn start_with(attitude: [f64; 4], body: &mut RigidBodyFile) -> Vec<f64> {
     body.initial_attitude = AttitudeFile::QuaternionScalarFirst(attitude);
-    drawn.extend(attitude.map(Some));
+    attitude.into()
 }
 
 /// Adds a number of its own to each value.
-fn add_to_each(
-    values: &mut [f64],
-    distribution: &Distribution,
-    at: &[f64],
-    drawn: &mut Vec<Option<f64>>,
-) {
-    for (value, &u) in values.iter_mut().zip(at) {
-        *value += distribution.value(u);
-        drawn.push(Some(*value));
-    }
+fn add_to_each(values: &mut [f64], distribution: &Distribution, at: &[f64]) -> Vec<f64> {
+    let pairs = values.iter_mut().zip(at);
+    pairs.for_each(|(value, &u)| *value += distribution.value(u));
+    values.to_vec()
 }
 
 /// The fault, if it happens.
@@ -400,9 +372,18 @@ fn scale_disturbance(system: &mut SystemFile, factor: f64) {
 }
 
 /// a sin(wt + p) + b cos(wt + p) = (a cos p - b sin p) sin(wt) + (a sin p + b cos p) cos(wt).
-fn shift(phase_deg: f64, sine: &mut [f64], cosine: &mut [f64]) {
-    let (sin, cos) = libm::sincos(phase_deg.to_radians());
-    for (a, b) in sine.iter_mut().zip(cosine) {
-        (*a, *b) = (*a * cos - *b * sin, *a * sin + *b * cos);
+fn shift(system: &mut SystemFile, phases_deg: &[f64]) {
+    if let SystemFile::TakagiSugeno(model) = system {
+        for sine in &mut model.disturbance.sines {
+            let size = sine.sine.len().max(sine.cosine.len());
+            sine.sine.resize(size, 0.0);
+            sine.cosine.resize(size, 0.0);
+        }
+    }
+    for ([sine, cosine], phase_deg) in waves(system).into_iter().zip(phases_deg) {
+        let (sin, cos) = libm::sincos(phase_deg.to_radians());
+        for (a, b) in sine.iter_mut().zip(cosine) {
+            (*a, *b) = (*a * cos - *b * sin, *a * sin + *b * cos);
+        }
     }
 }

@@ -123,15 +123,15 @@ impl<'a> Plan<'a> {
             Some(value) => {
                 let mut value = value.clone();
                 for (sampler, at) in self.parts(&sample.coordinates) {
-                    let set = sampler.set(at, &mut value, &mut drawn);
-                    set.map_err(|error| failed(error.to_string()))?;
+                    let set = sampler.set(at, &mut value);
+                    drawn.extend(set.map_err(|error| failed(error.to_string()))?.map(Some));
                 }
                 from_value(value).map_err(|error| failed(error.to_string()))?
             }
         };
         let invalid = |error: ModelError| failed(error.to_string());
         for (sampler, at) in self.parts(&sample.coordinates) {
-            sampler.apply(at, &mut file, &mut drawn).map_err(invalid)?;
+            drawn.extend(sampler.apply(at, &mut file).map_err(invalid)?);
         }
         file.random.seed = sample.seed;
         file.name = format!("{}, run {run}", self.template.name);
