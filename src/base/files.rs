@@ -35,6 +35,19 @@ pub enum OutputError {
     },
 }
 
+impl OutputError {
+    /// A file whose contents cannot be put together.
+    pub fn unmade(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        OutputError::File {
+            path: path.to_path_buf(),
+            problem: FileError::Io {
+                action: "cannot be written",
+                source: std::io::Error::other(error),
+            },
+        }
+    }
+}
+
 /// Creates a folder with those above it.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use crate::base::bounded::{As, BelowOne, HalfTurn, InsideUnit, Positive};
 use crate::controllers::ControllerFile;
 use crate::plants::SystemFile;
 use crate::sim::integrator::Method;
-use crate::sim::metrics::Metric;
+use crate::sim::metrics::{Limit, Metric};
 use crate::sim::sampling::Instants;
 
 /// The version this program reads.
@@ -131,6 +131,14 @@ pub struct RequirementFile {
     /// The metric must not be below this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
+}
+
+impl RequirementFile {
+    /// Its limit, which a checked scenario's has.
+    pub fn limit(&self) -> Option<Limit> {
+        let most = self.at_most.map(Limit::AtMost);
+        most.or(self.at_least.map(Limit::AtLeast))
+    }
 }
 
 /// What is written of the trajectory.

@@ -267,6 +267,50 @@ impl Metric {
     }
 }
 
+/// The limit of a requirement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// The metric must not be above this.
+    AtMost(f64),
+    /// The metric must not be below this.
+    AtLeast(f64),
+}
+
+impl Limit {
+    /// Its side as files have it, and its value.
+    pub fn parts(self) -> (&'static str, f64) {
+        match self {
+            Limit::AtMost(limit) => ("at most", limit),
+            Limit::AtLeast(limit) => ("at least", limit),
+        }
+    }
+
+    /// Whether a value is on its allowed side; a missing one is not.
+    pub fn is_met(self, value: Option<f64>) -> bool {
+        value.is_some_and(|value| match self {
+            Limit::AtMost(limit) => value <= limit,
+            Limit::AtLeast(limit) => value >= limit,
+        })
+    }
+
+    /// How far a value is on the allowed side, in units of the limit where that is not 0; minus
+    /// infinity for a missing one.
+    pub fn margin(self, value: Option<f64>) -> f64 {
+        let margin = value.map(|value| match self {
+            Limit::AtMost(limit) => limit - value,
+            Limit::AtLeast(limit) => value - limit,
+        });
+        let scale = match self.parts().1 {
+            0.0 => 1.0,
+            limit => limit.abs(),
+        };
+        let margin = margin.map(|margin| margin / scale);
+        margin
+            .filter(|margin| !margin.is_nan())
+            .unwrap_or(f64::NEG_INFINITY)
+    }
+}
+
 /// The metrics of a comparison in the order of its table.
 pub fn compared() -> Vec<&'static MetricEntry> {
     let mut entries: Vec<_> = METRICS.iter().filter(|entry| entry.compared).collect();

@@ -16,10 +16,8 @@ use super::row::RunRow;
 use super::table::part_table;
 use super::CampaignError;
 use crate::base::files::{create_folder, write};
-use crate::base::provenance::GENERATOR;
 use crate::batch::engine::{Control, Job, Threads};
 use crate::batch::store::chunks::{Chunks, Shard};
-use crate::batch::store::identity::{first_difference, Identity};
 use crate::batch::store::lock::{lock_folder, InUse};
 use crate::batch::store::Store;
 use crate::scenario::Scenario;
@@ -89,24 +87,17 @@ impl<'a> CampaignJob<'a> {
     /// A shard that the campaign does not have.
     pub fn new(
         plan: &'a Plan<'a>,
-        design_sha256: Option<String>,
         shard: Option<Shard>,
         threads: Threads,
         folder: &Path,
     ) -> Result<Self, CampaignError> {
-        let chunks = chunks(plan.runs, &plan.nominal);
+        let chunks = chunks(plan.inputs.runs, &plan.nominal);
         let own = chunks.of_shard(shard)?;
         let inputs = Inputs {
-            generator: GENERATOR.to_string(),
-            scenario: plan.nominal.name.clone(),
-            scenario_sha256: plan.nominal.sha256.clone(),
-            design_sha256,
-            seed: plan.seed,
-            runs: plan.runs,
-            sampling: plan.sampling,
             shard,
             first_run: chunks.runs_of(own.start).start,
             end_run: chunks.runs_of(own.end - 1).end,
+            ..plan.inputs.clone()
         };
         Ok(CampaignJob {
             plan,
@@ -190,15 +181,9 @@ impl Store<RunRow> for CampaignJob<'_> {
 
     fn keep(&self, chunk: Range<u64>, rows: Vec<RunRow>) -> Result<(), CampaignError> {
         let path = part_file(&self.folder, self.chunks.holding(chunk.start));
-        let bytes = part_table(&path, &self.plan.columns, &inputs_text(&self.inputs), &rows)?;
+        let bytes = part_table(&path, &self.plan.columns, &self.inputs.to_json(), &rows)?;
         write_atomically(&path, &bytes).map_err(|problem| CampaignError::file(&path, problem))
     }
-}
-
-/// The inputs as they are in the tables' metadata.
-pub(super) fn inputs_text(inputs: &Inputs) -> String {
-    // They hold numbers and texts only, so they can always be written.
-    serde_json::to_string(inputs).unwrap_or_default()
 }
 
 /// How far a campaign is in a folder; `None` when there is nothing of it.
@@ -210,12 +195,12 @@ fn found(folder: &Path, inputs: &Inputs) -> Result<Option<State>, CampaignError>
         return Ok(None);
     }
     let known = CampaignFile::read(folder)?;
-    match difference(&known.inputs, inputs) {
+    match known.inputs.difference(inputs) {
         None => Ok(Some(known.state)),
-        Some(difference) => Err(CampaignError::Unsuitable {
-            path: folder.to_path_buf(),
-            reason: format!("holds another campaign: {difference}; choose another folder"),
-        }),
+        Some(difference) => {
+            let reason = format!("holds another campaign: {difference}; choose another folder");
+            Err(CampaignError::unsuitable(folder, reason))
+        }
     }
 }
 
@@ -230,9 +215,8 @@ pub(super) fn prepare(
     design: Option<&str>,
 ) -> Result<OpenFolder, CampaignError> {
     create_folder(folder)?;
-    let lock = lock_folder(folder).map_err(|InUse| CampaignError::Unsuitable {
-        path: folder.to_path_buf(),
-        reason: "is in use by another campaign".to_string(),
+    let lock = lock_folder(folder).map_err(|InUse| {
+        CampaignError::unsuitable(folder, "is in use by another campaign".to_string())
     })?;
     let state = match found(folder, inputs)? {
         Some(state) => state,
@@ -260,28 +244,4 @@ fn begin(
     };
     write(CAMPAIGN_FILE, &record.to_json())?;
     Ok(State::Running)
-}
-
-impl Identity for Inputs {
-    const FIELDS: &'static [(&'static str, &'static str)] = &[
-        ("scenario_sha256", "scenario_sha256"),
-        ("design_sha256", "design_sha256"),
-        ("seed", "seed"),
-        ("runs", "runs"),
-        ("shard", "shard"),
-        ("sampling", "sampling"),
-        ("generator", "generator"),
-        ("scenario", "scenario"),
-        ("first_run", "first_run"),
-        ("end_run", "end_run"),
-    ];
-}
-
-/// The first input that differs, as text.
-pub(super) fn difference(known: &Inputs, requested: &Inputs) -> Option<String> {
-    let differs = first_difference(known, requested)?;
-    Some(format!(
-        "its {} is {}, not {}",
-        differs.name, differs.known, differs.requested
-    ))
 }

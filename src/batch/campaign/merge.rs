@@ -3,19 +3,16 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use synth::model::read_text;
+use synth::model::{read_text, write_atomically};
 
-use super::finish::{conclude, count, remove_others, write_tables, Record, Source};
+use super::finish::{remove_others, Source, Tables};
 use super::folder::{run_folder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE};
-use super::job::{difference, inputs_text, prepare};
-use super::record::{CampaignFile, Inputs, ProfileGrid, Results};
-use super::table::{column_names, CampaignColumns};
+use super::job::prepare;
+use super::record::{CampaignFile, Inputs, RequirementCount, Results};
+use super::table::{column_names, CampaignColumns, DRAWN};
 use super::CampaignError;
 use crate::base::files::create_folder;
 use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
-
-/// Prefix of the columns of drawn numbers.
-const DRAWN: &str = "drawn.";
 
 /// A shard's folder.
 struct ShardFolder {
@@ -31,10 +28,8 @@ struct ShardFolder {
 /// Shards that are not complete, of different campaigns, missing or there twice; files that cannot be
 /// read or written.
 pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results, CampaignError> {
-    let mut shards = folders
-        .iter()
-        .map(|folder| read(folder))
-        .collect::<Result<Vec<_>, _>>()?;
+    let shards = folders.iter().map(|folder| read(folder));
+    let mut shards = shards.collect::<Result<Vec<_>, _>>()?;
     shards.sort_by_key(|shard| (shard.inputs.first_run, shard.inputs.end_run));
     check_same(&shards)?;
     check_whole(&shards)?;
@@ -44,24 +39,35 @@ pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results,
     let inputs = whole(&first.inputs);
     let (scenario, design) = texts(first)?;
     let _open = prepare(output, &inputs, &scenario, design.as_deref())?;
-    let columns = columns(first)?;
-    write_tables(output, &columns, &inputs, |name, content| {
+    let tables = Tables {
+        folder: output,
+        columns: &columns(first)?,
+        inputs: &inputs,
+    };
+    tables.write(|name, content| {
         let sources = shards.iter().map(|shard| Source {
             path: shard.folder.join(name),
             content,
-            inputs: inputs_text(&shard.inputs),
+            inputs: shard.inputs.to_json(),
         });
         sources.collect()
     })?;
-    let count = count(output, &columns, &inputs, keep)?;
+    let count = tables.count(keep)?;
     let kept = copy_kept(&shards, output, &count.worst_runs())?;
-    let record = Record {
-        count: &count,
-        kept,
-        requirements: first.results.requirements.clone(),
-        profile: first.results.profile.clone(),
-    };
-    conclude(output, &inputs, record)
+    tables.conclude(count, kept, missed(&shards))
+}
+
+/// How many runs of all shards, which are of one campaign, missed each requirement.
+fn missed(shards: &[ShardFolder]) -> Vec<RequirementCount> {
+    let each = shards
+        .iter()
+        .map(|shard| shard.results.requirements.clone());
+    let all = each.reduce(|mut all, own| {
+        let pairs = all.iter_mut().zip(own);
+        pairs.for_each(|(all, own)| all.missed += own.missed);
+        all
+    });
+    all.unwrap_or_default()
 }
 
 fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
@@ -72,11 +78,10 @@ fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
             inputs: record.inputs,
             results,
         }),
-        None => Err(CampaignError::Unsuitable {
-            path: folder.to_path_buf(),
-            reason: "is not complete; the command that made it goes on where it stopped"
-                .to_string(),
-        }),
+        None => {
+            let reason = "is not complete; the command that made it goes on where it stopped";
+            Err(CampaignError::unsuitable(folder, reason.to_string()))
+        }
     }
 }
 
@@ -93,7 +98,7 @@ fn whole(inputs: &Inputs) -> Inputs {
 fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
     for pair in shards.windows(2) {
         let [one, other] = pair else { continue };
-        if let Some(difference) = difference(&whole(&other.inputs), &whole(&one.inputs)) {
+        if let Some(difference) = whole(&other.inputs).difference(&whole(&one.inputs)) {
             return Err(CampaignError::Shards(format!(
                 "{} is a shard of another campaign than {}: {difference}",
                 other.folder.display(),
@@ -148,14 +153,9 @@ fn texts(shard: &ShardFolder) -> Result<(String, Option<String>), CampaignError>
 fn columns(shard: &ShardFolder) -> Result<CampaignColumns, CampaignError> {
     let names = column_names(&shard.folder.join(RUNS_FILE))?;
     let drawn = names.iter().filter_map(|name| name.strip_prefix(DRAWN));
-    let ProfileGrid {
-        times_s,
-        quantities,
-    } = shard.results.profile.clone();
     Ok(CampaignColumns {
         drawn: drawn.map(str::to_string).collect(),
-        quantities,
-        times_s,
+        profile: shard.results.profile.clone(),
     })
 }
 
@@ -177,8 +177,7 @@ fn copy_kept(
         for name in [SCENARIO_FILE, TRAJECTORY_FILE, SUMMARY_FILE] {
             let (from, to) = (from.join(name), to.join(name));
             let bytes = fs::read(&from).map_err(|source| CampaignError::read(&from, source))?;
-            synth::model::write_atomically(&to, &bytes)
-                .map_err(|problem| CampaignError::file(&to, problem))?;
+            write_atomically(&to, &bytes).map_err(|problem| CampaignError::file(&to, problem))?;
         }
         kept.push(run);
     }

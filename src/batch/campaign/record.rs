@@ -9,6 +9,7 @@ use synth::model::read_text;
 use super::folder::CAMPAIGN_FILE;
 use super::CampaignError;
 use crate::batch::store::chunks::Shard;
+use crate::batch::store::identity::first_difference;
 use crate::scenario::PlanFile;
 
 /// The version of the format of `campaign.json`.
@@ -146,6 +147,36 @@ pub struct ProfileGrid {
     pub quantities: Vec<String>,
 }
 
+impl Inputs {
+    /// As they are in the tables' metadata. They hold numbers and texts only, so they can always be written.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// The first input that differs, as text.
+    pub fn difference(&self, requested: &Self) -> Option<String> {
+        let differs = first_difference(self, requested, &IDENTITY)?;
+        Some(format!(
+            "its {} is {}, not {}",
+            differs.key, differs.known, differs.requested
+        ))
+    }
+}
+
+/// The inputs, those that explain a difference best first.
+const IDENTITY: [&str; 10] = [
+    "scenario_sha256",
+    "design_sha256",
+    "seed",
+    "runs",
+    "shard",
+    "sampling",
+    "generator",
+    "scenario",
+    "first_run",
+    "end_run",
+];
+
 impl CampaignFile {
     /// Reads a folder's record.
     ///
@@ -154,9 +185,8 @@ impl CampaignFile {
     pub fn read(folder: &Path) -> Result<Self, CampaignError> {
         let path = folder.join(CAMPAIGN_FILE);
         let text = read_text(&path).map_err(|problem| CampaignError::file(&path, problem))?;
-        let bad = |reason: String| CampaignError::Unsuitable {
-            path: path.clone(),
-            reason: format!("not the record of a campaign: {reason}"),
+        let bad = |reason| {
+            CampaignError::unsuitable(&path, format!("not the record of a campaign: {reason}"))
         };
         let file: Self = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
         if file.schema_version != CAMPAIGN_SCHEMA_VERSION {

@@ -1,6 +1,9 @@
 //! One run as a row of the tables.
 
+use super::plan::Resolved;
+use crate::run::outcome::Outcome;
 use crate::run::summary::{RunVerdict, Summary};
+use crate::scenario::RequirementFile;
 use crate::sim::metrics::METRICS;
 
 /// What is known of one run.
@@ -28,27 +31,22 @@ pub struct RunRow {
 
 impl RunRow {
     /// The row of a run.
-    pub fn new(
-        run: u64,
-        seed: u64,
-        summary: &Summary,
-        drawn: Vec<Option<f64>>,
-        profile: Vec<f32>,
-    ) -> Self {
+    pub fn new(resolved: Resolved, outcome: Outcome) -> Self {
+        let summary = &outcome.summary;
         let certificate = summary.certificate.as_ref();
+        let metrics = METRICS.iter().map(|entry| summary.metric(entry.metric));
         RunRow {
-            run,
-            seed,
+            run: resolved.run,
+            seed: resolved.scenario.seed,
             verdict: summary.verdict,
             proof_covers: certificate.map(|outcome| outcome.covers_run),
             start_level: certificate.map(|outcome| outcome.start_level),
-            worst: worst(summary),
-            metrics: METRICS
-                .iter()
-                .map(|entry| finite(summary.metric(entry.metric)))
+            worst: worst(summary, &resolved.scenario.requirements),
+            metrics: metrics
+                .map(|value| value.filter(|value| value.is_finite()))
                 .collect(),
-            drawn,
-            profile,
+            drawn: resolved.drawn,
+            profile: outcome.profile,
         }
     }
 
@@ -94,36 +92,14 @@ impl Ord for Rank {
     }
 }
 
-/// Names of the metrics' columns.
-pub fn metric_columns() -> Vec<String> {
-    METRICS.iter().map(|entry| entry.key.to_string()).collect()
-}
-
-fn finite(value: Option<f64>) -> Option<f64> {
-    value.filter(|value| value.is_finite())
-}
-
 /// The requirement with the smallest margin relative to its limit.
-fn worst(summary: &Summary) -> Option<(String, f64)> {
-    let margins = summary.requirements.iter().map(|outcome| {
-        let scale = if outcome.limit == 0.0 {
-            1.0
-        } else {
-            outcome.limit.abs()
-        };
-        let margin = match (outcome.value, outcome.name.ends_with("at least")) {
-            (None, _) => f64::NEG_INFINITY,
-            (Some(value), true) => (value - outcome.limit) / scale,
-            (Some(value), false) => (outcome.limit - value) / scale,
-        };
-        let margin = if margin.is_nan() {
-            f64::NEG_INFINITY
-        } else {
-            margin
-        };
-        (outcome.name.clone(), margin)
+fn worst(summary: &Summary, requirements: &[RequirementFile]) -> Option<(String, f64)> {
+    let outcomes = summary.requirements.iter().zip(requirements);
+    let margins = outcomes.filter_map(|(outcome, requirement)| {
+        Some((&outcome.name, requirement.limit()?.margin(outcome.value)))
     });
-    margins.min_by(|a, b| a.1.total_cmp(&b.1))
+    let worst = margins.min_by(|a, b| a.1.total_cmp(&b.1));
+    worst.map(|(name, margin)| (name.clone(), margin))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::base::csv::quoted;
+use crate::base::number::short_or_none;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
@@ -161,78 +162,61 @@ impl ControllerRow {
     }
 }
 
-fn optional(value: Option<f64>) -> String {
-    value.map_or(String::new(), |value| value.to_string())
-}
-
 impl Comparison {
     /// Comma-separated values: one row for each controller, one column for each metric and fault.
     pub fn to_csv(&self) -> String {
+        let text = |value: Option<String>| value.unwrap_or_default();
         let mut header = vec!["label".to_string(), "verdict".to_string()];
         header.extend(compared().iter().map(|entry| entry.key.to_string()));
-        header.push("faults_survived".to_string());
-        header.extend(["link_bits".to_string(), "link_bytes".to_string()]);
+        header.extend(["faults_survived", "link_bits", "link_bytes"].map(str::to_string));
         header.extend(self.faults.iter().map(|(name, _)| format!("fault_{name}")));
-        let mut text = header.join(",") + "\n";
+        let mut csv = header.join(",") + "\n";
         for row in &self.runs {
             let mut cells = vec![quoted(&row.label), row.verdict.name().to_string()];
-            cells.extend(row.shown().iter().map(|(_, value)| optional(*value)));
+            let shown = row.shown().iter().map(|(_, value)| *value);
+            cells.extend(shown.map(|value| text(value.map(|value| value.to_string()))));
             cells.push(row.faults_survived.to_string());
-            let link = |count: fn(&LinkOutcome) -> u64| {
-                row.link
-                    .as_ref()
-                    .map_or(String::new(), |link| count(link).to_string())
-            };
-            cells.extend([link(|link| link.bits), link(|link| link.bytes)]);
+            let link = row.link.as_ref();
+            cells.push(text(link.map(|link| link.bits.to_string())));
+            cells.push(text(link.map(|link| link.bytes.to_string())));
             let outcomes = row.faults.iter();
             cells.extend(outcomes.map(|outcome| u8::from(outcome.survived).to_string()));
-            text += &(cells.join(",") + "\n");
+            csv += &(cells.join(",") + "\n");
         }
-        text
+        csv
     }
 
     /// The table as text: one column for each controller.
     pub fn to_text(&self) -> String {
-        let mut lines: Vec<Vec<String>> = Vec::new();
-        let labels = self.runs.iter().map(|row| row.label.clone());
-        lines.push(std::iter::once(String::new()).chain(labels).collect());
-        let verdicts = self.runs.iter().map(|row| row.verdict.name().to_string());
-        lines.push(
-            std::iter::once("verdict".to_string())
-                .chain(verdicts)
-                .collect(),
-        );
+        let line = |head: &str, cell: &dyn Fn(&ControllerRow) -> String| -> Vec<String> {
+            let cells = self.runs.iter().map(cell);
+            std::iter::once(head.to_string()).chain(cells).collect()
+        };
+        let mut lines = vec![
+            line("", &|row| row.label.clone()),
+            line("verdict", &|row| row.verdict.name().to_string()),
+        ];
         for (index, entry) in compared().iter().enumerate() {
-            let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
-            let cells = self.runs.iter().map(|row| rounded(&optional(value(row))));
-            let head = entry.key.to_string();
-            lines.push(std::iter::once(head).chain(cells).collect());
+            lines.push(line(entry.key, &|row| match row.shown()[index].1 {
+                Some(whole) if whole.fract() == 0.0 => whole.to_string(),
+                value => short_or_none(value),
+            }));
         }
         let total = self.faults.len();
         if total > 0 {
-            let survived = self.runs.iter().map(|row| row.faults_survived);
-            let cells = survived.map(|survived| format!("{survived} of {total}"));
-            let head = "faults_survived".to_string();
-            lines.push(std::iter::once(head).chain(cells).collect());
+            let survived = |row: &ControllerRow| format!("{} of {total}", row.faults_survived);
+            lines.push(line("faults_survived", &survived));
         }
         for (index, (name, _)) in self.faults.iter().enumerate() {
-            let cells = self.runs.iter().map(|row| match row.faults.get(index) {
-                Some(outcome) if outcome.survived => "yes".to_string(),
-                _ => "NO".to_string(),
-            });
-            let name = format!("  {name}");
-            lines.push(std::iter::once(name).chain(cells).collect());
+            lines.push(line(&format!("  {name}"), &|row| {
+                let survived = row
+                    .faults
+                    .get(index)
+                    .is_some_and(|outcome| outcome.survived);
+                if survived { "yes" } else { "NO" }.to_string()
+            }));
         }
         aligned(&lines)
-    }
-}
-
-/// A number of a table with five significant digits.
-fn rounded(text: &str) -> String {
-    match text.parse::<f64>() {
-        _ if text.is_empty() => "none".to_string(),
-        Ok(value) if text.contains(['.', 'e']) => crate::base::number::short(value),
-        _ => text.to_string(),
     }
 }
 

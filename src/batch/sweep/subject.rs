@@ -13,7 +13,7 @@ use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
 use synth::solve::{Backend, Clarabel, Observer, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
-use super::outcome::{numbers_of, PointOutcome};
+use super::outcome::{numbers_of, PointOutcome, INVALID};
 use crate::batch::variation::grid::Grid;
 use crate::run::design::{certified_angle_deg, Design};
 use crate::run::simulate;
@@ -140,41 +140,32 @@ impl Subject {
 
     /// Solves the file's own model once, for the points to start from. A search takes too long for that.
     pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
-        let Subject::Model { file, solver } = self else {
+        let Subject::Model {
+            file,
+            solver: SolverChoice::Structured(solver),
+        } = self
+        else {
             return;
         };
-        let SolverChoice::Structured(solver) = solver else {
-            return;
-        };
-        let text = file.to_string();
-        let Ok(model) = model_of(file) else {
-            return;
-        };
-        if model.file.specs.objective == Objective::Gain {
-            let first = Structured::warm();
+        let model = model_of(file).ok();
+        if let Some(model) = model.filter(|model| model.file.specs.objective == Objective::Gain) {
+            let (text, first, form) = (file.to_string(), Structured::warm(), Form::VertexRelaxed);
             // Whatever comes of it: where nothing is remembered, points start cold.
-            let _ = synthesis::synthesize(
-                &model,
-                &text,
-                Form::VertexRelaxed,
-                &first,
-                Some(until(stop)),
-            );
+            let _ = synthesis::synthesize(&model, &text, form, &first, Some(until(stop)));
             *solver = first.frozen();
         }
     }
 
     /// Runs the point with these values, in the order of the axes. A synthesis ends early when `stop` is set;
     /// its outcome is of no use then.
-    pub fn run(&self, grid: &Grid, values: Vec<f64>, stop: &Arc<AtomicBool>) -> PointOutcome {
-        let found = match grid.apply(self.file(), &values) {
-            Err(error) => Err(error.to_string()),
-            Ok(file) => match self {
-                Subject::Scenario { design, .. } => run_scenario(&values, &file, design.as_deref()),
-                Subject::Model { solver, .. } => run_model(&values, &file, solver, stop),
-            },
-        };
-        found.unwrap_or_else(|reason| PointOutcome::invalid(values, reason))
+    pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
+        let file = grid.apply(self.file(), values);
+        let found = file.map_err(|error| error.to_string());
+        let found = found.and_then(|file| match self {
+            Subject::Scenario { design, .. } => run_scenario(&file, design.as_deref()),
+            Subject::Model { solver, .. } => run_model(&file, solver, stop),
+        });
+        found.unwrap_or_else(|reason| PointOutcome::without_numbers(INVALID, reason))
     }
 }
 
@@ -203,7 +194,7 @@ fn unit_of_key(name: &str) -> &'static str {
 }
 
 /// The files' types hold numbers, texts and lists only, so they can always be written.
-fn value_of<T: Serialize>(file: &T) -> Value {
+pub(super) fn value_of<T: Serialize>(file: &T) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
 
@@ -223,20 +214,15 @@ fn model_of(file: &Value) -> Result<Model, FileError> {
     Ok(Model::new(typed(file, Kind::Model)?)?)
 }
 
-fn run_scenario(
-    values: &[f64],
-    file: &Value,
-    design: Option<&Design>,
-) -> Result<PointOutcome, String> {
+fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, String> {
     let scenario = scenario_of(file).map_err(|error| error.to_string())?;
     let outcome = simulate(&scenario, design, false).map_err(|error| error.to_string())?;
     let summary = outcome.summary;
     Ok(PointOutcome {
-        values: values.to_vec(),
         verdict: summary.verdict.name().to_string(),
         reason: why_not(&summary),
         metrics: numbers_of(&value_of(&summary)),
-        worst_condition: None,
+        ..PointOutcome::default()
     })
 }
 
@@ -259,7 +245,6 @@ fn until(stop: &Arc<AtomicBool>) -> Observer {
 }
 
 fn run_model(
-    values: &[f64],
     file: &Value,
     solver: &SolverChoice,
     stop: &Arc<AtomicBool>,
@@ -269,12 +254,11 @@ fn run_model(
     let backend = solver.backend();
     let observer = Some(until(stop));
     let outcome = synthesis::synthesize(&model, &text, solver.form(), backend.as_ref(), observer);
-    let values = values.to_vec();
     Ok(match outcome.map_err(|error| error.to_string())? {
-        Outcome::Solved(design) => designed(values, &design),
-        Outcome::Infeasible(decision) => undesigned(values, "infeasible", &decision),
-        Outcome::Undecided(decision) => undesigned(values, "undecided", &decision),
-        Outcome::SolverFailed(decision) => undesigned(values, "solver_failed", &decision),
+        Outcome::Solved(design) => designed(&design),
+        Outcome::Infeasible(decision) => undesigned("infeasible", &decision),
+        Outcome::Undecided(decision) => undesigned("undecided", &decision),
+        Outcome::SolverFailed(decision) => undesigned("solver_failed", &decision),
     })
 }
 
@@ -290,36 +274,31 @@ const MODEL_METRICS: [&str; 7] = [
 ];
 
 /// The metrics of a model with the values that a point has.
-fn model_metrics(values: &[(&str, Option<f64>)]) -> Vec<(String, Option<Number>)> {
-    let of = |name: &str| {
-        let found = values.iter().find(|(own, _)| *own == name);
-        found.and_then(|(_, value)| value.and_then(Number::from_f64))
-    };
-    MODEL_METRICS
-        .map(|name| (name.to_string(), of(name)))
-        .to_vec()
+fn model_metrics(values: [Option<f64>; 7]) -> Vec<(String, Option<Number>)> {
+    let metrics = MODEL_METRICS.into_iter().zip(values);
+    metrics
+        .map(|(name, value)| (name.to_string(), value.and_then(Number::from_f64)))
+        .collect()
 }
 
-fn designed(values: Vec<f64>, design: &Synthesized) -> PointOutcome {
+fn designed(design: &Synthesized) -> PointOutcome {
     let (part, report) = (&design.file.certificate, &design.report);
     let proved = report.verdict == Verdict::Proved;
     let worst = report.worst();
     PointOutcome {
-        values,
         verdict: if proved { "proved" } else { "not_proved" }.to_string(),
         reason: (!proved).then(|| not_proved(report)),
-        metrics: model_metrics(&[
-            ("gamma", Some(part.gamma)),
-            ("guaranteed_gain", Some(part.guaranteed_gain)),
-            ("xi", Some(part.xi)),
-            (
-                "certified_angle_deg",
-                certified_angle_deg(part.certified_vector_part),
-            ),
-            ("worst_margin", worst.map(|condition| condition.margin)),
-            ("gain_norm", gain_norm(&design.file.controller.gains)),
+        metrics: model_metrics([
+            Some(part.gamma),
+            Some(part.guaranteed_gain),
+            Some(part.xi),
+            certified_angle_deg(part.certified_vector_part),
+            worst.map(|condition| condition.margin),
+            gain_norm(&design.file.controller.gains),
+            None,
         ]),
         worst_condition: worst.map(|condition| condition.name.clone()),
+        ..PointOutcome::default()
     }
 }
 
@@ -341,7 +320,7 @@ fn not_proved(report: &Report) -> String {
     }
 }
 
-fn undesigned(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
+fn undesigned(verdict: &str, decision: &Decision) -> PointOutcome {
     let blocking = decision.blocking.iter().take(BLOCKING);
     let names: Vec<&str> = blocking.map(|(name, _)| name.as_str()).collect();
     let reason = match names.as_slice() {
@@ -349,10 +328,7 @@ fn undesigned(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutc
         names => format!("blocked by {}", names.join(", ")),
     };
     PointOutcome {
-        values,
-        verdict: verdict.to_string(),
-        reason: Some(reason),
-        metrics: model_metrics(&[("slack", decision.slack)]),
-        worst_condition: None,
+        metrics: model_metrics([None, None, None, None, None, None, decision.slack]),
+        ..PointOutcome::without_numbers(verdict, reason)
     }
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::file::Requirements;
 use super::limits::least_time_s;
 use super::search::Search;
+use super::shape::{Number, COUNT};
 use super::trial::Trial;
 use crate::base::provenance::GENERATOR;
 use crate::controllers::lei2022::LeiFile;
@@ -36,18 +37,9 @@ pub struct TuneReport {
     /// and S2(0), and with it beta, differ.
     pub parameters: Option<LeiFile>,
     /// The numbers of the shape, by name.
-    pub shape: Vec<ShapeNumber>,
+    pub shape: [Number; COUNT],
     /// Every run.
     pub runs: Vec<RunReport>,
-}
-
-/// A number of the shape.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ShapeNumber {
-    /// What it is.
-    pub name: &'static str,
-    /// Its value.
-    pub value: f64,
 }
 
 /// One validation run.
@@ -95,13 +87,12 @@ impl TuneReport {
     ) -> Self {
         let per_axis = trials.chunks(trials.len() / axes.max(1));
         let met = per_axis.filter(|trials| trials.iter().all(Trial::met));
-        let numbers = search.shape().numbers().iter();
         TuneReport {
             name: requirements.file.name.clone(),
             generator: GENERATOR.to_string(),
-            seed: requirements.search.seed,
-            candidates: search.candidates(),
-            training_met: search.penalty() == 0.0,
+            seed: requirements.file.search.seed,
+            candidates: search.candidates,
+            training_met: search.penalty == 0.0,
             axes,
             axes_met: met.count(),
             duration_s: requirements.duration_s,
@@ -110,12 +101,7 @@ impl TuneReport {
                 ControllerFile::Lei2022(file) => Some((**file).clone()),
                 _ => None,
             },
-            shape: numbers
-                .map(|number| ShapeNumber {
-                    name: number.name,
-                    value: number.value,
-                })
-                .collect(),
+            shape: search.shape.numbers,
             runs: trials.iter().map(run_report).collect(),
         }
     }

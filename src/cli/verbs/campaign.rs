@@ -66,16 +66,13 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
         Some(path) => Some(files::text(&path)?),
         None => None,
     };
-    let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
-        .map_err(|error| CliError::plan(&args.scenario, error))?;
+    let failed = |error| CliError::campaign(&args.scenario, error);
+    let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs).map_err(failed)?;
     if plan.columns.drawn.is_empty() {
         note("note: the scenario has no dispersions; the runs differ in their noise only");
     }
-    let failed = |error| CliError::campaign(&args.scenario, error);
-    let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let threads = threads(args.jobs)?;
-    let job =
-        CampaignJob::new(&plan, design_sha256, shard, threads, &args.output).map_err(failed)?;
+    let job = CampaignJob::new(&plan, shard, threads, &args.output).map_err(failed)?;
     let stop = interrupted();
     let open = job.prepare(&text, design_text.as_deref(), &stop);
     let results = open.and_then(|open| make(&job, open.state, args.keep, stop));
