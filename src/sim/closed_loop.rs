@@ -7,10 +7,9 @@ use super::actuator::{ActuatorData, Actuators};
 use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, DisturbanceCursor};
 use super::dormand_prince::DormandPrince;
-use super::integrator::Method;
+use super::integrator::{runge_kutta_step, Method};
 use super::link::Link;
 use super::plant::Plant;
-use super::runge_kutta;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
 
@@ -231,7 +230,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         for index in 1..=count {
             let (start, start_state) = (at.time, at.state);
             let values = at.cursor.step(start, step);
-            at.state = runge_kutta::step(self.plant, start, &start_state, step, torque, &values);
+            at.state = runge_kutta_step(self.plant, start, &start_state, step, torque, &values);
             at.time = if index == count {
                 event
             } else {
@@ -284,7 +283,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
             let middle = 0.5 * (silent + firing);
             let times = [start, start + 0.5 * middle, start + middle];
             let values = times.map(|time| self.disturbance.at(time));
-            let state = runge_kutta::step(self.plant, start, &start_state, middle, torque, &values);
+            let state = runge_kutta_step(self.plant, start, &start_state, middle, torque, &values);
             if self.fires(start + middle, &state) {
                 firing = middle;
                 (at.time, at.state) = (start + middle, state);

@@ -111,25 +111,6 @@ impl<const D: usize> Disturbance<D> {
         values.fold(SVector::zeros(), |sum, value| sum + value)
     }
 
-    /// The same disturbance with more or fewer components; what is new is zero.
-    pub fn resized<const E: usize>(&self) -> Disturbance<E> {
-        let resize = |value: &SVector<f64, D>| super::embedding::vector(value.as_slice());
-        let harmonics = self.harmonics.iter().map(|harmonic| Harmonic {
-            frequency_rad_s: harmonic.frequency_rad_s,
-            sine: resize(&harmonic.sine),
-            cosine: resize(&harmonic.cosine),
-        });
-        Disturbance {
-            bias: resize(&self.bias),
-            harmonics: harmonics.collect(),
-            table: self.table.as_ref().map(|table| DisturbanceTable {
-                times_s: table.times_s.clone(),
-                values: table.values.iter().map(resize).collect(),
-            }),
-            pulses: self.pulses.iter().map(resized).collect(),
-        }
-    }
-
     /// Times at which the value or its slope jumps.
     pub fn discontinuities_s(&self) -> Vec<f64> {
         let table = self.table.iter().flat_map(|table| table.times_s.clone());
@@ -137,18 +118,6 @@ impl<const D: usize> Disturbance<D> {
         table
             .chain(pulses.flat_map(|pulse| [pulse.from_s, pulse.until_s]))
             .collect()
-    }
-}
-
-fn resized<const D: usize, const E: usize>(pulse: &Pulse<D>) -> Pulse<E> {
-    Pulse {
-        from_s: pulse.from_s,
-        until_s: pulse.until_s,
-        constant: super::embedding::vector(pulse.constant.as_slice()),
-        wave: super::embedding::vector(pulse.wave.as_slice()),
-        frequency_rad_s: pulse.frequency_rad_s,
-        phase_rad: pulse.phase_rad,
-        decay_per_s: pulse.decay_per_s,
     }
 }
 

@@ -112,8 +112,8 @@ mod tests {
     use super::*;
     use crate::plants::RigidBody;
     use crate::sim::disturbance::{DisturbanceCursor, Harmonic};
+    use crate::sim::integrator::runge_kutta_step;
     use crate::sim::rigid_body_state::{rigid_body_state, RigidBodyState};
-    use crate::sim::runge_kutta;
     use nalgebra::{Matrix3, Vector3};
     use runtime::attitude::Quaternion;
 
@@ -154,7 +154,7 @@ mod tests {
         for index in 0..steps {
             let time = f64::from(index) * step;
             let values = cursor.step(time, step);
-            state = runge_kutta::step(&body, time, &state, step, &Vector3::zeros(), &values);
+            state = runge_kutta_step(&body, time, &state, step, &Vector3::zeros(), &values);
         }
         state
     }

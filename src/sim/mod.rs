@@ -25,7 +25,6 @@ pub mod random;
 pub mod recorder;
 pub mod reference;
 pub mod rigid_body_state;
-pub mod runge_kutta;
 pub mod sampling;
 pub mod sensor;
 pub mod transmissions;

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use synth::model::{check_inertia, ModelError};
 
 use crate::base::bounded::{As, BelowOne, NonNegative, Positive};
-use crate::base::empty_file::EmptyFile;
 use crate::base::ranges::require;
 use crate::controllers::law::LawFile;
 use crate::plants::RigidBodySystem;
@@ -105,12 +104,12 @@ pub struct DisturbanceTermFile {
 
 /// When the torque changes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LeiTriggerFile {
     /// As published: on for short times only.
     Composite(CompositeTriggerFile),
     /// The same law always on, with a new torque at every sample. Write `{}` after it.
-    EverySample(EmptyFile),
+    EverySample {},
 }
 
 /// Turn-off (6) and turn-on (8) with the envelope S2 of V2, (70).
@@ -176,7 +175,7 @@ impl LawFile for LeiFile {
                 let rule = rule.check();
                 TriggerRule::Composite(rule.map_err(|error| error.within("trigger.composite"))?)
             }
-            LeiTriggerFile::EverySample(_) => TriggerRule::EverySample,
+            LeiTriggerFile::EverySample {} => TriggerRule::EverySample,
         };
         start_inside(&law.performance, system)?;
         Ok(Parameters {

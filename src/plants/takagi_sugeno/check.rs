@@ -1,6 +1,5 @@
 //! A Takagi-Sugeno model and its surroundings, checked.
 
-use nalgebra::SVector;
 use synth::fuzzy::VertexSystem;
 use synth::model::{finite, vertex_system, ModelError};
 
@@ -25,8 +24,8 @@ pub struct TakagiSugenoSystem {
     pub mixing: Mixing,
     /// State at the start.
     pub initial_state: Vec<f64>,
-    /// Disturbance, padded.
-    pub disturbance: Disturbance<MAX_STATES>,
+    /// Disturbance.
+    pub disturbance: SignalFile,
     /// Standard deviation of the measurement of each state.
     pub state_noise: f64,
     /// Time from command to input, s.
@@ -53,6 +52,7 @@ impl PlantFile for TakagiSugenoFile {
         }
         check_length("initial_state", &self.initial_state, states)?;
         each("initial_state", &self.initial_state, finite)?;
+        self.disturbance.check(disturbances)?;
         if let Mixing::Constant(weights) = &self.mixing {
             let field = "mixing.constant";
             check_length(field, weights, system.state_matrices.len())?;
@@ -63,7 +63,7 @@ impl PlantFile for TakagiSugenoFile {
         }
         Ok(TakagiSugenoSystem {
             mixing: self.mixing.clone(),
-            disturbance: signal(&self.disturbance, disturbances)?,
+            disturbance: self.disturbance.clone(),
             initial_state: self.initial_state.clone(),
             state_noise: self.state_noise,
             input_delay_s: self.input_delay_s,
@@ -83,26 +83,34 @@ fn check_length(field: &str, values: &[f64], expected: usize) -> Result<(), Mode
     })
 }
 
-fn signal(file: &SignalFile, size: usize) -> Result<Disturbance<MAX_STATES>, ModelError> {
-    let part = |field: &str, values: &[f64]| -> Result<SVector<f64, MAX_STATES>, ModelError> {
-        if !values.is_empty() {
-            check_length(field, values, size)?;
+impl SignalFile {
+    /// Every part must have `size` components or none.
+    fn check(&self, size: usize) -> Result<(), ModelError> {
+        let part = |field: &str, values: &[f64]| {
+            if !values.is_empty() {
+                check_length(field, values, size)?;
+            }
+            each(field, values, finite)
+        };
+        for (index, sine) in self.sines.iter().enumerate() {
+            let field = format!("disturbance.sines[{index}]");
+            part(&format!("{field}.sine"), &sine.sine)?;
+            part(&format!("{field}.cosine"), &sine.cosine)?;
         }
-        each(field, values, finite)?;
-        Ok(embedding::vector(values))
-    };
-    let harmonics = file.sines.iter().enumerate().map(|(index, sine)| {
-        let field = format!("disturbance.sines[{index}]");
-        Ok(Harmonic {
+        part("disturbance.bias", &self.bias)
+    }
+
+    /// The signal padded with zeros to `D` components.
+    pub fn padded<const D: usize>(&self) -> Disturbance<D> {
+        let harmonics = self.sines.iter().map(|sine| Harmonic {
             frequency_rad_s: sine.frequency_rad_s,
-            sine: part(&format!("{field}.sine"), &sine.sine)?,
-            cosine: part(&format!("{field}.cosine"), &sine.cosine)?,
-        })
-    });
-    Ok(Disturbance {
-        bias: part("disturbance.bias", &file.bias)?,
-        harmonics: harmonics.collect::<Result<_, ModelError>>()?,
-        table: None,
-        pulses: Vec::new(),
-    })
+            sine: embedding::vector(&sine.sine),
+            cosine: embedding::vector(&sine.cosine),
+        });
+        Disturbance {
+            bias: embedding::vector(&self.bias),
+            harmonics: harmonics.collect(),
+            ..Disturbance::none()
+        }
+    }
 }

@@ -38,7 +38,7 @@ impl TakagiSugenoSystem {
         Bench {
             plant: TakagiSugenoPlant::new(&self.system, self.mixing.clone(), rules),
             initial: embedding::vector(&self.initial_state),
-            disturbance: self.disturbance.resized(),
+            disturbance: self.disturbance.padded(),
             sensor: StateSensor::new(states, self.state_noise, seed),
             actuators: ActuatorData {
                 limit: embedding::filled(self.system.input_limit.as_slice(), f64::INFINITY),
