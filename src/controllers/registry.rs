@@ -84,11 +84,11 @@ macro_rules! controllers {
                     let law = law.map_err(|error| error.within(concat!("controller.", $key)))?;
                     Ok(ControllerChoice::$law(Box::new(law)))
                 })+
-                (_, System::TakagiSugeno(_)) => Err(ModelError::WrongShape {
-                    field: "controller".to_string(),
-                    found: "an attitude controller".to_string(),
-                    expected: "design, because system is takagi_sugeno".to_string(),
-                }),
+                (_, System::TakagiSugeno(_)) => Err(ModelError::shape(
+                    "controller",
+                    "an attitude controller",
+                    "design, because system is takagi_sugeno",
+                )),
             }
         }
     };

@@ -118,11 +118,11 @@ impl LawFile for XuFile {
     fn check(&self, _: &RigidBodySystem) -> Result<XuChoice, ModelError> {
         let count = self.rules.len();
         if !(1..=MAX_RULES).contains(&count) {
-            return Err(ModelError::WrongShape {
-                field: "rules".to_string(),
-                found: format!("{count} rules"),
-                expected: format!("1 to {MAX_RULES} rules"),
-            });
+            return Err(ModelError::shape(
+                "rules",
+                format!("{count} rules"),
+                format!("1 to {MAX_RULES} rules"),
+            ));
         }
         let rules = self.rules.iter().map(|rule| {
             let gain = Matrix3x6::from_fn(|row, column| rule.gain[row][column].get());

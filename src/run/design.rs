@@ -419,8 +419,8 @@ fn rigid_body_not_covered(
     if actuators.matrix != Matrix3::identity() {
         out.push("the actuators' matrix is not the identity".to_string());
     }
-    if !actuators.faults.is_empty() {
-        out.push(format!("{} actuator faults", actuators.faults.len()));
+    if !actuators.effects.is_empty() {
+        out.push(format!("{} actuator faults", actuators.effects.len()));
     }
     if !matches!(system.reference, Reference::Fixed(_)) {
         out.push("a reference that moves".to_string());

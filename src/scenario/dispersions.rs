@@ -219,13 +219,10 @@ pub(crate) fn check_dispersions(
     for (index, value) in file.values.iter().enumerate() {
         let field = format!("values[{index}]");
         if FIXED.iter().any(|fixed| value.name.starts_with(fixed)) {
-            return Err(ModelError::WrongShape {
-                field: format!("{field}.name"),
-                found: format!("'{}'", value.name),
-                expected:
-                    "a number other than the seed, the duration, the requirements and the output"
-                        .to_string(),
-            });
+            let expected =
+                "a number other than the seed, the duration, the requirements and the output";
+            let found = format!("'{}'", value.name);
+            return Err(ModelError::shape(format!("{field}.name"), found, expected));
         }
         let distribution = value.distribution.clone();
         distribution.check(&format!("{field}.distribution"))?;
@@ -293,10 +290,7 @@ fn check_kind(file: &DispersionsFile, system: &SystemFile) -> Result<(), ModelEr
             "the system is takagi_sugeno, which has none; initial_state is for its start"
         }
     };
-    Err(ModelError::Choice {
-        field: field.to_string(),
-        reason: reason.to_string(),
-    })
+    Err(ModelError::choice(*field, reason))
 }
 
 fn check_start(
@@ -327,10 +321,8 @@ fn check_start(
         ("initial_state", file.initial_state.is_some()),
     ];
     if let Some((field, _)) = others.iter().find(|(_, given)| *given) {
-        return Err(ModelError::Choice {
-            field: field.to_string(),
-            reason: "must be left out, because certified_boundary sets the whole start".to_string(),
-        });
+        let reason = "must be left out, because certified_boundary sets the whole start";
+        return Err(ModelError::choice(*field, reason));
     }
     let level = boundary.level.map_or(1.0, Positive::get);
     all.push(Dispersion::Boundary { level });

@@ -72,10 +72,10 @@ impl Distribution {
                 let field = format!("{field}.uniform.to");
                 require(to >= from, &field, *to, "'from' or above")
             }
-            Distribution::Choice(values) if values.is_empty() => Err(ModelError::Choice {
-                field: format!("{field}.choice"),
-                reason: "the list is empty; it must have at least one value".to_string(),
-            }),
+            Distribution::Choice(values) if values.is_empty() => {
+                let reason = "the list is empty; it must have at least one value";
+                Err(ModelError::choice(format!("{field}.choice"), reason))
+            }
             Distribution::Choice(_) => Ok(()),
         }
     }

@@ -122,11 +122,11 @@ pub(crate) fn check_link(
     instants: &Instants,
 ) -> Result<LinkData<3>, ModelError> {
     if matches!(system, System::TakagiSugeno(_)) {
-        return Err(ModelError::WrongShape {
-            field: "link".to_string(),
-            found: "3 axes".to_string(),
-            expected: "none: a link is for a rigid_body only".to_string(),
-        });
+        return Err(ModelError::shape(
+            "link",
+            "3 axes",
+            "none: a link is for a rigid_body only",
+        ));
     }
     if let Instants::Continuous { resolution_s } = *instants {
         let field = "sampling.instants.continuous.resolution_s";
@@ -210,10 +210,9 @@ impl LevelsFile {
                 threshold_nm,
             } => (from_nm, threshold_nm),
         };
-        let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
-            field: format!("link.encoding.z_ary.levels.table.{field}"),
-            found,
-            expected,
+        let wrong = |field: &str, found: String, expected: String| {
+            let table = "link.encoding.z_ary.levels.table";
+            ModelError::shape(format!("{table}.{field}"), found, expected)
         };
         let count = from_nm.len();
         if !(1..=MAX_LEVELS).contains(&count) {
@@ -260,11 +259,10 @@ fn located(file: &LinkFile, error: &ParameterError) -> ModelError {
             value: f64::from(value),
             allowed: "even".to_string(),
         },
-        _ => ModelError::WrongShape {
-            field: "link".to_string(),
-            found: error.to_string(),
-            expected: "a link that the flight code accepts".to_string(),
-        },
+        _ => {
+            let expected = "a link that the flight code accepts";
+            ModelError::shape("link", error.to_string(), expected)
+        }
     }
 }
 

@@ -4,6 +4,56 @@ use std::collections::VecDeque;
 
 use nalgebra::{SMatrix, SVector};
 
+/// What changes the torque of the actuators, within their limits, before it acts.
+pub trait Effect<const M: usize> {
+    /// Changes the torque that is given from `time_s` on, N m.
+    fn change(&mut self, time_s: f64, torque: &mut SVector<f64, M>);
+
+    /// The actuators gave this torque for `span_s` seconds.
+    fn acted(&mut self, _span_s: f64, _torque: &SVector<f64, M>) {}
+
+    /// Times at which it begins or ends, s.
+    fn discontinuities_s(&self) -> Vec<f64> {
+        Vec::new()
+    }
+}
+
+/// Makes the list of effects from the types that implement [`Effect`].
+macro_rules! effects {
+    ($($(#[doc = $doc:literal])+ $name:ident;)+) => {
+        /// The effects.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum AnyEffect {
+            $($(#[doc = $doc])+ $name($name),)+
+        }
+
+        impl<const M: usize> Effect<M> for AnyEffect {
+            fn change(&mut self, time_s: f64, torque: &mut SVector<f64, M>) {
+                match self {
+                    $(AnyEffect::$name(effect) => effect.change(time_s, torque),)+
+                }
+            }
+
+            fn acted(&mut self, span_s: f64, torque: &SVector<f64, M>) {
+                match self {
+                    $(AnyEffect::$name(effect) => effect.acted(span_s, torque),)+
+                }
+            }
+
+            fn discontinuities_s(&self) -> Vec<f64> {
+                match self {
+                    $(AnyEffect::$name(effect) => Effect::<M>::discontinuities_s(effect),)+
+                }
+            }
+        }
+    };
+}
+
+effects! {
+    /// A fault of one axis.
+    Fault;
+}
+
 /// A fault of one axis in a window of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
@@ -18,6 +68,18 @@ pub struct Fault {
     pub effectiveness: f64,
 }
 
+impl<const M: usize> Effect<M> for Fault {
+    fn change(&mut self, time_s: f64, torque: &mut SVector<f64, M>) {
+        if (self.from_s..self.until_s).contains(&time_s) {
+            torque[self.axis] *= self.effectiveness;
+        }
+    }
+
+    fn discontinuities_s(&self) -> Vec<f64> {
+        vec![self.from_s, self.until_s]
+    }
+}
+
 /// Actuators of `M` axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActuatorData<const M: usize> {
@@ -29,8 +91,8 @@ pub struct ActuatorData<const M: usize> {
     pub delay_s: f64,
     /// Torque about each axis per unit torque of each actuator.
     pub matrix: SMatrix<f64, M, M>,
-    /// Faults.
-    pub faults: Vec<Fault>,
+    /// What changes the torque before the matrix, in this order.
+    pub effects: Vec<AnyEffect>,
 }
 
 impl<const M: usize> ActuatorData<M> {
@@ -41,16 +103,14 @@ impl<const M: usize> ActuatorData<M> {
             dead_band: SVector::zeros(),
             delay_s: 0.0,
             matrix: SMatrix::identity(),
-            faults: Vec::new(),
+            effects: Vec::new(),
         }
     }
 
-    /// Times at which a fault begins or ends, s.
+    /// Times at which an effect begins or ends, s.
     pub fn discontinuities_s(&self) -> Vec<f64> {
-        let edges = self.faults.iter();
-        edges
-            .flat_map(|fault| [fault.from_s, fault.until_s])
-            .collect()
+        let effects = self.effects.iter();
+        effects.flat_map(Effect::<M>::discontinuities_s).collect()
     }
 }
 
@@ -58,6 +118,9 @@ impl<const M: usize> ActuatorData<M> {
 #[derive(Clone, Debug)]
 pub struct Actuators<'a, const M: usize> {
     data: &'a ActuatorData<M>,
+    effects: Vec<AnyEffect>,
+    /// What the actuators give now, before the matrix.
+    given: SVector<f64, M>,
     ideal: bool,
     pending: VecDeque<(f64, SVector<f64, M>)>,
     commanded: SVector<f64, M>,
@@ -69,6 +132,8 @@ impl<'a, const M: usize> Actuators<'a, M> {
     pub fn new(data: &'a ActuatorData<M>) -> Self {
         Self {
             data,
+            effects: data.effects.clone(),
+            given: SVector::zeros(),
             ideal: *data == ActuatorData::ideal(),
             pending: VecDeque::new(),
             commanded: SVector::zeros(),
@@ -120,12 +185,19 @@ impl<'a, const M: usize> Actuators<'a, M> {
                 value.clamp(-data.limit[axis], data.limit[axis])
             }
         });
-        for fault in &data.faults {
-            if (fault.from_s..fault.until_s).contains(&time_s) {
-                torque[fault.axis] *= fault.effectiveness;
-            }
+        for effect in &mut self.effects {
+            effect.change(time_s, &mut torque);
         }
+        self.given = torque;
         data.matrix * torque
+    }
+
+    /// The torque acted for `span_s` seconds.
+    #[inline]
+    pub fn acted(&mut self, span_s: f64) {
+        for effect in &mut self.effects {
+            effect.acted(span_s, &self.given);
+        }
     }
 
     /// What the actuators have been commanded last.
@@ -173,12 +245,12 @@ mod tests {
     #[test]
     fn a_fault_acts_inside_its_window_only() {
         let data = ActuatorData {
-            faults: vec![Fault {
+            effects: vec![AnyEffect::Fault(Fault {
                 axis: 1,
                 from_s: 1.0,
                 until_s: 2.0,
                 effectiveness: 0.5,
-            }],
+            })],
             ..ActuatorData::ideal()
         };
         let mut actuators = Actuators::new(&data);

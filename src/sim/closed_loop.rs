@@ -145,6 +145,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
                     }
                 }
             }
+            actuators.acted(at.time - from);
             observer.held(at.time - from, &torque);
             if !at.state.iter().all(|value| value.is_finite()) {
                 return End::Diverged { time_s: at.time };

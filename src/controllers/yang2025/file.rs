@@ -229,11 +229,12 @@ impl YangEnvelopeFile {
         let given = self.adhesion.as_ref().and_then(|adhesion| adhesion.span_s);
         let spans = given.map(|spans| plain(&spans)).or(appointed);
         if self.adhesion.is_some() && spans.is_none() {
-            return Err(ModelError::WrongShape {
-                field: "envelope.adhesion.span_s".to_string(),
-                found: "no value".to_string(),
-                expected: "3 times, because an exponential has no appointed time".to_string(),
-            });
+            let expected = "3 times, because an exponential has no appointed time";
+            return Err(ModelError::shape(
+                "envelope.adhesion.span_s",
+                "no value",
+                expected,
+            ));
         }
         let adhesion = self.adhesion.as_ref().zip(spans);
         let resilience = self.resilience.as_ref();
@@ -312,10 +313,9 @@ fn located(error: ParameterError) -> ModelError {
             allowed: "a matrix that reaches every axis; this is its relative determinant"
                 .to_string(),
         },
-        other => ModelError::WrongShape {
-            field: "yang2025".to_string(),
-            found: other.to_string(),
-            expected: "parameters that the flight code accepts".to_string(),
-        },
+        other => {
+            let expected = "parameters that the flight code accepts";
+            ModelError::shape("yang2025", other.to_string(), expected)
+        }
     }
 }

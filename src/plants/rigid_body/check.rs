@@ -13,7 +13,7 @@ use super::RigidBody;
 use crate::base::bounded::plain;
 use crate::base::plant_model::relocated;
 use crate::base::ranges::{each, not_negative, require};
-use crate::sim::actuator::{ActuatorData, Fault};
+use crate::sim::actuator::{ActuatorData, AnyEffect, Fault};
 use crate::sim::disturbance::{Disturbance, DisturbanceTable, Harmonic, Pulse};
 use crate::sim::plant::PlantFile;
 use crate::sim::random::{Purpose, Random};
@@ -62,7 +62,7 @@ impl PlantFile for RigidBodyFile {
         let mut disturbance = torque(&self.disturbance)?;
         for (index, fault) in self.faults.iter().enumerate() {
             let (fault, pulse) = check_fault(&format!("faults[{index}]"), fault)?;
-            actuators.faults.push(fault);
+            actuators.effects.push(AnyEffect::Fault(fault));
             disturbance.pulses.extend(pulse);
         }
         Ok(RigidBodySystem {
@@ -225,7 +225,7 @@ impl ActuatorsFile {
             matrix: self.matrix.map_or(Matrix3::identity(), |rows| {
                 Matrix3::from_fn(|row, column| rows[row][column].get())
             }),
-            faults: Vec::new(),
+            effects: Vec::new(),
         }
     }
 }

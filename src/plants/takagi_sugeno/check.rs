@@ -76,11 +76,11 @@ fn check_length(field: &str, values: &[f64], expected: usize) -> Result<(), Mode
     if values.len() == expected {
         return Ok(());
     }
-    Err(ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{} entries", values.len()),
-        expected: format!("{expected} entries"),
-    })
+    Err(ModelError::shape(
+        field,
+        format!("{} entries", values.len()),
+        format!("{expected} entries"),
+    ))
 }
 
 impl SignalFile {
