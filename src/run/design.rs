@@ -154,14 +154,16 @@ impl Design {
     /// The difference, with its numbers.
     pub fn check_fit(&self, system: &System) -> Result<(), FitError> {
         let (design_states, design_inputs, _, _) = self.model.plant.sizes();
+        let spacecraft = || "a rigid spacecraft (6 states, 3 inputs)".to_string();
+        let fuzzy = |states: usize, inputs: usize| {
+            format!("a Takagi-Sugeno model ({states} states, {inputs} inputs)")
+        };
         match (self.model.plant.inertia(), system) {
             (Some(inertia), System::RigidBody(body)) => {
                 let [smallest, largest] = inertia_ratios(&body.body, inertia);
                 let [allowed_smallest, allowed_largest] = INERTIA_RATIOS;
-                if smallest >= allowed_smallest && largest <= allowed_largest {
-                    return Ok(());
-                }
-                Err(FitError::Inertia {
+                let fits = smallest >= allowed_smallest && largest <= allowed_largest;
+                fits.then_some(()).ok_or(FitError::Inertia {
                     smallest,
                     largest,
                     allowed_smallest,
@@ -170,29 +172,24 @@ impl Design {
             }
             (None, System::TakagiSugeno(model)) => {
                 let (states, inputs) = model.system.input_matrix.shape();
-                if (states, inputs) == (design_states, design_inputs) {
-                    return Ok(());
-                }
-                Err(FitError::Size {
+                let fits = (states, inputs) == (design_states, design_inputs);
+                fits.then_some(()).ok_or(FitError::Size {
                     design_states,
                     design_inputs,
                     states,
                     inputs,
                 })
             }
-            (Some(_), System::TakagiSugeno(model)) => Err(FitError::Kind {
-                design: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
-                scenario: format!(
-                    "a Takagi-Sugeno model ({} states, {} inputs)",
-                    model.system.input_matrix.nrows(),
-                    model.system.input_matrix.ncols()
-                ),
-            }),
+            (Some(_), System::TakagiSugeno(model)) => {
+                let (states, inputs) = model.system.input_matrix.shape();
+                Err(FitError::Kind {
+                    design: spacecraft(),
+                    scenario: fuzzy(states, inputs),
+                })
+            }
             (None, System::RigidBody(_)) => Err(FitError::Kind {
-                design: format!(
-                    "a Takagi-Sugeno model ({design_states} states, {design_inputs} inputs)"
-                ),
-                scenario: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
+                design: fuzzy(design_states, design_inputs),
+                scenario: spacecraft(),
             }),
         }
     }

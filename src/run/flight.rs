@@ -1,9 +1,8 @@
 //! One run of a plant in its surroundings, with any controller.
 
 use super::design::Design;
-use super::inner::InnerMonitor;
 use super::judge::{self, About};
-use super::log::{Kept, Log, Monitors};
+use super::log::Log;
 use super::outcome::{Outcome, Recording};
 use super::summary::Summary;
 use crate::scenario::Scenario;
@@ -11,7 +10,6 @@ use crate::sim::bench::{Bench, Gauge};
 use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::controller::{Controller, Use};
 use crate::sim::link::Link;
-use crate::sim::lyapunov::LyapunovMonitor;
 use crate::sim::plant::Plant;
 use crate::sim::sampling::Sampling;
 use crate::sim::sensor::Sensor;
@@ -51,18 +49,8 @@ where
             recording,
         } = self.0;
         let breakpoints_s = bench.discontinuities_s(scenario.duration_s);
-        let monitors = Monitors {
-            lyapunov: design.map(|design| LyapunovMonitor::new(design.claims())),
-            inner: design.and_then(|design| Some(InnerMonitor::new(design.inner_claims()?))),
-        };
-        let kept = Kept {
-            interval_s: recording.trajectory.then_some(scenario.output_interval_s),
-            profile_times_s: recording.profile_times_s,
-            signals: controller.signal_names(),
-            linked: link.is_some(),
-        };
-        let tail_from_s = scenario.duration_s - scenario.tail_s;
-        let mut log = Log::new(bench.gauge, tail_from_s, monitors, &kept);
+        let columns = (controller.signal_names(), link.is_some());
+        let mut log = Log::new(bench.gauge, scenario, design, recording, columns);
         let closed_loop = ClosedLoop {
             plant: &bench.plant,
             disturbance: &bench.disturbance,
@@ -109,9 +97,9 @@ where
 {
     let start = log.start.as_ref().map(|start| log.gauge.certified(start));
     let from_rest = start.is_some_and(|start| start.norm() == 0.0);
-    let certificate = design.zip(log.monitors.lyapunov.as_ref());
+    let certificate = design.zip(log.lyapunov.as_ref());
     let certificate = certificate.map(|(design, monitor)| {
-        let monitors = (monitor, log.monitors.inner.as_ref());
+        let monitors = (monitor, log.inner.as_ref());
         judge::certificate(scenario, design, monitors, &log.events, from_rest)
     });
     let sends_by_link = about.sends_by_link;

@@ -4,8 +4,11 @@ use nalgebra::SVector;
 use runtime::command::Command;
 use runtime::lei2022::SwitchCount;
 
+use super::design::Design;
 use super::inner::InnerMonitor;
+use super::outcome::Recording;
 use crate::base::table::Table;
+use crate::scenario::Scenario;
 use crate::sim::bench::Gauge;
 use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::closed_loop::Observer;
@@ -18,32 +21,6 @@ use crate::sim::metrics::Measured;
 use crate::sim::pointing::ErrorStatistics;
 use crate::sim::profile::Profile;
 use crate::sim::recorder::Recorder;
-
-/// Columns with a certificate, and with a second, inner one.
-const CERTIFICATE_COLUMNS: [&str; 2] = ["lyapunov", "lyapunov_bound"];
-const INNER_COLUMNS: [&str; 2] = ["inner_lyapunov", "inner_lyapunov_bound"];
-
-/// What a run is watched by beside its metrics.
-#[derive(Debug, Clone)]
-pub(crate) struct Monitors<const L: usize> {
-    /// The claims of a certificate.
-    pub lyapunov: Option<LyapunovMonitor<L>>,
-    /// Those of the inner one, where there are two.
-    pub inner: Option<InnerMonitor<L>>,
-}
-
-/// What is kept of a run beside its metrics.
-#[derive(Debug, Clone)]
-pub(crate) struct Kept<'a> {
-    /// Longest time between two rows of the trajectory, s; `None` for no trajectory.
-    pub interval_s: Option<f64>,
-    /// Times of the profile, s.
-    pub profile_times_s: &'a [f64],
-    /// The controller's signals, which are columns of the trajectory.
-    pub signals: &'a [&'a str],
-    /// Whether there is a link, whose steps are columns too.
-    pub linked: bool,
-}
 
 /// Metrics, certificate, profile and trajectory of one run of a plant.
 #[derive(Debug, Clone)]
@@ -65,8 +42,10 @@ where
     pub start: Option<G::Seen>,
     /// What was seen at the end of the last step.
     pub last: Option<G::Seen>,
-    /// The certificates' claims along the run.
-    pub monitors: Monitors<L>,
+    /// A certificate's claims along the run.
+    pub lyapunov: Option<LyapunovMonitor<L>>,
+    /// Those of the inner one, where there are two.
+    pub inner: Option<InnerMonitor<L>>,
     /// What the link carried, where there is one.
     pub link: Option<LinkOutcome>,
     /// Use of the controller's prescribed bounds.
@@ -87,22 +66,32 @@ impl<G, const N: usize, const M: usize, const D: usize, const L: usize> Log<G, N
 where
     G: Gauge<N, M, D, L>,
 {
-    /// Nothing yet. The tail begins at `tail_from_s`.
-    pub fn new(gauge: G, tail_from_s: f64, monitors: Monitors<L>, kept: &Kept) -> Self {
+    /// Nothing yet. The controller's `signals` are columns of the trajectory, as are the steps on the link
+    /// where there is one.
+    pub fn new(
+        gauge: G,
+        scenario: &Scenario,
+        design: Option<&Design>,
+        recording: &Recording,
+        (signals, linked): (&[&str], bool),
+    ) -> Self {
+        let lyapunov = design.map(|design| LyapunovMonitor::new(design.claims()));
+        let inner = design.and_then(|design| Some(InnerMonitor::new(design.inner_claims()?)));
         let mut columns = vec!["time_s".to_string()];
         columns.extend(gauge.columns());
         let mut add = |names: &[&str]| columns.extend(names.iter().map(|name| name.to_string()));
         add(&["sent"]);
-        if monitors.lyapunov.is_some() {
-            add(&CERTIFICATE_COLUMNS);
+        if lyapunov.is_some() {
+            add(&["lyapunov", "lyapunov_bound"]);
         }
-        if monitors.inner.is_some() {
-            add(&INNER_COLUMNS);
+        if inner.is_some() {
+            add(&["inner_lyapunov", "inner_lyapunov_bound"]);
         }
-        add(kept.signals);
-        if kept.linked {
+        add(signals);
+        if linked {
             columns.extend((1..=M).map(|axis| format!("link_step_{axis}")));
         }
+        let tail_from_s = scenario.duration_s - scenario.tail_s;
         Self {
             error: ErrorStatistics::new(gauge.settle_tolerance(), tail_from_s),
             gauge,
@@ -111,17 +100,18 @@ where
             steps: 0,
             start: None,
             last: None,
-            monitors,
+            lyapunov,
+            inner,
             link: None,
             funnel: None,
             threshold: None,
             switches: None,
-            profile: Profile::new(kept.profile_times_s, G::QUANTITIES.len()),
+            profile: Profile::new(recording.profile_times_s, G::QUANTITIES.len()),
             row: Vec::with_capacity(columns.len()),
-            link_steps: kept.linked.then_some([0.0; M]),
-            recorder: kept
-                .interval_s
-                .map(|interval| Recorder::new(columns, interval)),
+            link_steps: linked.then_some([0.0; M]),
+            recorder: recording
+                .trajectory
+                .then(|| Recorder::new(columns, scenario.output_interval_s)),
             input: SVector::zeros(),
             disturbance: SVector::zeros(),
         }
@@ -164,10 +154,10 @@ where
         row.push(time_s);
         self.gauge.write(seen, &self.input, &self.disturbance, row);
         row.push(f64::from(u8::from(sent)));
-        if let Some(monitor) = &self.monitors.lyapunov {
+        if let Some(monitor) = &self.lyapunov {
             row.extend([monitor.level, monitor.bound()]);
         }
-        if let Some(inner) = &self.monitors.inner {
+        if let Some(inner) = &self.inner {
             row.extend(inner.columns());
         }
         let first = row.len();
@@ -211,10 +201,10 @@ where
         self.disturbance = *disturbance;
         self.error.start(self.gauge.settling_square(&seen));
         let square = disturbance.norm_squared();
-        if let Some(monitor) = &mut self.monitors.lyapunov {
+        if let Some(monitor) = &mut self.lyapunov {
             monitor.start(&self.gauge.certified(&seen), square);
         }
-        if let Some(inner) = &mut self.monitors.inner {
+        if let Some(inner) = &mut self.inner {
             inner.start(&self.gauge.certified(&seen), square);
         }
         self.watch(0.0, state, &seen, controller);
@@ -232,7 +222,7 @@ where
     ) {
         self.events.record(time_s, command, mismatch);
         self.switches = controller.switch_count();
-        if let Some(inner) = &mut self.monitors.inner {
+        if let Some(inner) = &mut self.inner {
             let seen = self.gauge.see(time_s, state);
             inner.sample(time_s, &self.gauge.certified(&seen), command.sent);
         }
@@ -279,10 +269,10 @@ where
         let magnitude = gauge.settling_square(&seen);
         self.error
             .record(time_s, step_s, magnitude, || gauge.tail_square(&seen));
-        if let Some(monitor) = &mut self.monitors.lyapunov {
+        if let Some(monitor) = &mut self.lyapunov {
             monitor.step(time_s, step_s, &gauge.certified(&seen), square);
         }
-        if let Some(inner) = &mut self.monitors.inner {
+        if let Some(inner) = &mut self.inner {
             inner.step(time_s, step_s, &gauge.certified(&seen), square);
         }
         self.watch(time_s, state, &seen, controller);
