@@ -93,60 +93,38 @@ pub struct ClaimFile {
 /// Most rules of a fuzzy controller.
 pub const MAX_RULES: usize = 8;
 
-/// Xu and Huang's controller with given gains.
-#[derive(Debug, Clone)]
-pub struct XuChoice {
-    /// Centre and gain of each rule.
-    pub rules: Vec<(Vector6<f64>, Matrix3x6<f64>)>,
-    /// Widths of the memberships.
-    pub widths: Vector6<f64>,
-    /// Upsilon.
-    pub trigger_weight: Matrix6<f64>,
-    /// Evolution of the threshold.
-    pub threshold: ThresholdUpdate,
-    /// Torque limit, N m.
-    pub torque_limit: Vector3<f64>,
-    /// Longest sampling interval of the design, s.
-    pub longest_interval_s: Option<f64>,
-    /// What the paper claims.
-    pub claim: Option<ClaimFile>,
-}
-
 impl LawFile for XuFile {
-    type Law = XuChoice;
+    type Law = XuFile;
 
-    fn check(&self, _: &RigidBodySystem) -> Result<XuChoice, ModelError> {
+    fn check(&self, _: &RigidBodySystem) -> Result<XuFile, ModelError> {
         let count = self.rules.len();
         if !(1..=MAX_RULES).contains(&count) {
+            let expected = format!("1 to {MAX_RULES} rules");
             return Err(ModelError::shape(
                 "rules",
                 format!("{count} rules"),
-                format!("1 to {MAX_RULES} rules"),
+                expected,
             ));
         }
-        let rules = self.rules.iter().map(|rule| {
-            let gain = Matrix3x6::from_fn(|row, column| rule.gain[row][column].get());
-            (Vector6::from(plain(&rule.centre)), gain)
-        });
-        Ok(XuChoice {
-            rules: rules.collect(),
-            widths: plain(&self.widths).into(),
-            trigger_weight: weight(&self.trigger_weight)?,
-            threshold: threshold(&self.threshold)?,
-            torque_limit: plain(&self.torque_limit_nm).into(),
-            longest_interval_s: self.longest_interval_s.map(Positive::get),
-            claim: self.published_claim.clone(),
-        })
+        let field = "trigger_weight";
+        let rows = self.trigger_weight.map(|row| row.to_vec());
+        let weight = check_matrix(field, &rows, (Some(6), Some(6)))?;
+        check_positive_definite(field, &weight)?;
+        if let ThresholdFile::Clamped { nu_min, nu_max, .. } = &self.threshold {
+            let field = "threshold.clamped.nu_max";
+            require(nu_min <= nu_max, field, nu_max.get(), "nu_min or above")?;
+        }
+        Ok(self.clone())
     }
 }
 
-impl AttitudeLaw for XuChoice {
+impl AttitudeLaw for XuFile {
     fn name(&self) -> String {
         "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string()
     }
 
     fn torque_limit(&self) -> Vector3<f64> {
-        self.torque_limit
+        plain(&self.torque_limit_nm).into()
     }
 
     fn build<U: Use<AttitudeMeasurement, 3>>(
@@ -171,38 +149,38 @@ impl AttitudeLaw for XuChoice {
     }
 }
 
-impl XuChoice {
+impl XuFile {
     /// Hands on the controller with exactly `R` rules; the caller has counted them.
     fn with_rules<const R: usize, U: Use<AttitudeMeasurement, 3>>(
         &self,
         then: U,
     ) -> Result<U::Output, ParameterError> {
-        let rule = |index: usize| self.rules.get(index).copied().unwrap_or_default();
-        let centres = std::array::from_fn(|index| rule(index).0);
+        let gain = |rule: &RuleFile| Matrix3x6::from_fn(|r, c| rule.gain[r][c].get());
+        let centres = std::array::from_fn(|rule| plain(&self.rules[rule].centre).into());
         let controller = xu2020::Controller::new(xu2020::Parameters {
-            gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
-            membership: GaussianRules::new(centres, self.widths)?,
-            trigger_weight: self.trigger_weight,
-            threshold_update: self.threshold,
-            torque_limit: self.torque_limit,
-            longest_interval_s: self.longest_interval_s,
+            gains: std::array::from_fn::<_, R, _>(|rule| gain(&self.rules[rule])),
+            membership: GaussianRules::new(centres, plain(&self.widths).into())?,
+            trigger_weight: Matrix6::from_fn(|r, c| self.trigger_weight[r][c]),
+            threshold_update: self.threshold.update(),
+            torque_limit: self.torque_limit(),
+            longest_interval_s: self.longest_interval_s.map(Positive::get),
         })?;
         Ok(then.with(XuInLoop::new(controller, 6)))
     }
 }
 
 /// What is to be said of gains that come from a paper.
-fn notes(choice: &XuChoice, start_norm: f64, events: &EventCount) -> Vec<String> {
+fn notes(choice: &XuFile, start_norm: f64, events: &EventCount) -> Vec<String> {
     let mut notes = vec![
         "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
             .to_string(),
     ];
-    if choice.threshold.certifiable_maximum().is_none() {
+    if matches!(choice.threshold, ThresholdFile::UnclampedAsPublished { .. }) {
         notes.push(
             "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
         );
     }
-    let Some(claim) = &choice.claim else {
+    let Some(claim) = &choice.published_claim else {
         return notes;
     };
     // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
@@ -237,36 +215,25 @@ fn notes(choice: &XuChoice, start_norm: f64, events: &EventCount) -> Vec<String>
     notes
 }
 
-fn weight(rows: &[[f64; 6]; 6]) -> Result<Matrix6<f64>, ModelError> {
-    let field = "trigger_weight";
-    let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
-    let matrix = check_matrix(field, &rows_as_lists, (Some(6), Some(6)))?;
-    check_positive_definite(field, &matrix)?;
-    Ok(Matrix6::from_fn(|r, c| rows[r][c]))
-}
-
-fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
-    Ok(match file {
-        ThresholdFile::Fixed { nu } => ThresholdUpdate::Fixed {
-            threshold: nu.get(),
-        },
-        ThresholdFile::Clamped { nu_min, nu_max, mu } => {
-            let (minimum, maximum) = (nu_min.get(), nu_max.get());
-            let field = "threshold.clamped.nu_max";
-            require(minimum <= maximum, field, maximum, "nu_min or above")?;
-            ThresholdUpdate::Clamped {
-                adaptation: adaptation(mu),
-                minimum,
-                maximum,
-            }
-        }
-        ThresholdFile::UnclampedAsPublished { nu_min, mu } => {
-            ThresholdUpdate::UnclampedAsPublished {
+impl ThresholdFile {
+    fn update(&self) -> ThresholdUpdate {
+        match self {
+            ThresholdFile::Fixed { nu } => ThresholdUpdate::Fixed {
+                threshold: nu.get(),
+            },
+            ThresholdFile::Clamped { nu_min, nu_max, mu } => ThresholdUpdate::Clamped {
                 adaptation: adaptation(mu),
                 minimum: nu_min.get(),
+                maximum: nu_max.get(),
+            },
+            ThresholdFile::UnclampedAsPublished { nu_min, mu } => {
+                ThresholdUpdate::UnclampedAsPublished {
+                    adaptation: adaptation(mu),
+                    minimum: nu_min.get(),
+                }
             }
         }
-    })
+    }
 }
 
 fn adaptation(mu: &[NonNegative; 3]) -> Adaptation {

@@ -16,7 +16,6 @@ use crate::plants::{Mixing, RigidBody, System};
 use crate::scenario::Scenario;
 use crate::sim::embedding;
 use crate::sim::lyapunov::Claims;
-use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 
 /// A design file, checked.
@@ -401,30 +400,22 @@ fn rigid_body_not_covered(
             ));
         }
     }
-    if actuators.dead_band.amax() > 0.0 {
-        out.push(format!(
-            "a dead band of up to {} N m",
-            actuators.dead_band.amax()
-        ));
-    }
-    if actuators.delay_s > 0.0 {
-        out.push(format!(
-            "a delay of {} s from command to torque",
-            actuators.delay_s
-        ));
-    }
-    if actuators.matrix != Matrix3::identity() {
-        out.push("the actuators' matrix is not the identity".to_string());
-    }
-    if !actuators.effects.is_empty() {
-        out.push(format!("{} actuator faults", actuators.effects.len()));
-    }
-    if !matches!(system.reference, Reference::Fixed(_)) {
-        out.push("a reference that moves".to_string());
-    }
-    if !system.sensors.is_perfect() {
-        out.push("sensors with noise or quantisation".to_string());
-    }
+    let mut when = |holds: bool, reason: String| out.extend(holds.then_some(reason));
+    let dead_band = actuators.dead_band.amax();
+    let text = format!("a dead band of up to {dead_band} N m");
+    when(dead_band > 0.0, text);
+    let text = format!("a delay of {} s from command to torque", actuators.delay_s);
+    when(actuators.delay_s > 0.0, text);
+    let text = "the actuators' matrix is not the identity";
+    when(actuators.matrix != Matrix3::identity(), text.into());
+    let faults = actuators.effects.len();
+    when(faults > 0, format!("{faults} actuator faults"));
+    when(
+        !system.reference.is_fixed(),
+        "a reference that moves".into(),
+    );
+    let text = "sensors with noise or quantisation";
+    when(!system.sensors.is_perfect(), text.into());
 }
 
 fn vertices_not_covered(

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use runtime::attitude::{Quaternion, NORM_TOLERANCE};
 use synth::model::{
-    check_inertia, finite, spacecraft, ExactPlant, InertiaUncertaintyFile, ModelError,
+    check_inertia, check_not_negative, finite, spacecraft, ExactPlant, InertiaUncertaintyFile,
+    ModelError,
 };
 
 use super::file::{
@@ -12,7 +13,7 @@ use super::file::{
 use super::RigidBody;
 use crate::base::bounded::plain;
 use crate::base::plant_model::relocated;
-use crate::base::ranges::{each, not_negative, require};
+use crate::base::ranges::{each, require};
 use crate::sim::actuator::{ActuatorData, AnyEffect, Fault};
 use crate::sim::disturbance::{Disturbance, DisturbanceTable, Harmonic, Pulse};
 use crate::sim::plant::PlantFile;
@@ -177,7 +178,7 @@ fn reference(file: &ReferenceFile) -> Result<Reference, ModelError> {
 
 /// The start is checked here too: that of a fault may be sampled.
 fn check_window(field: &str, from: f64, until: f64) -> Result<(), ModelError> {
-    not_negative(&format!("{field}.from_s"), from)?;
+    check_not_negative(&format!("{field}.from_s"), from)?;
     let field = format!("{field}.until_s");
     require(until > from, &field, until, "above from_s")
 }

@@ -1,6 +1,5 @@
 //! Takagi-Sugeno models.
 
-pub mod check;
 pub mod file;
 pub mod gauge;
 
@@ -8,7 +7,6 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::sim::plant::Plant;
 
-pub use check::TakagiSugenoSystem;
 pub use file::*;
 
 /// A Takagi-Sugeno plant x' = sum_i zeta_i(t) A_i x + B u + B_w tau of at most `N` states, `M` inputs
