@@ -11,6 +11,7 @@ pub mod controller;
 pub mod disturbance;
 pub mod dormand_prince;
 mod dormand_prince_coefficients;
+pub mod effect;
 pub mod effort;
 pub mod embedding;
 pub mod events;
