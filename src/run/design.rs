@@ -284,17 +284,14 @@ fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N>
     let mut vector_part_bound = None;
     for condition in &plant.region {
         let bound = condition.bound_squared.sqrt();
-        if condition.rows.nrows() == 1 {
-            let row: Vec<f64> = condition.rows.iter().copied().collect();
-            match unit_component(&row) {
-                Some(component) => {
-                    let least: &mut f64 = &mut component_bounds[component];
-                    *least = least.min(bound);
-                }
-                None => bounds.push((embedding::vector(&row), bound)),
+        let row: Vec<f64> = condition.rows.iter().copied().collect();
+        match (condition.rows.nrows(), unit_component(&row)) {
+            (1, Some(component)) => {
+                let least: &mut f64 = &mut component_bounds[component];
+                *least = least.min(bound);
             }
-        } else {
-            vector_part_bound = Some(bound);
+            (1, None) => bounds.push((embedding::vector(&row), bound)),
+            _ => vector_part_bound = Some(bound),
         }
     }
     Claims {

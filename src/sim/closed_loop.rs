@@ -63,7 +63,7 @@ pub enum End {
 
 /// Everything that makes a run, except what watches it.
 #[derive(Debug)]
-pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
+pub struct ClosedLoop<'a, P, S, C, const N: usize, const M: usize, const D: usize> {
     /// The plant.
     pub plant: &'a P,
     /// Its disturbance.
@@ -97,13 +97,15 @@ struct Progress<'a, const N: usize, const D: usize> {
     cursor: DisturbanceCursor<'a, D>,
 }
 
-impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> {
+impl<'a, P, S, C, const N: usize, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, N, M, D>
+where
+    P: Plant<N, M, D>,
+    S: Sensor<N>,
+    C: Controller<S::Measurement, M>,
+{
     /// Runs from `initial`.
-    pub fn run<O, const N: usize>(mut self, initial: &SVector<f64, N>, observer: &mut O) -> End
+    pub fn run<O>(mut self, initial: &SVector<f64, N>, observer: &mut O) -> End
     where
-        P: Plant<N, M, D>,
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
         O: Observer<C, N, M, D>,
     {
         let mut at = Progress {
@@ -154,7 +156,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         End::Completed
     }
 
-    fn reference_integrator(&self) -> Option<DormandPrince<'a, P, D>> {
+    fn reference_integrator(&self) -> Option<DormandPrince<'a, P, N, M, D>> {
         match self.method {
             Method::RungeKutta4 { .. } => None,
             Method::DormandPrince853 { tolerance } => Some(DormandPrince {
@@ -167,14 +169,12 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
     }
 
     #[inline]
-    fn take_sample<O, const N: usize>(
+    fn take_sample<O>(
         &mut self,
         at: &mut Progress<'a, N, D>,
         actuators: &mut Actuators<'a, M>,
         observer: &mut O,
     ) where
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
         O: Observer<C, N, M, D>,
     {
         at.next_sample = self.sampling.after(at.time);
@@ -208,16 +208,13 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
 
     /// Steps of equal length to `event`, or to where a trigger that is watched continuously fires.
     #[inline]
-    fn advance<O, const N: usize>(
+    fn advance<O>(
         &mut self,
         at: &mut Progress<'a, N, D>,
         event: f64,
         torque: &SVector<f64, M>,
         observer: &mut O,
     ) where
-        P: Plant<N, M, D>,
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
         O: Observer<C, N, M, D>,
     {
         let Method::RungeKutta4 { step_s } = self.method else {
@@ -257,28 +254,20 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         }
     }
 
-    fn fires<const N: usize>(&mut self, time: f64, state: &SVector<f64, N>) -> bool
-    where
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
-    {
+    fn fires(&mut self, time: f64, state: &SVector<f64, N>) -> bool {
         let measurement = self.sensor.measure(time, state);
         self.controller.would_send(time, &measurement)
     }
 
     /// Bisects the step in which the trigger fires, down to `resolution`, and puts `at` on the end of
     /// the remaining interval, where it fires.
-    fn find_event<const N: usize>(
+    fn find_event(
         &mut self,
         at: &mut Progress<'a, N, D>,
         (start, start_state, step): (f64, SVector<f64, N>, f64),
         resolution: f64,
         torque: &SVector<f64, M>,
-    ) where
-        P: Plant<N, M, D>,
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
-    {
+    ) {
         let (mut silent, mut firing) = (0.0, step);
         while firing - silent > resolution {
             let middle = 0.5 * (silent + firing);
