@@ -224,29 +224,25 @@ pub(crate) fn check_dispersions(
             let found = format!("'{}'", value.name);
             return Err(ModelError::shape(format!("{field}.name"), found, expected));
         }
-        let distribution = value.distribution.clone();
-        distribution.check(&format!("{field}.distribution"))?;
         all.push(Dispersion::Number {
             name: value.name.clone(),
-            distribution,
+            distribution: value.distribution.clone(),
             change: value.change,
         });
     }
     check_kind(file, system)?;
     check_start(file, system, &mut all)?;
     if let Some(inertia) = &file.inertia {
-        let moments = optional("inertia.moments_percent", &inertia.moments_percent)?;
-        let products = optional("inertia.products_percent", &inertia.products_percent)?;
-        all.push(Dispersion::Inertia([moments, products]));
+        let parts = [&inertia.moments_percent, &inertia.products_percent];
+        all.push(Dispersion::Inertia(parts.map(Clone::clone)));
     }
     if let Some(disturbance) = &file.disturbance {
-        let factor = optional("disturbance.factor", &disturbance.factor)?;
-        all.extend(factor.map(Dispersion::Factor));
+        all.extend(disturbance.factor.clone().map(Dispersion::Factor));
         let sines = match system {
             SystemFile::RigidBody(body) => body.disturbance.sines.len(),
             SystemFile::TakagiSugeno(model) => model.disturbance.sines.len(),
         };
-        let phase = optional("disturbance.phase_deg", &disturbance.phase_deg)?;
+        let phase = disturbance.phase_deg.clone();
         all.extend(phase.map(|phase| Dispersion::Phase(phase, sines)));
     }
     for (index, fault) in file.faults.iter().enumerate() {
@@ -257,15 +253,6 @@ pub(crate) fn check_dispersions(
         sampling: file.sampling,
         all,
     })
-}
-
-fn optional(
-    field: &str,
-    distribution: &Option<Distribution>,
-) -> Result<Option<Distribution>, ModelError> {
-    let checked = distribution.as_ref().map(|one| one.check(field));
-    checked.transpose()?;
-    Ok(distribution.clone())
 }
 
 /// Refuses what the kind of plant does not have.
@@ -302,14 +289,11 @@ fn check_start(
         None => {}
         Some(AttitudeDispersionFile::Uniform {}) => all.push(Dispersion::AnyAttitude),
         Some(AttitudeDispersionFile::AxisAngle { angle_deg }) => {
-            angle_deg.check("initial_attitude.axis_angle.angle_deg")?;
             all.push(Dispersion::Turn(angle_deg.clone()));
         }
     }
-    let rate = optional("initial_rate_rad_s", &file.initial_rate_rad_s)?;
-    all.extend(rate.map(Dispersion::Rate));
+    all.extend(file.initial_rate_rad_s.clone().map(Dispersion::Rate));
     if let (Some(state), SystemFile::TakagiSugeno(model)) = (&file.initial_state, system) {
-        state.check("initial_state")?;
         all.push(Dispersion::State(state.clone(), model.initial_state.len()));
     }
     let Some(boundary) = &file.certified_boundary else {
@@ -335,15 +319,12 @@ fn check_fault(index: usize, file: &FaultDispersion) -> Result<FaultDispersion, 
         let ok = (1..=3).contains(&axis);
         require(ok, &field("axis"), f64::from(axis), "1, 2 or 3")?;
     }
-    file.effectiveness.check(&field("effectiveness"))?;
     for end in file.effectiveness.range() {
         let ok = (0.0..=1.0).contains(&end);
         let allowed =
             "in [0, 1] for every value; at_least and at_most cut a normal distribution off";
         require(ok, &field("effectiveness"), end, allowed)?;
     }
-    file.from_s.check(&field("from_s"))?;
-    optional(&field("duration_s"), &file.duration_s)?;
     Ok(FaultDispersion {
         number: index + 1,
         ..file.clone()

@@ -5,19 +5,19 @@
 
 use nalgebra::Vector3;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use statrs::distribution::{ContinuousCDF, Normal};
-use synth::model::ModelError;
+use synth::model::readable;
 
 use crate::base::bounded::{As, Finite, NonNegative};
-use crate::base::ranges::require;
 
 /// Least fraction of a normal distribution that its bounds may leave.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// The distribution of a number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
 pub enum Distribution {
     /// Normal, cut off where bounds are given.
     Normal {
@@ -47,36 +47,56 @@ pub enum Distribution {
     Choice(#[serde(with = "As::<Vec<Finite>>")] Vec<f64>),
 }
 
+impl<'de> Deserialize<'de> for Distribution {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let distribution = Self::deserialize(from)?;
+        distribution.check().map_err(D::Error::custom)?;
+        Ok(distribution)
+    }
+}
+
+impl Serialize for Distribution {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
+}
+
 impl Distribution {
-    /// Checks the distribution of a field.
-    ///
-    /// # Errors
-    /// Bounds that leave nothing; a list without values.
-    pub fn check(&self, field: &str) -> Result<(), ModelError> {
+    /// Refuses bounds that leave nothing and a list without values.
+    fn check(&self) -> Result<(), String> {
+        let refuse = |key: &str, value: f64, allowed: String| {
+            let value = readable(value);
+            Err(format!(
+                "{key}: the value {value} is not allowed; it must be {allowed}"
+            ))
+        };
         match self {
-            Distribution::Normal { at_most, .. } => {
-                let [least, most] = self.range();
-                let (side, bound) = match at_most {
-                    Some(_) => ("at_most", most),
-                    None => ("at_least", least),
-                };
+            Distribution::Normal {
+                at_least, at_most, ..
+            } => {
                 let [below, above] = self.cut_off();
+                if above - below >= LEAST_SHARE {
+                    return Ok(());
+                }
+                let side = if at_most.is_some() {
+                    "at_most"
+                } else {
+                    "at_least"
+                };
+                let bound = at_most.or(*at_least).unwrap_or(f64::NAN);
                 let allowed = format!(
                     "so that at_least and at_most leave a share of {LEAST_SHARE} or more of the \
                      distribution"
                 );
-                let field = format!("{field}.normal.{side}");
-                require(above - below >= LEAST_SHARE, &field, bound, &allowed)
+                refuse(side, bound, allowed)
             }
-            Distribution::Uniform { from, to } => {
-                let field = format!("{field}.uniform.to");
-                require(to >= from, &field, *to, "'from' or above")
+            Distribution::Uniform { from, to } if to < from => {
+                refuse("to", *to, "'from' or above".to_string())
             }
             Distribution::Choice(values) if values.is_empty() => {
-                let reason = "the list is empty; it must have at least one value";
-                Err(ModelError::choice(format!("{field}.choice"), reason))
+                Err("the list is empty; it must have at least one value".to_string())
             }
-            Distribution::Choice(_) => Ok(()),
+            _ => Ok(()),
         }
     }
 
