@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use crate::certify::infeasible::{
-    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
-    RegionDual, VertexDual,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Moments, RegionDual,
+    VertexDual,
 };
 use crate::conditions::xu2020::{
     condition_name, gain_suffix, terms, Basis, SamplingEnd, Signal, DEAD_ZONE_UNIT,
@@ -134,12 +134,13 @@ impl Source<'_> {
         Some(GainDuals {
             gain: *self.part.gains.get(rule)?,
             integral: at(Integral, Integral)?,
-            integral_cross: match rule {
+            state_integral: match rule {
                 0 => None,
-                _ => Some(IntegralCross {
-                    state: at(State, Integral)?,
-                    sample: at(Sample, Integral)?,
-                }),
+                _ => Some(at(State, Integral)?),
+            },
+            sample_integral: match rule {
+                0 => None,
+                _ => Some(at(Sample, Integral)?),
             },
             inputs: inputs.collect::<Option<_>>()?,
             start,
@@ -236,7 +237,10 @@ impl Source<'_> {
                 inputs.map(|unit| DEAD_ZONE_UNIT / unit).collect()
             }
             Disturbance => vec![self.scaling.disturbance; system.disturbance.ncols()],
-            Further(_) => Vec::new(),
+            Further(_) => {
+                let size = signal.size(self.task, &self.assembled.design);
+                vec![self.scaling.disturbance; size]
+            }
             _ => state.collect(),
         }
     }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::certify::infeasible::{
-    refute, DualMultipliers, GainDuals, InputDual, IntegralCross, Moments, Refutation, RegionDual,
+    refute, DualMultipliers, GainDuals, InputDual, Moments, Refutation, RegionDual,
 };
 use crate::design::{rows, Provenance};
 use crate::model::bounded::{As, FromOne, Positive, Rows};
@@ -60,37 +60,13 @@ pub struct WeightsFile {
     pub anti_windup: Vec<InputDual>,
     /// Dual multipliers of further given gains; those of gains that do not occur are 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub further_gains: Vec<GainWeightsFile>,
+    pub further_gains: Vec<GainDuals>,
     /// Dual multipliers of the region's conditions, in their order.
     pub region: Vec<RegionDual>,
     /// Dual multipliers of the containment conditions, one for each state: n x n, symmetric.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[serde(with = "As::<Vec<Rows>>")]
     pub must_contain: Vec<DMatrix<f64>>,
-}
-
-/// Dual multipliers of the conditions of a given gain beyond the first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct GainWeightsFile {
-    /// The gain, numbered from 1.
-    #[serde(with = "As::<FromOne>")]
-    pub gain: usize,
-    /// Dual multipliers of (18), r = 1.
-    pub decrease_start: Moments,
-    /// Dual multipliers of (18), r = 2.
-    pub decrease_end: Moments,
-    /// E[s s'] of r = 2: n x n, symmetric.
-    #[serde(with = "As::<Rows>")]
-    pub integral: DMatrix<f64>,
-    /// E[x s'] of r = 2, n x n.
-    #[serde(with = "As::<Rows>")]
-    pub state_integral: DMatrix<f64>,
-    /// E[x(t_k^l) s'] of r = 2, n x n.
-    #[serde(with = "As::<Rows>")]
-    pub sample_integral: DMatrix<f64>,
-    /// Dual multipliers of (19), one for each input.
-    pub anti_windup: Vec<InputDual>,
 }
 
 /// Sizes of a model, and how many gains are given.
@@ -111,18 +87,6 @@ impl WeightsFile {
         let given = !duals.given.is_empty();
         let mut gains = duals.gains.into_iter();
         let first = gains.next()?;
-        let further = gains.filter_map(|of| {
-            let cross = of.integral_cross?;
-            Some(GainWeightsFile {
-                gain: of.gain,
-                decrease_start: of.start,
-                decrease_end: of.end,
-                integral: of.integral,
-                state_integral: cross.state,
-                sample_integral: cross.sample,
-                anti_windup: of.inputs,
-            })
-        });
         let written = WeightsFile {
             containment_weight: contains.then_some(duals.containment_weight),
             gain: given.then_some(first.gain),
@@ -130,7 +94,7 @@ impl WeightsFile {
             decrease_end: first.end,
             integral: first.integral,
             anti_windup: first.inputs,
-            further_gains: further.collect(),
+            further_gains: gains.collect(),
             region: duals.region,
             must_contain: duals.must_contain,
         };
@@ -174,8 +138,9 @@ impl WeightsFile {
             check_length("further_gains", self.further_gains.len(), 0)?;
         }
         for (index, further) in self.further_gains.iter().enumerate() {
-            let duals = further.duals(sizes);
-            gains.push(duals.map_err(|error| error.within(&format!("further_gains[{index}]")))?);
+            let fits = check_further(further, sizes);
+            fits.map_err(|error| error.within(&format!("further_gains[{index}]")))?;
+            gains.push(further.clone());
         }
         Ok(DualMultipliers {
             given: given.to_vec(),
@@ -206,7 +171,8 @@ impl WeightsFile {
             start: self.decrease_start.clone(),
             end: self.decrease_end.clone(),
             integral: self.integral.clone(),
-            integral_cross: None,
+            state_integral: None,
+            sample_integral: None,
             inputs: self.anti_windup.clone(),
         };
         check_gain(&duals, sizes)?;
@@ -236,29 +202,25 @@ impl WeightsFile {
     }
 }
 
-impl GainWeightsFile {
-    fn duals(&self, sizes: Sizes) -> Result<GainDuals, ModelError> {
-        let n = sizes.states;
-        let duals = GainDuals {
-            gain: numbered("gain", self.gain, sizes.given)?,
-            start: self.decrease_start.clone(),
-            end: self.decrease_end.clone(),
-            integral: self.integral.clone(),
-            integral_cross: Some(IntegralCross {
-                state: self.state_integral.clone(),
-                sample: self.sample_integral.clone(),
-            }),
-            inputs: self.anti_windup.clone(),
-        };
-        check_gain(&duals, sizes)?;
-        if duals.end.multiplied_sample.is_none() {
-            let expected = format!("{n} x {n}");
-            return Err(missing("decrease_end.multiplied_sample", &expected));
+/// The shapes of the dual multipliers of a gain beyond the first.
+fn check_further(duals: &GainDuals, sizes: Sizes) -> Result<(), ModelError> {
+    let n = sizes.states;
+    numbered("gain", duals.gain, sizes.given)?;
+    check_gain(duals, sizes)?;
+    for (field, given) in [
+        (
+            "decrease_end.multiplied_sample",
+            &duals.end.multiplied_sample,
+        ),
+        ("state_integral", &duals.state_integral),
+        ("sample_integral", &duals.sample_integral),
+    ] {
+        match given {
+            Some(matrix) => shape(field, matrix, (n, n))?,
+            None => return Err(missing(field, &format!("{n} x {n}"))),
         }
-        shape("state_integral", &self.state_integral, (n, n))?;
-        shape("sample_integral", &self.sample_integral, (n, n))?;
-        Ok(duals)
     }
+    Ok(())
 }
 
 /// The shapes of what the dual multipliers of every gain have.

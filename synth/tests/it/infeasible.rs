@@ -11,8 +11,8 @@ use nalgebra::DMatrix;
 use serde_json::Value;
 use synth::certify::infeasible::stationarity::{for_each_statement, Stationarity};
 use synth::certify::infeasible::{
-    refute, DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross,
-    Level, Moments, RegionDual, VertexDual,
+    refute, DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Level, Moments,
+    RegionDual, VertexDual,
 };
 use synth::certify::interval::Interval;
 use synth::certify::matrix::Matrix;
@@ -66,10 +66,8 @@ fn any_weights(
         start: moments(stream, false),
         end: moments(stream, determined && gain == 0),
         integral: symmetric(stream, n),
-        integral_cross: (gain > 0).then(|| IntegralCross {
-            state: random::uniform(stream, n, n, 1.0),
-            sample: random::uniform(stream, n, n, 1.0),
-        }),
+        state_integral: (gain > 0).then(|| random::uniform(stream, n, n, 1.0)),
+        sample_integral: (gain > 0).then(|| random::uniform(stream, n, n, 1.0)),
         inputs: (0..m)
             .map(|_| InputDual {
                 state: symmetric(stream, n),

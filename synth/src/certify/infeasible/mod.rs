@@ -28,8 +28,8 @@ mod scope;
 pub mod stationarity;
 
 pub use multipliers::{
-    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
-    RegionDual, VertexDual,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Moments, RegionDual,
+    VertexDual,
 };
 pub use scope::{limits, Limit};
 pub use stationarity::Level;

@@ -84,15 +84,6 @@ pub struct Moments {
     pub dead_zone: Option<DeadZoneMoments>,
 }
 
-/// Moments of the integral's coordinate s with the states, r = 2.
-#[derive(Debug, Clone, PartialEq)]
-pub struct IntegralCross {
-    /// E[x s'], n x n.
-    pub state: DMatrix<f64>,
-    /// E[x(t_k^l) s'], n x n.
-    pub sample: DMatrix<f64>,
-}
-
 /// Dual multiplier of one condition (19): `[ state, *; *, unit ]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -121,20 +112,38 @@ pub struct RegionDual {
 }
 
 /// Dual multipliers of the conditions of one gain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct GainDuals {
-    /// Which of the given gains, from 0; 0 where the gain is free.
+    /// Which of the given gains; the first where the gain is free. Files number gains from 1.
+    #[serde(with = "As::<FromOne>")]
     pub gain: usize,
     /// Dual multipliers of (18), r = 1.
+    #[serde(rename = "decrease_start")]
     pub start: Moments,
     /// Dual multipliers of (18), r = 2.
+    #[serde(rename = "decrease_end")]
     pub end: Moments,
-    /// E[s s'], n x n, symmetric: the integral's coordinate in r = 2.
+    /// E[s s'] of r = 2, with the integral's coordinate s: n x n, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub integral: DMatrix<f64>,
-    /// Its moments with the states; `None` exactly for the first gain, where the stationarity of L1h and L2h
-    /// determines them.
-    pub integral_cross: Option<IntegralCross>,
+    /// E[x s'] of r = 2, n x n; left out exactly for the first gain, where the stationarity of L1h and L2h
+    /// determines it and the next one.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        with = "As::<Option<Rows>>"
+    )]
+    pub state_integral: Option<DMatrix<f64>>,
+    /// E[x(t_k^l) s'] of r = 2, n x n.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        with = "As::<Option<Rows>>"
+    )]
+    pub sample_integral: Option<DMatrix<f64>>,
     /// Dual multipliers of (19), one for each input.
+    #[serde(rename = "anti_windup")]
     pub inputs: Vec<InputDual>,
 }
 
@@ -194,7 +203,8 @@ impl DualMultipliers {
                 known(part)
                     && pairs(part)
                     && dead_zone(part)
-                    && part.integral_cross.is_none() == first
+                    && part.state_integral.is_none() == first
+                    && part.sample_integral.is_none() == first
                     && part.start.multiplied_sample.is_some()
                     && (given || determinable)
             })
