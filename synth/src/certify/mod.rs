@@ -20,7 +20,7 @@ use verified::matrix::Matrix;
 
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
-pub use certificate::{Certificate, MismatchSlack, RuleGains};
+pub use certificate::{Certificate, CertificateFile, MismatchFile, MismatchSlack, RuleGains};
 use theorem1::{for_each_condition, Statement};
 
 /// The answer of the check.

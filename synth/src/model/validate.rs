@@ -48,11 +48,7 @@ impl Model {
             });
         }
         check_line("name", &file.name)?;
-        let plant = match &file.plant {
-            PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
-            PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
-            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
-        };
+        let plant = Plant::of_ranges(&file.plant)?;
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
         check_large_set(&file)?;
@@ -109,6 +105,25 @@ impl Model {
             return Err(large_set::choice(reason));
         };
         Model::new(large_set::derived(&self.file, specs)?)
+    }
+}
+
+impl Plant {
+    /// Checks every value of a plant alone; errors are those of a model file.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    pub fn new(file: &PlantFile) -> Result<Self, ModelError> {
+        Plant::of_ranges(&within_ranges(file).map_err(|error| error.within("plant"))?)
+    }
+
+    /// Checks what the ranges of single numbers leave open.
+    fn of_ranges(file: &PlantFile) -> Result<Self, ModelError> {
+        Ok(match file {
+            PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
+            PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
+            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
+        })
     }
 }
 
