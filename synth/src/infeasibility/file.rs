@@ -10,7 +10,8 @@ use crate::certify::infeasible::{
 use crate::design::{rows, Provenance};
 use crate::model::bounded::{As, FromOne, Positive, Rows};
 use crate::model::{
-    check_matrix, check_symmetric, parse, FileError, Kind, Model, ModelError, ModelFile,
+    check_matrix, check_shape, check_symmetric, parse, FileError, Kind, Model, ModelError,
+    ModelFile,
 };
 
 /// The version this program reads and writes.
@@ -266,11 +267,9 @@ fn check_moments(end: &str, moments: &Moments, sizes: Sizes) -> Result<(), Model
     }
     let given = sizes.given > 0;
     if moments.dead_zone.is_some() != given {
-        return Err(ModelError::WrongShape {
-            field: field("dead_zone"),
-            found: if given { "nothing" } else { "moments" }.to_string(),
-            expected: "moments of the dead zone exactly where gains are given".to_string(),
-        });
+        let found = if given { "nothing" } else { "moments" };
+        let expected = "moments of the dead zone exactly where gains are given";
+        return Err(ModelError::shape(field("dead_zone"), found, expected));
     }
     if let Some(zone) = &moments.dead_zone {
         shape(
@@ -297,33 +296,19 @@ fn numbered(field: &str, index: usize, count: usize) -> Result<usize, ModelError
 }
 
 fn missing(field: &str, expected: &str) -> ModelError {
-    ModelError::WrongShape {
-        field: field.to_string(),
-        found: "nothing".to_string(),
-        expected: expected.to_string(),
-    }
+    ModelError::shape(field, "nothing", expected)
 }
 
 fn check_length(field: &str, found: usize, expected: usize) -> Result<(), ModelError> {
     if found == expected {
         return Ok(());
     }
-    Err(ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{found} entries"),
-        expected: format!("{expected} entries"),
-    })
+    let [found, expected] = [found, expected].map(|count| format!("{count} entries"));
+    Err(ModelError::shape(field, found, expected))
 }
 
-fn shape(field: &str, matrix: &DMatrix<f64>, size: (usize, usize)) -> Result<(), ModelError> {
-    if matrix.shape() == size {
-        return Ok(());
-    }
-    Err(ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{} x {}", matrix.nrows(), matrix.ncols()),
-        expected: format!("{} x {}", size.0, size.1),
-    })
+fn shape(field: &str, matrix: &DMatrix<f64>, (r, c): (usize, usize)) -> Result<(), ModelError> {
+    check_shape(field, matrix, (Some(r), Some(c)))
 }
 
 fn symmetric(field: &str, matrix: &DMatrix<f64>, side: usize) -> Result<(), ModelError> {
@@ -388,11 +373,8 @@ impl InfeasibilityFile {
     /// The numbers, every set of dual multipliers.
     pub fn weights(&self, model: &Model) -> Result<Vec<DualMultipliers>, ModelError> {
         if self.infeasibility.is_empty() {
-            return Err(ModelError::WrongShape {
-                field: "infeasibility".to_string(),
-                found: "0 sets of weights".to_string(),
-                expected: "at least 1".to_string(),
-            });
+            let found = "0 sets of weights";
+            return Err(ModelError::shape("infeasibility", found, "at least 1"));
         }
         let (n, m, _, _) = model.plant.sizes();
         let given = self.gains.iter().enumerate().map(|(index, gain)| {

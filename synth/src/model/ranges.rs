@@ -15,20 +15,15 @@ pub const MAX_COLUMNS: usize = 24;
 /// The most bounds, states or points in a list.
 pub const MAX_BOUNDS: usize = 256;
 
-fn out_of_range(field: &str, value: f64, allowed: &str) -> ModelError {
-    ModelError::OutOfRange {
+pub(super) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
+    if ok && value.is_finite() {
+        return Ok(());
+    }
+    Err(ModelError::OutOfRange {
         field: field.to_string(),
         value,
         allowed: allowed.to_string(),
-    }
-}
-
-pub(super) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
-    if ok && value.is_finite() {
-        Ok(())
-    } else {
-        Err(out_of_range(field, value, allowed))
-    }
+    })
 }
 
 /// Refuses numbers that are not finite or so large or small that squares overflow or vanish.
@@ -68,31 +63,47 @@ pub fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Resul
     if count <= limit {
         return Ok(());
     }
-    Err(ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{count} {what}"),
-        expected: format!("at most {limit} {what}"),
-    })
+    let expected = format!("at most {limit} {what}");
+    Err(ModelError::shape(
+        field,
+        format!("{count} {what}"),
+        expected,
+    ))
 }
 
-/// Rows of equal length, all finite, of the given size (`None`: any above 0).
+/// Rows and columns, `None`: any number above 0.
+pub type Size = (Option<usize>, Option<usize>);
+
+fn wrong_size(field: &str, found: String, (rows, columns): Size) -> ModelError {
+    let word = |size: Option<usize>| size.map_or("at least 1".to_string(), |n| n.to_string());
+    ModelError::shape(field, found, format!("{} x {}", word(rows), word(columns)))
+}
+
+/// Refuses a matrix that is not of the given size.
+pub fn check_shape(field: &str, matrix: &DMatrix<f64>, size: Size) -> Result<(), ModelError> {
+    let fits = |found: usize, expected: Option<usize>| found == expected.unwrap_or(found.max(1));
+    let (rows, columns) = matrix.shape();
+    if fits(rows, size.0) && fits(columns, size.1) {
+        return Ok(());
+    }
+    Err(wrong_size(field, format!("{rows} x {columns}"), size))
+}
+
+/// Rows of equal length, all finite, of the given size.
 pub fn check_matrix(
     field: &str,
     rows: &[Vec<f64>],
-    expected: (Option<usize>, Option<usize>),
+    expected: Size,
 ) -> Result<DMatrix<f64>, ModelError> {
     let columns = expected.1.or(rows.first().map(Vec::len)).unwrap_or(0);
-    let wrong = |found: String| ModelError::WrongShape {
-        field: field.to_string(),
-        found,
-        expected: format!("{} x {}", size_word(expected.0), size_word(expected.1)),
-    };
     if rows.is_empty() || columns == 0 || expected.0.is_some_and(|count| count != rows.len()) {
-        return Err(wrong(format!("{} x {columns}", rows.len())));
+        let found = format!("{} x {columns}", rows.len());
+        return Err(wrong_size(field, found, expected));
     }
     if let Some(position) = rows.iter().position(|row| row.len() != columns) {
         let length = rows[position].len();
-        return Err(wrong(format!("{length} entries in row {}", position + 1)));
+        let found = format!("{length} entries in row {}", position + 1);
+        return Err(wrong_size(field, found, expected));
     }
     for (r, row) in rows.iter().enumerate() {
         for (c, &value) in row.iter().enumerate() {
@@ -133,10 +144,6 @@ pub fn check_positive_definite(field: &str, matrix: &DMatrix<f64>) -> Result<(),
         });
     }
     Ok(())
-}
-
-fn size_word(size: Option<usize>) -> String {
-    size.map_or("at least 1".to_string(), |size| size.to_string())
 }
 
 pub(super) fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
