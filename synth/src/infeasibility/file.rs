@@ -5,14 +5,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::certify::infeasible::{
-    refute, DualMultipliers, GainDuals, InputDual, Moments, Refutation, RegionDual,
+    check_length, missing, refute, DualMultipliers, GainDuals, InputDual, Moments, Refutation,
+    RegionDual,
 };
 use crate::design::{rows, Provenance};
 use crate::model::bounded::{As, FromOne, Positive, Rows};
-use crate::model::{
-    check_matrix, check_shape, check_symmetric, parse, FileError, Kind, Model, ModelError,
-    ModelFile,
-};
+use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
 
 /// The version this program reads and writes.
 pub const INFEASIBILITY_SCHEMA_VERSION: u32 = 1;
@@ -70,16 +68,6 @@ pub struct WeightsFile {
     pub must_contain: Vec<DMatrix<f64>>,
 }
 
-/// Sizes of a model, and how many gains are given.
-#[derive(Clone, Copy)]
-struct Sizes {
-    states: usize,
-    inputs: usize,
-    disturbances: usize,
-    vertices: usize,
-    given: usize,
-}
-
 impl WeightsFile {
     /// The numbers as a reader of the file gets them, `None` without dual multipliers of a gain or where no file may
     /// hold them.
@@ -102,73 +90,20 @@ impl WeightsFile {
         serde_json::from_value(serde_json::to_value(written).ok()?).ok()
     }
 
-    /// The numbers, with the checks of their shapes.
+    /// The numbers, checked.
     pub(crate) fn weights(
         &self,
         model: &Model,
         given: &[DMatrix<f64>],
     ) -> Result<DualMultipliers, ModelError> {
-        let system = model.plant.nominal().takagi_sugeno();
-        let sizes = Sizes {
-            states: system.states(),
-            inputs: system.inputs(),
-            disturbances: system.disturbance.ncols(),
-            vertices: system.vertices.len(),
-            given: given.len(),
-        };
-        let n = sizes.states;
-        check_length("region", self.region.len(), system.region.len())?;
         // Without them the statement is about every rho.
         let contained = match self.must_contain.is_empty() && self.containment_weight.is_none() {
             true => 0,
             false => model.file.specs.must_contain.len(),
         };
         check_length("must_contain", self.must_contain.len(), contained)?;
-        for (index, (dual, bound)) in self.region.iter().zip(&system.region).enumerate() {
-            let field = |key: &str| format!("region[{index}].{key}");
-            let k = bound.rows.nrows();
-            symmetric(&field("state"), &dual.state, n)?;
-            shape(&field("cross"), &dual.cross, (n, k))?;
-            symmetric(&field("unit"), &dual.unit, k)?;
-        }
-        for (index, dual) in self.must_contain.iter().enumerate() {
-            symmetric(&format!("must_contain[{index}]"), dual, n)?;
-        }
-        let mut gains = vec![self.first_gain(model, sizes)?];
-        if given.is_empty() {
-            check_length("further_gains", self.further_gains.len(), 0)?;
-        }
-        for (index, further) in self.further_gains.iter().enumerate() {
-            let fits = check_further(further, sizes);
-            fits.map_err(|error| error.within(&format!("further_gains[{index}]")))?;
-            gains.push(further.clone());
-        }
-        Ok(DualMultipliers {
-            given: given.to_vec(),
-            containment_weight: self.containment(contained > 0)?,
-            gains,
-            region: self.region.clone(),
-            must_contain: self.must_contain.clone(),
-        })
-    }
-
-    /// The dual multipliers of the only or first gain.
-    fn first_gain(&self, model: &Model, sizes: Sizes) -> Result<GainDuals, ModelError> {
-        let (n, given) = (sizes.states, sizes.given > 0);
-        let gain = match self.gain {
-            Some(gain) if given => numbered("gain", gain, sizes.given)?,
-            Some(gain) => {
-                return Err(ModelError::OutOfRange {
-                    field: "gain".to_string(),
-                    value: (gain + 1) as f64,
-                    allowed: "left out: no gains are given".to_string(),
-                })
-            }
-            None if given => return Err(missing("gain", "the number of a gain")),
-            None => 0,
-        };
-        let duals = GainDuals {
-            gain,
+        let first = GainDuals {
+            gain: self.gain_index(!given.is_empty())?,
             start: self.decrease_start.clone(),
             end: self.decrease_end.clone(),
             integral: self.integral.clone(),
@@ -176,14 +111,33 @@ impl WeightsFile {
             sample_integral: None,
             inputs: self.anti_windup.clone(),
         };
-        check_gain(&duals, sizes)?;
-        let because = match (&duals.end.multiplied_sample, &duals.end.held) {
-            (None, _) if model.file.specs.eps[2] == 0.0 => "eps[2] is 0",
-            (None, None) if given => "there is no held state",
-            _ => return Ok(duals),
+        if given.is_empty() {
+            check_length("further_gains", self.further_gains.len(), 0)?;
+        }
+        let further = self.further_gains.iter().cloned();
+        let duals = DualMultipliers {
+            given: given.to_vec(),
+            containment_weight: self.containment(contained > 0)?,
+            gains: std::iter::once(first).chain(further).collect(),
+            region: self.region.clone(),
+            must_contain: self.must_contain.clone(),
         };
-        let expected = format!("{n} x {n}, because {because}");
-        Err(missing("decrease_end.multiplied_sample", &expected))
+        duals.check(model)?;
+        Ok(duals)
+    }
+
+    /// The first gain; left out exactly where no gains are given.
+    fn gain_index(&self, given: bool) -> Result<usize, ModelError> {
+        match self.gain {
+            Some(gain) if given => Ok(gain),
+            Some(gain) => Err(ModelError::OutOfRange {
+                field: "gain".to_string(),
+                value: (gain + 1) as f64,
+                allowed: "left out: no gains are given".to_string(),
+            }),
+            None if given => Err(missing("gain", "the number of a gain")),
+            None => Ok(0),
+        }
     }
 
     fn containment(&self, needed: bool) -> Result<f64, ModelError> {
@@ -201,119 +155,6 @@ impl WeightsFile {
             (false, None) => Ok(1.0),
         }
     }
-}
-
-/// The shapes of the dual multipliers of a gain beyond the first.
-fn check_further(duals: &GainDuals, sizes: Sizes) -> Result<(), ModelError> {
-    let n = sizes.states;
-    numbered("gain", duals.gain, sizes.given)?;
-    check_gain(duals, sizes)?;
-    for (field, given) in [
-        (
-            "decrease_end.multiplied_sample",
-            &duals.end.multiplied_sample,
-        ),
-        ("state_integral", &duals.state_integral),
-        ("sample_integral", &duals.sample_integral),
-    ] {
-        match given {
-            Some(matrix) => shape(field, matrix, (n, n))?,
-            None => return Err(missing(field, &format!("{n} x {n}"))),
-        }
-    }
-    Ok(())
-}
-
-/// The shapes of what the dual multipliers of every gain have.
-fn check_gain(duals: &GainDuals, sizes: Sizes) -> Result<(), ModelError> {
-    let n = sizes.states;
-    check_length("anti_windup", duals.inputs.len(), sizes.inputs)?;
-    for (index, dual) in duals.inputs.iter().enumerate() {
-        symmetric(&format!("anti_windup[{index}].state"), &dual.state, n)?;
-    }
-    check_moments("decrease_start", &duals.start, sizes)?;
-    if duals.start.multiplied_sample.is_none() {
-        let expected = format!("{n} x {n}");
-        return Err(missing("decrease_start.multiplied_sample", &expected));
-    }
-    check_moments("decrease_end", &duals.end, sizes)?;
-    symmetric("integral", &duals.integral, n)
-}
-
-fn check_moments(end: &str, moments: &Moments, sizes: Sizes) -> Result<(), ModelError> {
-    let (n, m, d) = (sizes.states, sizes.inputs, sizes.disturbances);
-    let field = |key: &str| format!("{end}.{key}");
-    for (index, dual) in moments.vertices.iter().enumerate() {
-        let field = field(&format!("vertices[{index}]"));
-        numbered(&format!("{field}.vertex"), dual.vertex, sizes.vertices)?;
-        symmetric(&format!("{field}.moments"), &dual.moments, 2 * n)?;
-    }
-    shape(&field("state_sample"), &moments.state_sample, (n, n))?;
-    if let Some(multiplied) = &moments.multiplied_sample {
-        shape(&field("multiplied_sample"), multiplied, (n, n))?;
-    }
-    symmetric(&field("sample"), &moments.sample, n)?;
-    let driven = &moments.multiplied_disturbance;
-    shape(&field("multiplied_disturbance"), driven, (n, d))?;
-    symmetric(&field("disturbance"), &moments.disturbance, d)?;
-    if let Some(held) = &moments.held {
-        shape(
-            &field("held.multiplied_held"),
-            &held.multiplied_held,
-            (n, n),
-        )?;
-        shape(&field("held.sample_held"), &held.sample_held, (n, n))?;
-        symmetric(&field("held.held"), &held.held, n)?;
-    }
-    let given = sizes.given > 0;
-    if moments.dead_zone.is_some() != given {
-        let found = if given { "nothing" } else { "moments" };
-        let expected = "moments of the dead zone exactly where gains are given";
-        return Err(ModelError::shape(field("dead_zone"), found, expected));
-    }
-    if let Some(zone) = &moments.dead_zone {
-        shape(
-            &field("dead_zone.multiplied_zone"),
-            &zone.multiplied,
-            (n, m),
-        )?;
-        shape(&field("dead_zone.held_zone"), &zone.held, (n, m))?;
-        symmetric(&field("dead_zone.zone"), &zone.own, m)?;
-    }
-    Ok(())
-}
-
-/// An index that files number from 1.
-fn numbered(field: &str, index: usize, count: usize) -> Result<usize, ModelError> {
-    match index < count {
-        true => Ok(index),
-        false => Err(ModelError::OutOfRange {
-            field: field.to_string(),
-            value: (index + 1) as f64,
-            allowed: format!("1 to {count}"),
-        }),
-    }
-}
-
-fn missing(field: &str, expected: &str) -> ModelError {
-    ModelError::shape(field, "nothing", expected)
-}
-
-fn check_length(field: &str, found: usize, expected: usize) -> Result<(), ModelError> {
-    if found == expected {
-        return Ok(());
-    }
-    let [found, expected] = [found, expected].map(|count| format!("{count} entries"));
-    Err(ModelError::shape(field, found, expected))
-}
-
-fn shape(field: &str, matrix: &DMatrix<f64>, (r, c): (usize, usize)) -> Result<(), ModelError> {
-    check_shape(field, matrix, (Some(r), Some(c)))
-}
-
-fn symmetric(field: &str, matrix: &DMatrix<f64>, side: usize) -> Result<(), ModelError> {
-    shape(field, matrix, (side, side))?;
-    check_symmetric(field, matrix)
 }
 
 impl InfeasibilityFile {

@@ -27,6 +27,7 @@ mod multipliers;
 mod scope;
 pub mod stationarity;
 
+pub(crate) use multipliers::{check_length, missing};
 pub use multipliers::{
     DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Moments, RegionDual,
     VertexDual,
