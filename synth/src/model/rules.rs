@@ -6,8 +6,9 @@ use runtime::local_rules::FuzzySet;
 use super::file::{
     FuzzySetFile, LocalRuleFile, RulesLinear, RulesPlant, RulesSpacecraft, RulesSystem,
 };
-use super::ranges::{check_inertia, check_matrix, require, MAX_STATES, MAX_VERTICES};
-use super::validate::SharedMatrices;
+use super::ranges::{
+    check_inertia, check_matrix, require, SharedMatrices, MAX_STATES, MAX_VERTICES,
+};
 use super::ModelError;
 use crate::fuzzy::{ExactSpacecraft, RuleModel, VertexSystem};
 

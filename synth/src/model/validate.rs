@@ -10,8 +10,8 @@ use super::file::{
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::ranges::{
-    check_count, check_inertia, check_line, check_matrix, check_positive, require, MAX_BOUNDS,
-    MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
+    check_count, check_inertia, check_line, check_matrix, check_positive, require, SharedMatrices,
+    MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
 };
 use super::rules::rule_model;
 use super::search::check_search;
@@ -232,44 +232,6 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
         box_rows,
         box_bounds,
     })
-}
-
-/// What all vertices, or all rules, have in common.
-pub(super) struct SharedMatrices<'a> {
-    pub input: &'a [Vec<f64>],
-    pub disturbance: Option<&'a [Vec<f64>]>,
-    pub output: Option<&'a [Vec<f64>]>,
-    pub input_limit: &'a [f64],
-}
-
-impl SharedMatrices<'_> {
-    /// B, B_w (B when left out) and C (the identity when left out), under the name of their parent.
-    pub fn checked(&self, parent: &str, states: usize) -> Result<[DMatrix<f64>; 3], ModelError> {
-        let field = |key: &str| format!("{parent}.{key}");
-        let tall = (Some(states), None);
-        let input = check_matrix(&field("input_matrix"), self.input, tall)?;
-        let disturbance = match self.disturbance {
-            Some(rows) => check_matrix(&field("disturbance_matrix"), rows, tall)?,
-            None => input.clone(),
-        };
-        let output = match self.output {
-            Some(rows) => check_matrix(&field("output_matrix"), rows, (None, Some(states)))?,
-            None => DMatrix::identity(states, states),
-        };
-        for (key, what, count) in [
-            ("input_matrix", "columns", input.ncols()),
-            ("disturbance_matrix", "columns", disturbance.ncols()),
-            ("output_matrix", "rows", output.nrows()),
-        ] {
-            check_count(&field(key), what, count, MAX_COLUMNS)?;
-        }
-        let (found, expected) = (self.input_limit.len(), input.ncols());
-        if found != expected {
-            let [found, expected] = [found, expected].map(|count| format!("{count} entries"));
-            return Err(ModelError::shape(field("input_limit"), found, expected));
-        }
-        Ok([input, disturbance, output])
-    }
 }
 
 /// The rows and bounds of a box, under the name of their field.

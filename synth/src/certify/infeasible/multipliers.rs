@@ -61,11 +61,8 @@ pub struct Moments {
     pub state_sample: DMatrix<f64>,
     /// E[v x(t_k^l)'], n x n; `None` when the stationarity of the multiplier determines it (r = 2 of the first
     /// gain only).
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Rows>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Rows>>")]
     pub multiplied_sample: Option<DMatrix<f64>>,
     /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
     #[serde(with = "As::<Rows>")]
@@ -129,18 +126,12 @@ pub struct GainDuals {
     pub integral: DMatrix<f64>,
     /// E[x s'] of r = 2, n x n; left out exactly for the first gain, where the stationarity of L1h and L2h
     /// determines it and the next one.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Rows>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Rows>>")]
     pub state_integral: Option<DMatrix<f64>>,
     /// E[x(t_k^l) s'] of r = 2, n x n.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Rows>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Rows>>")]
     pub sample_integral: Option<DMatrix<f64>>,
     /// Dual multipliers of (19), one for each input.
     #[serde(rename = "anti_windup")]
