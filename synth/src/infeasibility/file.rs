@@ -10,7 +10,9 @@ use crate::certify::infeasible::{
 };
 use crate::design::{rows, Provenance};
 use crate::model::bounded::{As, FromOne, Positive, Rows};
-use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
+use crate::model::{
+    check_matrix, check_version, parse, FileError, Kind, Model, ModelError, ModelFile,
+};
 
 /// The version this program reads and writes.
 pub const INFEASIBILITY_SCHEMA_VERSION: u32 = 1;
@@ -130,11 +132,10 @@ impl WeightsFile {
     fn gain_index(&self, given: bool) -> Result<usize, ModelError> {
         match self.gain {
             Some(gain) if given => Ok(gain),
-            Some(gain) => Err(ModelError::OutOfRange {
-                field: "gain".to_string(),
-                value: (gain + 1) as f64,
-                allowed: "left out: no gains are given".to_string(),
-            }),
+            Some(gain) => {
+                let allowed = "left out: no gains are given";
+                Err(ModelError::range("gain", (gain + 1) as f64, allowed))
+            }
             None if given => Err(missing("gain", "the number of a gain")),
             None => Ok(0),
         }
@@ -147,11 +148,10 @@ impl WeightsFile {
                 "containment_weight",
                 "a number above 0, because the model has must_contain states",
             )),
-            (false, Some(value)) => Err(ModelError::OutOfRange {
-                field: "containment_weight".to_string(),
-                value,
-                allowed: "left out: the model has no must_contain states".to_string(),
-            }),
+            (false, Some(value)) => {
+                let allowed = "left out: the model has no must_contain states";
+                Err(ModelError::range("containment_weight", value, allowed))
+            }
             (false, None) => Ok(1.0),
         }
     }
@@ -179,13 +179,7 @@ impl InfeasibilityFile {
     /// proved.
     pub fn from_json(text: &str) -> Result<(Self, Model), FileError> {
         let file: InfeasibilityFile = parse(text, Kind::Infeasibility)?;
-        if file.schema_version != INFEASIBILITY_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: INFEASIBILITY_SCHEMA_VERSION,
-            }
-            .into());
-        }
+        check_version(file.schema_version, INFEASIBILITY_SCHEMA_VERSION)?;
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.weights(&model)?;
         Ok((file, model))

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bounded::{As, Rows};
-use super::ranges::{check_count, check_line, check_shape};
+use super::ranges::{check_count, check_line, check_shape, check_version};
 use super::{parse, FileError, Kind, ModelError};
 
 /// The version this program reads.
@@ -41,12 +41,7 @@ impl GainsFile {
     }
 
     fn check(&self) -> Result<(), ModelError> {
-        if self.schema_version != GAINS_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: self.schema_version,
-                expected: GAINS_SCHEMA_VERSION,
-            });
-        }
+        check_version(self.schema_version, GAINS_SCHEMA_VERSION)?;
         check_line("name", &self.name)?;
         check_count("gains", "gains", self.gains.len(), MAX_GAINS)?;
         let Some(first) = self.gains.first() else {

@@ -19,11 +19,15 @@ pub(super) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Resul
     if ok && value.is_finite() {
         return Ok(());
     }
-    Err(ModelError::OutOfRange {
-        field: field.to_string(),
-        value,
-        allowed: allowed.to_string(),
-    })
+    Err(ModelError::range(field, value, allowed))
+}
+
+/// Refuses a version of a format that is not the one this program reads.
+pub fn check_version(found: u32, expected: u32) -> Result<(), ModelError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(ModelError::SchemaVersion { found, expected }),
+    }
 }
 
 /// Refuses numbers that are not finite or so large or small that squares overflow or vanish.

@@ -10,8 +10,8 @@ use super::file::{
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::ranges::{
-    check_count, check_inertia, check_line, check_matrix, check_positive, require, SharedMatrices,
-    MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
+    check_count, check_inertia, check_line, check_matrix, check_positive, check_version, require,
+    SharedMatrices, MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
 };
 use super::rules::rule_model;
 use super::search::check_search;
@@ -41,12 +41,7 @@ impl Model {
 
     /// Checks what the ranges of single numbers leave open.
     fn of_ranges(file: ModelFile) -> Result<Self, ModelError> {
-        if file.schema_version != MODEL_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: MODEL_SCHEMA_VERSION,
-            });
-        }
+        check_version(file.schema_version, MODEL_SCHEMA_VERSION)?;
         check_line("name", &file.name)?;
         let plant = Plant::of_ranges(&file.plant)?;
         check_gain_form(&file, &plant)?;
@@ -92,8 +87,8 @@ impl Model {
         task
     }
 
-    /// The model of the large-set certificate: the same plant on the outer box, with the outer decay rate,
-    /// weight bound and start states.
+    /// The model of the large-set certificate: the same plant on the box of the large set, with its decay rate, weight
+    /// bound and start states.
     ///
     /// # Errors
     /// No `specs.outer`, or a plant that is not `exact`.

@@ -315,11 +315,10 @@ impl Moments {
 fn numbered(field: &str, index: usize, count: usize) -> Result<(), ModelError> {
     match index < count {
         true => Ok(()),
-        false => Err(ModelError::OutOfRange {
-            field: field.to_string(),
-            value: (index + 1) as f64,
-            allowed: format!("1 to {count}"),
-        }),
+        false => {
+            let allowed = format!("1 to {count}");
+            Err(ModelError::range(field, (index + 1) as f64, allowed))
+        }
     }
 }
 
