@@ -6,7 +6,7 @@ use crate::random;
 use crate::random::{assert_close, positive_definite, uniform, Point, Sizes};
 use nalgebra::DMatrix;
 use synth::conditions::xu2020::{
-    decrease, decrease_form, Basis, SamplingEnd, Sector, Signal, Strictness, DEAD_ZONE_UNIT,
+    decrease, terms, Basis, SamplingEnd, Sector, Signal, Strictness, DEAD_ZONE_UNIT,
 };
 use synth::conditions::{BoundedSignal, Task};
 use synth::lmi::{Affine, Condition, Unknowns};
@@ -76,7 +76,6 @@ fn the_terms_make_the_printed_matrix() {
 
 #[test]
 fn a_further_bounded_signal_counts_like_another_column_of_the_disturbance() {
-    use synth::conditions::xu2020::terms;
     use synth::reduce::cliques::{elimination, members};
     use synth::reduce::vertex_slack::ELIMINATED;
     let mut stream = Stream(31);
@@ -116,7 +115,6 @@ fn a_further_bounded_signal_counts_like_another_column_of_the_disturbance() {
 
 #[test]
 fn the_cliques_read_off_the_terms_are_those_of_the_book() {
-    use synth::conditions::xu2020::terms;
     use synth::reduce::cliques::{elimination, members};
     use synth::reduce::vertex_slack::ELIMINATED;
     use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
@@ -160,7 +158,9 @@ fn the_full_matrix_in_the_reduced_coordinates_is_the_common_form_plus_the_vertex
             assert_eq!(t.nrows(), t.ncols());
             assert!(t.clone().try_inverse().is_some(), "a congruence");
             let at = Basis::reduced(&task, interval, &point.design);
-            let form = decrease_form(&task, interval, &point.design, &at).value(&point.values);
+            let form = at
+                .form(&terms(&task, interval, &point.design))
+                .value(&point.values);
             for vertex in 0..sizes.vertices {
                 let a = &task.system.vertices[vertex];
                 let full = decrease(&task, a, interval, &point.design).value(&point.values);
