@@ -132,7 +132,7 @@ impl Source<'_> {
             })
         });
         Some(GainDuals {
-            gain: *self.part.gains.get(rule)?,
+            gain: self.part.gains.get(rule)? + 1,
             integral: at(Integral, Integral)?,
             state_integral: match rule {
                 0 => None,
@@ -158,6 +158,7 @@ impl Source<'_> {
                 Some(chosen) => *chosen.get(vertex)?,
                 None => vertex,
             };
+            let vertex = vertex + 1;
             Some(VertexDual { vertex, moments })
         });
         let dead_zone = match self.given {

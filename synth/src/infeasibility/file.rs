@@ -9,7 +9,7 @@ use crate::certify::infeasible::{
     RegionDual,
 };
 use crate::design::{rows, Provenance};
-use crate::model::bounded::{As, FromOne, Positive, Rows};
+use crate::model::bounded::{As, Positive, Rows};
 use crate::model::{
     check_matrix, check_version, parse, FileError, Kind, Model, ModelError, ModelFile,
 };
@@ -46,9 +46,8 @@ pub struct WeightsFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<Positive>>")]
     pub containment_weight: Option<f64>,
-    /// The given gain, numbered from 1, that the next four keys are about; left out without given gains.
+    /// Number of the given gain, from 1, that the next four keys are about; left out without given gains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[serde(with = "As::<Option<FromOne>>")]
     pub gain: Option<usize>,
     /// Dual multipliers of (18), r = 1.
     pub decrease_start: Moments,
@@ -105,7 +104,7 @@ impl WeightsFile {
         };
         check_length("must_contain", self.must_contain.len(), contained)?;
         let first = GainDuals {
-            gain: self.gain_index(!given.is_empty())?,
+            gain: self.first_gain(!given.is_empty())?,
             start: self.decrease_start.clone(),
             end: self.decrease_end.clone(),
             integral: self.integral.clone(),
@@ -129,15 +128,15 @@ impl WeightsFile {
     }
 
     /// The first gain; left out exactly where no gains are given.
-    fn gain_index(&self, given: bool) -> Result<usize, ModelError> {
+    fn first_gain(&self, given: bool) -> Result<usize, ModelError> {
         match self.gain {
             Some(gain) if given => Ok(gain),
             Some(gain) => {
                 let allowed = "left out: no gains are given";
-                Err(ModelError::range("gain", (gain + 1) as f64, allowed))
+                Err(ModelError::range("gain", gain as f64, allowed))
             }
             None if given => Err(missing("gain", "the number of a gain")),
-            None => Ok(0),
+            None => Ok(1),
         }
     }
 
@@ -191,7 +190,7 @@ impl InfeasibilityFile {
         let sets = self.infeasibility.iter();
         let gains = sets.flat_map(|set| {
             let further = set.further_gains.iter().map(|weights| weights.gain);
-            set.gain.into_iter().chain(further).map(|index| index + 1)
+            set.gain.into_iter().chain(further)
         });
         let mut gains: Vec<usize> = gains.collect();
         gains.sort_unstable();

@@ -283,43 +283,6 @@ impl FileForm for Flushed {
     }
 }
 
-/// The place of something in a list, which files number from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(try_from = "usize", into = "usize")]
-pub struct FromOne(#[schemars(range(min = 1))] usize);
-
-impl TryFrom<usize> for FromOne {
-    type Error = OutOfRange;
-
-    fn try_from(number: usize) -> Result<Self, OutOfRange> {
-        match number {
-            0 => Err(OutOfRange {
-                value: 0.0,
-                allowed: "1 or above",
-            }),
-            _ => Ok(FromOne(number)),
-        }
-    }
-}
-
-impl From<FromOne> for usize {
-    fn from(number: FromOne) -> usize {
-        number.0
-    }
-}
-
-impl FileForm for FromOne {
-    type Plain = usize;
-
-    fn plain(self) -> usize {
-        self.0 - 1
-    }
-
-    fn of(plain: &usize) -> Self {
-        FromOne(plain + 1)
-    }
-}
-
 /// Reads and writes a field of a plain type in its form `F`: `#[serde(with = "As::<F>")]`. It takes part in the
 /// schema, too.
 pub struct As<F>(PhantomData<F>);

@@ -5,15 +5,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::conditions::GainPlan;
-use crate::model::bounded::{As, Flushed, FromOne, Rows};
+use crate::model::bounded::{As, Flushed, Rows};
 use crate::model::{check_shape, check_symmetric, Mismatch, Model, ModelError};
 
 /// Dual multiplier of (18) at one vertex.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VertexDual {
-    /// The vertex; files number vertices from 1.
-    #[serde(with = "As::<FromOne>")]
+    /// Number of the vertex, from 1.
     pub vertex: usize,
     /// Second moments of (x, v), 2n x 2n, symmetric.
     #[serde(with = "As::<Rows>")]
@@ -112,8 +111,7 @@ pub struct RegionDual {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GainDuals {
-    /// Which of the given gains; the first where the gain is free. Files number gains from 1.
-    #[serde(with = "As::<FromOne>")]
+    /// Number of the given gain, from 1; 1 where the gain is free.
     pub gain: usize,
     /// Dual multipliers of (18), r = 1.
     #[serde(rename = "decrease_start")]
@@ -311,13 +309,13 @@ impl Moments {
     }
 }
 
-/// Refuses an index beyond a list that files number from 1.
-fn numbered(field: &str, index: usize, count: usize) -> Result<(), ModelError> {
-    match index < count {
+/// Refuses a number that does not count one of so many things.
+fn numbered(field: &str, number: usize, count: usize) -> Result<(), ModelError> {
+    match (1..=count).contains(&number) {
         true => Ok(()),
         false => {
             let allowed = format!("1 to {count}");
-            Err(ModelError::range(field, (index + 1) as f64, allowed))
+            Err(ModelError::range(field, number as f64, allowed))
         }
     }
 }

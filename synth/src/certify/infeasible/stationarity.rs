@@ -155,9 +155,9 @@ fn parts<'a, S: Scalar>(
         GainMoments {
             weights: part,
             ends: ends.map(|moments| EndMoments::new(&numbers.plant.vertices, moments)),
-            gain: weights.given.get(part.gain).map(Matrix::exactly),
+            gain: weights.given.get(part.gain - 1).map(Matrix::exactly),
             integral: [cross(&part.state_integral), cross(&part.sample_integral)],
-            suffix: gain_suffix(weights.given.len().max(1), part.gain),
+            suffix: gain_suffix(weights.given.len().max(1), part.gain - 1),
         }
     };
     weights.gains.iter().map(part).collect()
@@ -244,7 +244,7 @@ impl<S: Scalar> GainMoments<'_, S> {
         let suffix = &self.suffix;
         for (r, moments) in [(1, &self.weights.start), (2, &self.weights.end)] {
             for weight in &moments.vertices {
-                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex + 1);
+                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex);
                 emit(name, Matrix::exactly(&weight.moments));
             }
         }
