@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::conditions::GainPlan;
-use crate::model::bounded::{As, Flushed, Rows};
+use crate::model::bounded::{As, Finite, Rows};
 use crate::model::{check_shape, check_symmetric, Mismatch, Model, ModelError};
 
 /// Dual multiplier of (18) at one vertex.
@@ -88,7 +88,7 @@ pub struct InputDual {
     #[serde(with = "As::<Rows>")]
     pub state: DMatrix<f64>,
     /// The corner.
-    #[serde(with = "As::<Flushed>")]
+    #[serde(with = "As::<Finite>")]
     pub unit: f64,
 }
 
