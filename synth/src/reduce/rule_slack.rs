@@ -6,7 +6,7 @@
 //! and the integral is split off as before; the root {x, v, x(t_k^l), x(t_k), p} stays whole, because
 //! Z_r couples its blocks.
 
-use super::cliques;
+use super::cliques::split_conditions;
 use crate::conditions::xu2020::{
     condition_name, terms, Basis, DesignUnknowns, SamplingEnd, Signal, Strictness, DEAD_ZONE_UNIT,
 };
@@ -63,20 +63,13 @@ pub fn conditions(
             let total = mismatch.total(task);
             lhs += &total.congruence(&basis.mismatch_rows(task));
         }
-        let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
-        let order = cliques::elimination(&basis, &common, &ELIMINATED);
-        let parts = cliques::split(strict.expression(), basis.sizes(), &order, unknowns)
-            .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
-        for (clique, part) in parts {
-            let name = format!("decrease r={r} clique {clique}");
-            out.push(Condition::semidefinite(name, part));
-        }
+        let stated = (&basis, common.as_slice(), Some(&ELIMINATED[..]));
+        let place = format!("r={r}");
+        out.extend(split_conditions(lhs, stated, strictness, unknowns, &place));
         for rule in 0..task.system.vertices.len() {
             let part = &slack - &rule_block(task, rule, design, zone);
-            out.push(Condition::semidefinite(
-                condition_name(interval, rule),
-                part,
-            ));
+            let name = condition_name(interval, rule);
+            out.push(Condition::semidefinite(name, part));
         }
     }
     out

@@ -273,37 +273,42 @@ impl Moments {
             numbered(&format!("{field}.vertex"), dual.vertex, sizes.vertices)?;
             symmetric(&format!("{field}.moments"), &dual.moments, 2 * n)?;
         }
-        if self.multiplied_sample.is_some() {
-            required(&field("multiplied_sample"), &self.multiplied_sample, n)?;
-        }
-        let driven = &self.multiplied_disturbance;
-        shape(&field("state_sample"), &self.state_sample, (n, n))?;
-        symmetric(&field("sample"), &self.sample, n)?;
-        shape(&field("multiplied_disturbance"), driven, (n, d))?;
-        symmetric(&field("disturbance"), &self.disturbance, d)?;
-        if let Some(held) = &self.held {
-            shape(
-                &field("held.multiplied_held"),
-                &held.multiplied_held,
-                (n, n),
-            )?;
-            shape(&field("held.sample_held"), &held.sample_held, (n, n))?;
-            symmetric(&field("held.held"), &held.held, n)?;
-        }
         let given = sizes.given > 0;
         if self.dead_zone.is_some() != given {
             let found = if given { "nothing" } else { "moments" };
             let expected = "moments of the dead zone exactly where gains are given";
             return Err(ModelError::shape(field("dead_zone"), found, expected));
         }
-        if let Some(zone) = &self.dead_zone {
-            shape(
-                &field("dead_zone.multiplied_zone"),
-                &zone.multiplied,
-                (n, m),
-            )?;
-            shape(&field("dead_zone.held_zone"), &zone.held, (n, m))?;
-            symmetric(&field("dead_zone.zone"), &zone.own, m)?;
+        let (held, zone) = (self.held.as_ref(), self.dead_zone.as_ref());
+        let driven = &self.multiplied_disturbance;
+        let general = [
+            ("state_sample", Some(&self.state_sample), n),
+            ("multiplied_sample", self.multiplied_sample.as_ref(), n),
+            ("multiplied_disturbance", Some(driven), d),
+            (
+                "held.multiplied_held",
+                held.map(|held| &held.multiplied_held),
+                n,
+            ),
+            ("held.sample_held", held.map(|held| &held.sample_held), n),
+            (
+                "dead_zone.multiplied_zone",
+                zone.map(|zone| &zone.multiplied),
+                m,
+            ),
+            ("dead_zone.held_zone", zone.map(|zone| &zone.held), m),
+        ];
+        for (key, matrix, columns) in general {
+            matrix.map_or(Ok(()), |matrix| shape(&field(key), matrix, (n, columns)))?;
+        }
+        let squares = [
+            ("sample", Some(&self.sample), n),
+            ("disturbance", Some(&self.disturbance), d),
+            ("held.held", held.map(|held| &held.held), n),
+            ("dead_zone.zone", zone.map(|zone| &zone.own), m),
+        ];
+        for (key, matrix, side) in squares {
+            matrix.map_or(Ok(()), |matrix| symmetric(&field(key), matrix, side))?;
         }
         Ok(())
     }
