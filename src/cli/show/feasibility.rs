@@ -107,7 +107,7 @@ impl RelaxationReport {
     pub fn new(relaxation: &Relaxation) -> Self {
         let feasible = relaxation.feasible;
         RelaxationReport {
-            requirement: relaxation.requirement.symbol(),
+            requirement: relaxation.requirement,
             value: feasible.map(|found| found.value),
             factor: feasible.map(|found| found.factor),
             not_at_factor: feasible.map(|found| found.not_at),

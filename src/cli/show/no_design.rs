@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde::Serialize;
 use synth::certify::Verdict;
-use synth::design::SolverRun;
 use synth::feasibility::Decision;
 use synth::model::Model;
 use synth::synthesis::Form;
@@ -96,66 +95,40 @@ enum Detail<'a> {
 }
 
 impl<'a> NoDesignReport<'a> {
-    /// For one certificate.
-    pub fn one(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
+    /// From the decision that the synthesis ended with.
+    pub fn new(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
         let solver = SolverReport {
             status,
             solve_seconds: decision.solve_seconds,
             solver_runs: &decision.runs,
         };
         let answer = &decision.answer;
-        let detail = Detail::One {
-            known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
-            shortfall: decision
-                .limiting_factors
-                .as_deref()
-                .map(ShortfallReport::new),
-            shown: infeasibility::shown(answer),
-            bound: infeasibility::bound(answer),
-            blocking_gains: infeasibility::blocking_gains(answer),
-            slack: decision.slack,
+        let detail = match decision.couplings {
+            0 => Detail::One {
+                known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
+                shortfall: decision
+                    .limiting_factors
+                    .as_deref()
+                    .map(ShortfallReport::new),
+                shown: infeasibility::shown(answer),
+                bound: infeasibility::bound(answer),
+                blocking_gains: infeasibility::blocking_gains(answer),
+                slack: decision.slack,
+            },
+            attempts => Detail::Two {
+                outer: (),
+                attempts,
+            },
         };
-        let failure = FailureReport::new(solver, &decision.blocking);
-        let feasibility = infeasibility::verdict(answer);
-        Self::new(model, form, failure, (feasibility, detail))
-    }
-
-    /// For two certificates.
-    pub fn two(
-        (model, form): (&Model, Form),
-        status: SolverStatus,
-        attempts: usize,
-        shares: &'a [(String, f64)],
-        runs: &'a [SolverRun],
-    ) -> Self {
-        let solver = SolverReport {
-            status,
-            solve_seconds: runs.iter().map(|run| run.seconds).sum(),
-            solver_runs: runs,
-        };
-        let detail = Detail::Two {
-            outer: (),
-            attempts,
-        };
-        let failure = FailureReport::new(solver, shares);
-        Self::new(model, form, failure, ("undecided", detail))
-    }
-
-    fn new(
-        model: &Model,
-        form: Form,
-        failure: FailureReport<'a>,
-        (feasibility, detail): (&'static str, Detail<'a>),
-    ) -> Self {
         NoDesignReport {
-            failure,
+            failure: FailureReport::new(solver, &decision.blocking),
             gamma: (),
             guaranteed_gain: (),
             xi: (),
             certified_angle_deg: (),
             form: form.name(),
             vertices: model.task().system.vertices.len(),
-            feasibility,
+            feasibility: infeasibility::verdict(answer),
             detail,
         }
     }

@@ -142,7 +142,7 @@ impl<'a> NoFeedbackReport<'a> {
             solve_seconds: found.solve_seconds,
             solver_runs: &found.runs,
         };
-        let excluded = found.infeasibility;
+        let excluded = found.answer;
         NoFeedbackReport {
             failure: FailureReport::new(solver, &found.blocking),
             claims: ProblemClaims::new(problem, None, Verdict::NotProved),

@@ -8,7 +8,7 @@ use super::certificate::{CertificateFile, MismatchFile};
 use super::large_set::{both, Coupling, LargeSetCertificate, OuterFile};
 use super::search::SearchRecord;
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
-use crate::certify::{check, ConditionMargin, Report, Verdict};
+use crate::certify::{check, Report};
 use crate::model::{
     check_matrix, check_positive, check_symmetric, parse, FileError, Kind, Mismatch, Model,
     ModelError, ModelFile, Objective, Plant,
@@ -39,7 +39,7 @@ pub struct DesignFile {
     pub outer: Option<OuterFile>,
     /// The outcome of the check when the file was written. A reader does not trust it: `verify`
     /// checks again.
-    pub verdict: VerdictFile,
+    pub verdict: Report,
     /// What made the file.
     pub provenance: Provenance,
 }
@@ -52,18 +52,6 @@ pub struct ControllerFile {
     pub gains: Vec<Vec<Vec<f64>>>,
     /// The trigger weight Upsilon, n x n, symmetric.
     pub trigger_weight: Vec<Vec<f64>>,
-}
-
-/// The outcome of a check.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct VerdictFile {
-    /// Proved or not.
-    pub verdict: Verdict,
-    /// Margin of each condition.
-    pub conditions: Vec<ConditionMargin>,
-    /// What the proof does not cover.
-    pub not_covered: Vec<String>,
 }
 
 /// What made a design.
@@ -273,21 +261,18 @@ impl CertificateFile {
     }
 }
 
-impl VerdictFile {
-    /// The outcome of a check, for the file.
-    pub fn new(report: &Report) -> Self {
-        VerdictFile {
-            verdict: report.verdict,
-            conditions: report.conditions.clone(),
-            not_covered: report.not_covered.clone(),
-        }
-    }
-}
-
 /// A matrix as a file holds it: a list of rows.
 pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let row = |r: usize| matrix.row(r).iter().copied().collect();
     (0..matrix.nrows()).map(row).collect()
+}
+
+/// The matrix that rows of equal length hold.
+pub(crate) fn matrix(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    let columns = rows.first().map_or(0, Vec::len);
+    DMatrix::from_fn(rows.len(), columns, |r, c| {
+        rows[r].get(c).copied().unwrap_or(f64::NAN)
+    })
 }
 
 /// A list of matrices of one size.

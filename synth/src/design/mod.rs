@@ -7,10 +7,9 @@ mod recover;
 mod search;
 
 pub use certificate::{CertificateFile, MismatchFile};
-pub(crate) use file::rows;
+pub(crate) use file::{matrix, rows};
 pub use file::{
-    ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, VerdictFile,
-    DESIGN_SCHEMA_VERSION,
+    ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, DESIGN_SCHEMA_VERSION,
 };
 pub use large_set::{Coupling, LargeSetCertificate, OuterFile};
 pub(crate) use recover::add_claims;

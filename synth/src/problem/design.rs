@@ -10,7 +10,7 @@ use super::checked::Problem;
 use super::file::ProblemFile;
 use crate::certify::{judge_all, Report};
 use crate::conditions::state_feedback::StateFeedback;
-use crate::design::{rows, SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
+use crate::design::{rows, SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::model::{
     check_matrix, check_positive, check_symmetric, parse, FileError, Kind, ModelError,
 };
@@ -32,7 +32,7 @@ pub struct ProblemDesignFile {
     pub certificate: ProofFile,
     /// The outcome of the check when the file was written. A reader does not trust it: `verify`
     /// checks again.
-    pub verdict: VerdictFile,
+    pub verdict: Report,
     /// What made the file.
     pub provenance: ProblemProvenance,
 }

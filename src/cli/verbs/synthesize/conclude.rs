@@ -76,7 +76,7 @@ impl Conclusion<'_> {
         if let Some((path, proof)) = kept {
             files::write(path, &proof.to_json())?;
         }
-        let report = NoDesignReport::one(self.model, self.form, decision, status);
+        let report = NoDesignReport::new(self.model, self.form, decision, status);
         let mut lines = report.lines(self.model_path, self.what);
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evaluator::{Evaluator, SearchPoint};
-use super::parameters::Space;
+use super::space::Space;
 use crate::programs::SynthesisError;
 
 /// When to stop.
@@ -57,7 +57,7 @@ pub fn ascend(
         let Some(direction) = ascent.direction() else {
             break;
         };
-        let objective = ascent.best.value.objective;
+        let objective = ascent.best.objective;
         let found = ascent.try_both(evaluator, &direction)?;
         match found {
             Some((point, whole)) => {
@@ -80,7 +80,7 @@ pub fn ascend(
                 continue;
             }
         }
-        let increase = ascent.best.value.objective - objective;
+        let increase = ascent.best.objective - objective;
         small = if increase < effort.increase {
             small + 1
         } else {
@@ -97,9 +97,7 @@ impl Ascent<'_> {
     /// The gradient, with 0 for the coordinates that would leave their bounds.
     fn free_slope(&self) -> DVector<f64> {
         let ranges = self.space.ranges.iter();
-        let parts = ranges
-            .zip(&self.best.coordinates)
-            .zip(&self.best.value.slope);
+        let parts = ranges.zip(&self.best.coordinates).zip(&self.best.slope);
         let parts = parts.map(|((range, &at), &slope)| {
             let [low, high] = range.coordinates();
             let out = (slope > 0.0 && at >= high) || (slope < 0.0 && at <= low);
@@ -152,19 +150,16 @@ impl Ascent<'_> {
             let to: Vec<f64> = (from + direction * part).iter().copied().collect();
             self.space.inside(&to)
         };
-        let solve = |coordinates: Vec<f64>| -> Result<Option<SearchPoint>, SynthesisError> {
-            let value = evaluator.solve(&coordinates, &self.best.value.linearisation)?;
-            Ok(value.map(|value| SearchPoint { coordinates, value }))
-        };
+        let solve = |coordinates: Vec<f64>| evaluator.solve(&coordinates, &self.best.linearisation);
         let (long, short) = rayon::join(|| solve(at(1.0)), || solve(at(SHORTER)));
         let objective = |point: &Option<SearchPoint>| {
-            let objective = point.as_ref().map(|point| point.value.objective);
+            let objective = point.as_ref().map(|point| point.objective);
             objective.unwrap_or(f64::NEG_INFINITY)
         };
         let (long, short) = (long?, short?);
         let whole = objective(&long) >= objective(&short);
         let better = if whole { long } else { short };
-        let better = better.filter(|point| point.value.objective > self.best.value.objective);
+        let better = better.filter(|point| point.objective > self.best.objective);
         Ok(better.map(|point| (point, whole)))
     }
 
@@ -172,7 +167,7 @@ impl Ascent<'_> {
     fn learn(&mut self, to: &SearchPoint) {
         let vector = |values: &[f64]| DVector::from_column_slice(values);
         let step = vector(&to.coordinates) - vector(&self.best.coordinates);
-        let change = vector(&self.best.value.slope) - vector(&to.value.slope);
+        let change = vector(&self.best.slope) - vector(&to.slope);
         let along = step.dot(&change);
         let least = 1e-10 * step.norm() * change.norm();
         if along.is_nan() || least.is_nan() || along <= least {

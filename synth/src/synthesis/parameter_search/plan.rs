@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evaluator::Aim;
-use super::parameters::{Parameter, Range, Space};
+use super::evaluator::{Aim, GainBounds};
+use super::space::{Range, Space};
 use crate::model::{Model, ModelFile, Objective, PlantFile, SearchFile};
+use crate::programs::Parameter;
 
 /// The search of a model.
 #[derive(Debug, Clone)]
@@ -69,8 +70,10 @@ impl Plan {
                     true => vec![attitudes()],
                     false => states.clone(),
                 },
-                gamma_max: limits.gamma_max,
-                gain_max: limits.guaranteed_gain_max,
+                bounds: GainBounds {
+                    gamma: limits.gamma_max,
+                    gain: limits.guaranteed_gain_max,
+                },
             },
         };
         let mut base = model.file.clone();
@@ -99,7 +102,7 @@ impl Plan {
 }
 
 /// D with D z, |z| <= 1, all attitudes at rest.
-pub fn attitudes() -> DMatrix<f64> {
+fn attitudes() -> DMatrix<f64> {
     DMatrix::from_fn(6, 3, |r, c| if r == c + 3 { 1.0 } else { 0.0 })
 }
 

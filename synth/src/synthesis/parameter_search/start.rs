@@ -4,8 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::evaluator::{Aim, Evaluator, SearchPoint};
-use super::parameters::Parameter;
-use crate::programs::SynthesisError;
+use crate::programs::{Parameter, SynthesisError};
 
 /// Weights rho of the first containment condition, for eps_1 = 1; from then on it is linearised about the
 /// last point.
@@ -38,24 +37,12 @@ pub fn first(evaluator: &Evaluator<'_>) -> Result<Option<SearchPoint>, Synthesis
             .map(|(coordinates, weight)| solve(evaluator, coordinates, *weight))
             .collect();
         let solved = solved?.into_iter().flatten();
-        let best = solved.max_by(|a, b| a.value.objective.total_cmp(&b.value.objective));
+        let best = solved.max_by(|a, b| a.objective.total_cmp(&b.objective));
         if best.is_some() {
             return Ok(best);
         }
     }
     Ok(None)
-}
-
-/// The same point with another aim.
-pub fn again(
-    evaluator: &Evaluator<'_>,
-    point: &SearchPoint,
-) -> Result<Option<SearchPoint>, SynthesisError> {
-    let value = evaluator.solve(&point.coordinates, &point.value.linearisation)?;
-    Ok(value.map(|value| SearchPoint {
-        coordinates: point.coordinates.clone(),
-        value,
-    }))
 }
 
 fn solve(
@@ -68,11 +55,7 @@ fn solve(
     // With eps_1 = 0 any weight is as good as another.
     let unit = file.specs.eps[0].abs().max(1e-3);
     let linearisation = DMatrix::identity(states, states) * (weight / unit);
-    let value = evaluator.solve(coordinates, &linearisation)?;
-    Ok(value.map(|value| SearchPoint {
-        coordinates: coordinates.to_vec(),
-        value,
-    }))
+    evaluator.solve(coordinates, &linearisation)
 }
 
 fn with_rates(evaluator: &Evaluator<'_>, point: &[f64], factor: f64) -> Vec<f64> {

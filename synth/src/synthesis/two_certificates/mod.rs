@@ -5,10 +5,7 @@
 //! what is proved for it holds, and the command may saturate in the large set: with an N of its own, each certificate
 //! admits as much saturation as it can prove.
 
-mod assemble;
+mod coupled;
 mod run;
 
-pub use run::{
-    coupled_problem, synthesize_two_certificates, CouplingChoice, TriedCoupling,
-    TwoCertificatesOutcome,
-};
+pub use run::{coupled_problem, synthesize, CouplingChoice};

@@ -1,19 +1,19 @@
 //! The search for a design with two certificates.
 
-use super::assemble::{assemble, Coupled, Scaled, UNBOUNDED_GAIN};
+use super::coupled::{assemble, Coupled, UNBOUNDED_GAIN};
 use crate::certify::theorem1::Certificate;
-use crate::certify::Verdict;
 use crate::conditions::Task;
-use crate::design::{recover, CertificateFile, Coupling, OuterFile, ProblemUnits, SolverRun};
+use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits};
 use crate::model::{Model, ModelError, OuterSpecs};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, run_solver, Answer, Decision, DesignRequest, Form, Goal, Outcome, SolveRequest,
-    SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
+    blocking, Answer, Decision, DesignRequest, Form, Goal, Outcome, Session, SynthesisError,
+    Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
+use crate::synthesis::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use sdp::lmi::LmiProblem;
-use sdp::solve::{alternative, Backend, Observer, Solution, Status};
+use sdp::solve::{Backend, Observer, Solution};
 
 /// Back-offs of the exported design's gain bound above the smallest one, relative, tried in order: they leave a margin
 /// for the proof.
@@ -47,7 +47,7 @@ pub struct CouplingChoice {
 impl CouplingChoice {
     /// The choice with a ratio of the sizes of the two sets. Upsilon goes with the inverse square of the
     /// size of a set, as Q does.
-    pub fn new(containment_weight: f64, inner_scale: f64) -> Self {
+    fn new(containment_weight: f64, inner_scale: f64) -> Self {
         CouplingChoice {
             containment_weight,
             coupling: Coupling {
@@ -58,134 +58,28 @@ impl CouplingChoice {
     }
 
     /// What is tried first for a model.
-    pub fn first(outer: &OuterSpecs) -> Self {
+    fn first(outer: &OuterSpecs) -> Self {
         let weight = outer.containment_weight.unwrap_or(CONTAINMENT_WEIGHTS[0]);
         CouplingChoice::new(weight, outer.inner_scale.unwrap_or(FIRST_SCALE))
     }
-}
 
-/// A choice that was tried, and its result.
-#[derive(Debug, Clone)]
-pub struct TriedCoupling {
-    /// The choice.
-    pub choice: CouplingChoice,
-    /// The solver's status, unverified.
-    pub status: String,
-    /// Guaranteed gain of the inner certificate in the solver's point, which is not proved; `None`
-    /// without a point.
-    pub guaranteed_gain: Option<f64>,
-}
-
-/// The outcome of the search.
-#[derive(Debug, Clone)]
-pub enum TwoCertificatesOutcome {
-    /// A design; its report says whether it is proved.
-    Solved(Box<Synthesized>, Vec<TriedCoupling>),
-    /// The solver found no design in any attempt. Nothing is proved by that.
-    None {
-        /// True when it called every attempt infeasible; otherwise it failed numerically.
-        infeasible: bool,
-        /// The attempts.
-        tried: Vec<TriedCoupling>,
-        /// The conditions with the largest fractions of an attempt's dual solution, largest first.
-        blocking: Vec<(String, f64)>,
-        /// The solver's runs.
-        runs: Vec<SolverRun>,
-    },
-}
-
-impl TwoCertificatesOutcome {
-    /// True for a design whose two certificates are proved.
-    fn is_proved(&self) -> bool {
-        matches!(self, TwoCertificatesOutcome::Solved(design, _) if design.report.verdict == Verdict::Proved)
-    }
-
-    /// The outcome of two solvers, in this order: the proved design, or the first design that is not, with the
-    /// runs of both.
-    fn or(self, other: Self) -> Self {
-        let swap = other.is_proved() || !matches!(self, TwoCertificatesOutcome::Solved(..));
-        let mut all = self.runs().to_vec();
-        all.extend_from_slice(other.runs());
-        let refused = |one: &Self| {
-            matches!(
-                one,
-                TwoCertificatesOutcome::None {
-                    infeasible: true,
-                    ..
-                }
-            )
+    /// Both tasks in units of their own.
+    fn scaled(self, model: &Model, outer: &Model) -> [(Scaling, Task); 2] {
+        let outer = outer.task();
+        let starts = outer.specification.must_contain.iter();
+        let farthest = starts.map(|state| state.norm()).fold(0.0, f64::max);
+        let size = (0.5 * farthest).max(f64::MIN_POSITIVE);
+        let in_units = |mut task: Task, size: f64| {
+            task.specification.containment_weight = self.containment_weight;
+            let scaling = Scaling::of_size(&task.system, size);
+            let scaled = scaling.apply(&task);
+            (scaling, scaled)
         };
-        let any_refused = refused(&self) || refused(&other);
-        let mut out = if swap { other } else { self };
-        match &mut out {
-            TwoCertificatesOutcome::Solved(design, _) => {
-                design.solve_seconds = all.iter().map(|run| run.seconds).sum();
-                design.file.provenance.solver_runs = all;
-            }
-            TwoCertificatesOutcome::None {
-                infeasible, runs, ..
-            } => {
-                *infeasible = any_refused;
-                *runs = all;
-            }
-        }
-        out
+        [
+            in_units(model.task(), self.coupling.inner_scale * size),
+            in_units(outer, size),
+        ]
     }
-
-    fn runs(&self) -> &[SolverRun] {
-        match self {
-            TwoCertificatesOutcome::Solved(design, _) => &design.file.provenance.solver_runs,
-            TwoCertificatesOutcome::None { runs, .. } => runs,
-        }
-    }
-}
-
-impl From<TwoCertificatesOutcome> for Outcome {
-    /// Without a design nothing is proved.
-    fn from(found: TwoCertificatesOutcome) -> Self {
-        match found {
-            TwoCertificatesOutcome::Solved(design, _) => Outcome::Solved(design),
-            TwoCertificatesOutcome::None {
-                infeasible,
-                blocking,
-                runs,
-                ..
-            } => {
-                let decision = Decision {
-                    answer: Answer::Undecided(None),
-                    slack: None,
-                    blocking,
-                    limiting_factors: None,
-                    solve_seconds: runs.iter().map(|run| run.seconds).sum(),
-                    runs,
-                };
-                match infeasible {
-                    true => Outcome::Undecided(decision),
-                    false => Outcome::SolverFailed(decision),
-                }
-            }
-        }
-    }
-}
-
-/// Both tasks in units of their own.
-fn scaled(model: &Model, outer: &Model, choice: CouplingChoice) -> (Scaled, Scaled) {
-    let outer_task = outer.task();
-    let starts = outer_task.specification.must_contain.iter();
-    let farthest = starts.map(|state| state.norm()).fold(0.0, f64::max);
-    let size = (0.5 * farthest).max(f64::MIN_POSITIVE);
-    let in_units = |mut task: Task, size: f64| {
-        task.specification.containment_weight = choice.containment_weight;
-        let scaling = Scaling::of_size(&task.system, size);
-        Scaled {
-            task: scaling.apply(&task),
-            scaling,
-        }
-    };
-    (
-        in_units(model.task(), choice.coupling.inner_scale * size),
-        in_units(outer_task, size),
-    )
 }
 
 /// The problem of the smallest inner gain, for export: with the given choice, or what synthesis tries
@@ -203,225 +97,110 @@ pub fn coupled_problem(
     let choice = choice
         .or(first)
         .unwrap_or(CouplingChoice::new(CONTAINMENT_WEIGHTS[0], FIRST_SCALE));
-    let (inner, outer) = scaled(model, &outer, choice);
-    Ok(assemble(&inner, &outer, choice.coupling, form, Goal::SmallestGain).problem)
+    let scaled = choice.scaled(model, &outer);
+    Ok(assemble(&scaled, choice.coupling, form, Goal::SmallestGain).problem)
 }
 
 /// Synthesizes one controller with two certificates and checks both. Where the given solver finds none that is
-/// proved, the other one is tried.
+/// proved, the other one is tried. Without a design nothing is proved.
 ///
 /// # Errors
 /// As for a design with one; a model without `specs.outer`.
-pub fn synthesize_two_certificates(
+pub fn synthesize(
     model: &Model,
     model_text: &str,
     form: Form,
     backend: &dyn Backend,
     observer: Option<Observer>,
-) -> Result<TwoCertificatesOutcome, SynthesisError> {
-    let first = synthesize_with(model, model_text, form, backend, observer.clone())?;
-    let other = alternative(backend);
-    let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
-        return Ok(first);
-    };
-    let form = form.for_backend(other);
-    let second = synthesize_with(model, model_text, form, other, observer)?;
-    Ok(first.or(second))
-}
-
-/// With one solver.
-fn synthesize_with(
-    model: &Model,
-    model_text: &str,
-    form: Form,
-    backend: &dyn Backend,
-    observer: Option<Observer>,
-) -> Result<TwoCertificatesOutcome, SynthesisError> {
+) -> Result<Outcome, SynthesisError> {
     let outer = model.large_set()?;
     let task = model.task();
-    let run = CoupledSynthesis {
-        subject: DesignRequest::of_model(model, model_text, &task, form),
-        outer: &outer,
-        backend,
-        observer,
-        runs: Vec::new(),
-        tried: Vec::new(),
-        points: Vec::new(),
-        blocking: Vec::new(),
-        infeasible: false,
+    let mut session = Session::new(form, backend, observer);
+    let (mut smallest, mut couplings, mut blocking) = (f64::INFINITY, 0, Vec::new());
+    let found = Attempts::with_each_solver(&mut session, |session| {
+        let mut synthesis = CoupledSynthesis {
+            request: DesignRequest::of_model(model, model_text, &task, session.form),
+            outer: &outer,
+            session,
+            gains: Vec::new(),
+            couplings: 0,
+            blocking: Vec::new(),
+        };
+        let found = synthesis.in_all_settings()?;
+        smallest = synthesis.gains.into_iter().fold(smallest, f64::min);
+        (couplings, blocking) = (synthesis.couplings, synthesis.blocking);
+        Ok(found)
+    })?;
+    if let Some(design) = found.best.or(found.unproved) {
+        let mut design = design.with_runs(&session.runs);
+        let gain = design.file.certificate.guaranteed_gain;
+        design.optimality = Optimality::of_smallest(gain, smallest);
+        return Ok(Outcome::Solved(design));
+    }
+    let decision = Decision {
+        blocking,
+        couplings,
+        ..Decision::new(Answer::Undecided(None), &session.runs)
     };
-    run.search()
+    Ok(match found.infeasible > 0 {
+        true => Outcome::Undecided(decision),
+        false => Outcome::SolverFailed(decision),
+    })
 }
 
-/// A solver's point of the smallest gain.
-#[derive(Clone, Copy)]
-struct GainPoint {
-    choice: CouplingChoice,
-    /// The smallest gamma, SI units.
-    gamma: f64,
-    /// Guaranteed gain.
-    gain: f64,
-}
-
-struct CoupledSynthesis<'a> {
-    subject: DesignRequest<'a>,
+/// The smallest gain of the inner certificate, with one solver.
+struct CoupledSynthesis<'a, 'b, 'c> {
+    request: DesignRequest<'a>,
     outer: &'a Model,
-    backend: &'a dyn Backend,
-    observer: Option<Observer>,
-    runs: Vec<SolverRun>,
-    tried: Vec<TriedCoupling>,
-    points: Vec<GainPoint>,
+    session: &'b mut Session<'c>,
+    /// Guaranteed gain of the inner certificate in every point of a smallest gain, in their order.
+    gains: Vec<f64>,
+    /// How many choices were tried.
+    couplings: usize,
+    /// The conditions with the largest fractions of the last dual solution that refutes a choice.
     blocking: Vec<(String, f64)>,
-    infeasible: bool,
 }
 
-impl CoupledSynthesis<'_> {
-    fn search(mut self) -> Result<TwoCertificatesOutcome, SynthesisError> {
-        let specs = self.subject.model.file.specs.outer.clone();
-        let given = specs.as_ref().and_then(|outer| outer.inner_scale);
-        let weight = specs.as_ref().and_then(|outer| outer.containment_weight);
-        let weights = weight.map_or(CONTAINMENT_WEIGHTS.to_vec(), |weight| vec![weight]);
-        for weight in weights {
-            match given {
-                Some(scale) => {
-                    self.point(CouplingChoice::new(weight, scale))?;
+impl Synthesis for CoupledSynthesis<'_, '_, '_> {
+    type Settings = CouplingChoice;
+    type File = DesignFile;
+
+    fn smallest(&mut self, choice: CouplingChoice) -> Result<Smallest, SynthesisError> {
+        let scaled = choice.scaled(self.request.model, self.outer);
+        let (coupled, solution) = self.solve(&scaled, choice, Goal::SmallestGain)?;
+        self.couplings += 1;
+        let smallest = Smallest::of(&solution);
+        match smallest {
+            Smallest::Bound(_) => {
+                let [(scaling, _), _] = &scaled;
+                let model = self.request.model;
+                let recovered = recover(model, &coupled.inner, &solution.values, scaling);
+                let gain = recovered.map_or(f64::NAN, |certificate| certificate.guaranteed_gain);
+                if !gain.is_finite() {
+                    return Ok(Smallest::Failed);
                 }
-                None => self.search_scale(weight)?,
+                self.gains.push(gain);
             }
-            if !self.points.is_empty() {
-                break;
-            }
-        }
-        self.points.sort_by(|a, b| a.gain.total_cmp(&b.gain));
-        let mut unproved = None;
-        let points = self.points.clone();
-        for (point, back_off) in points
-            .iter()
-            .flat_map(|point| GAIN_BACK_OFFS.map(|back_off| (*point, back_off)))
-        {
-            match self.design(point, back_off)? {
-                Some(design) if design.report.verdict == Verdict::Proved => {
-                    return Ok(self.closed(design));
-                }
-                Some(design) => unproved = unproved.or(Some(design)),
-                None => {}
-            }
-        }
-        Ok(match unproved {
-            Some(design) => self.closed(design),
-            None => TwoCertificatesOutcome::None {
-                infeasible: self.infeasible && self.points.is_empty(),
-                tried: self.tried,
-                blocking: self.blocking,
-                runs: self.runs,
-            },
-        })
-    }
-
-    /// Smaller and smaller ratios until one fails, then between the last two; larger ones first where
-    /// the first fails.
-    fn search_scale(&mut self, weight: f64) -> Result<(), SynthesisError> {
-        let mut scale = FIRST_SCALE;
-        while self.point(CouplingChoice::new(weight, scale))?.is_none() {
-            scale *= 2.0;
-            if scale > 1.0 {
-                return Ok(());
-            }
-        }
-        let (mut best, mut failed) = (scale, None);
-        while failed.is_none() && best > SMALLEST_SCALE {
-            let next = best * SCALE_STEP;
-            match self.better(CouplingChoice::new(weight, next))? {
-                true => best = next,
-                false => failed = Some(next),
-            }
-        }
-        let mut failed = failed.unwrap_or(best);
-        for _ in 0..HALVINGS {
-            let next = (best * failed).sqrt();
-            match self.better(CouplingChoice::new(weight, next))? {
-                true => best = next,
-                false => failed = next,
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether a choice has a point with a smaller gain than all before it.
-    fn better(&mut self, choice: CouplingChoice) -> Result<bool, SynthesisError> {
-        let gains = self.points.iter().map(|point| point.gain);
-        let least = gains.fold(f64::INFINITY, f64::min);
-        let point = self.point(choice)?;
-        Ok(point.is_some_and(|point| point.gain < least))
-    }
-
-    /// The smallest gain for a choice; kept where there is one.
-    fn point(&mut self, choice: CouplingChoice) -> Result<Option<GainPoint>, SynthesisError> {
-        let (inner, outer) = scaled(self.subject.model, self.outer, choice);
-        let goal = Goal::SmallestGain;
-        let (coupled, solution) = self.solve((&inner, &outer), choice, goal)?;
-        let mut found = None;
-        match solution.status {
-            Status::Solved | Status::Inaccurate => {
-                let model = self.subject.model;
-                let recovered = recover(model, &coupled.inner, &solution.values, &inner.scaling);
-                found = recovered.ok().map(|certificate| GainPoint {
-                    choice,
-                    gamma: solution.objective,
-                    gain: certificate.guaranteed_gain,
-                });
-                found = found.filter(|point| point.gamma > 0.0 && point.gain.is_finite());
-            }
-            Status::Infeasible => {
-                self.infeasible = true;
+            Smallest::Infeasible => {
                 self.blocking = blocking(&coupled.problem.conditions, &solution);
             }
-            Status::Unbounded | Status::Failed | Status::Cancelled => {}
+            Smallest::Failed => {}
         }
-        self.tried.push(TriedCoupling {
-            choice,
-            status: solution.status_text,
-            guaranteed_gain: found.map(|point| point.gain),
-        });
-        self.points.extend(found);
-        Ok(found)
+        Ok(smallest)
     }
 
-    fn solve(
-        &mut self,
-        (inner, outer): (&Scaled, &Scaled),
-        choice: CouplingChoice,
-        goal: Goal,
-    ) -> Result<(Coupled, Solution), SynthesisError> {
-        let coupled = assemble(inner, outer, choice.coupling, self.subject.form, goal);
-        let request = SolveRequest {
-            goal: goal.name(),
-            vertices: inner.task.system.vertices.len() + outer.task.system.vertices.len(),
-            accuracy: goal.accuracy(&inner.task),
-        };
-        let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(self.backend, &coupled.problem, &request, observer)?;
-        self.runs.push(run);
-        Ok((coupled, solution))
-    }
-
-    /// A design well inside, with a gamma a little above the smallest, checked as a reader of its file
-    /// would; `None` where its numbers cannot be recovered.
     fn design(
         &mut self,
-        point: GainPoint,
-        back_off: f64,
+        choice: CouplingChoice,
+        gain_bound: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let choice = point.choice;
-        let (inner, outer) = scaled(self.subject.model, self.outer, choice);
-        let goal = Goal::LargestMargin {
-            gain_bound: point.gamma * (1.0 + back_off),
-        };
-        let (coupled, solution) = self.solve((&inner, &outer), choice, goal)?;
-        let values = &solution.values;
+        let scaled = choice.scaled(self.request.model, self.outer);
+        let goal = Goal::LargestMargin { gain_bound };
+        let (coupled, solution) = self.solve(&scaled, choice, goal)?;
+        let [(inner, _), (outer, _)] = &scaled;
         let parts = (
-            recover(self.subject.model, &coupled.inner, values, &inner.scaling),
-            recover(self.outer, &coupled.outer, values, &outer.scaling),
+            recover(self.request.model, &coupled.inner, &solution.values, inner),
+            recover(self.outer, &coupled.outer, &solution.values, outer),
         );
         let (Ok(first), Ok(second)) = parts else {
             return Ok(None);
@@ -430,7 +209,7 @@ impl CoupledSynthesis<'_> {
         let (_, mut certificate) = CertificateFile::split(&second);
         certificate.gamma = smallest_gamma(&second);
         certificate.xi = certificate.xi.min(self.outer.file.specs.xi_max);
-        let outer = OuterFile {
+        let second = OuterFile {
             trigger_multiple: choice.coupling.trigger_multiple,
             certificate,
         };
@@ -438,24 +217,113 @@ impl CoupledSynthesis<'_> {
             state_fraction: 1.0,
             containment_weight: choice.containment_weight,
         };
-        let second = (outer, choice.coupling);
-        match self.subject.design_of_two(&first, second, units) {
-            Ok(design) => Ok(Some(design)),
-            // Numbers that no design file may hold: a failed attempt.
-            Err(SynthesisError::Invalid(_)) => Ok(None),
-            Err(other) => Err(other),
-        }
+        let second = Some((second, choice.coupling));
+        Ok(self.request.design(&first, second, units))
     }
 
-    /// A design with the record of all runs.
-    fn closed(self, mut design: Box<Synthesized>) -> TwoCertificatesOutcome {
-        let gains = self.points.iter().map(|point| point.gain);
-        let best = gains.fold(f64::INFINITY, f64::min);
-        let gain = design.file.certificate.guaranteed_gain;
-        design.optimality = Optimality::of_smallest(gain, best);
-        design.solve_seconds = self.runs.iter().map(|run| run.seconds).sum();
-        design.file.provenance.solver_runs = self.runs;
-        TwoCertificatesOutcome::Solved(design, self.tried)
+    fn objective(file: &DesignFile) -> f64 {
+        file.certificate.guaranteed_gain
+    }
+}
+
+/// The results of the attempts with all couplings.
+type CouplingAttempts = Attempts<CouplingChoice, DesignFile>;
+
+impl CoupledSynthesis<'_, '_, '_> {
+    /// The smallest gain over all ratios under the first containment weight that has one; then designs from the
+    /// smallest gain upwards, until one is proved.
+    fn in_all_settings(&mut self) -> Result<CouplingAttempts, SynthesisError> {
+        let mut found = Attempts::default();
+        let specs = self.request.model.file.specs.outer.as_ref();
+        let given = specs.and_then(|outer| outer.inner_scale);
+        let weight = specs.and_then(|outer| outer.containment_weight);
+        for weight in weight.map_or(CONTAINMENT_WEIGHTS.to_vec(), |weight| vec![weight]) {
+            match given {
+                Some(scale) => {
+                    found.smallest(self, CouplingChoice::new(weight, scale))?;
+                }
+                None => self.search_scale(weight, &mut found)?,
+            }
+            if !found.bounds.is_empty() {
+                // The conditions can hold.
+                found.infeasible = 0;
+                break;
+            }
+        }
+        let mut points: Vec<_> = self.gains.iter().zip(&found.bounds).collect();
+        points.sort_by(|a, b| a.0.total_cmp(b.0));
+        let points: Vec<_> = points.into_iter().map(|(_, point)| *point).collect();
+        let mut unproved = None;
+        'points: for point in points {
+            for back_off in GAIN_BACK_OFFS {
+                if found.back_off(self, &[point], &[back_off])? == Attempt::Proved {
+                    break 'points;
+                }
+                unproved = unproved.or(found.unproved.take());
+            }
+        }
+        found.unproved = unproved;
+        Ok(found)
+    }
+
+    /// Smaller and smaller ratios until one fails, then between the last two; larger ones first where
+    /// the first fails.
+    fn search_scale(
+        &mut self,
+        weight: f64,
+        found: &mut CouplingAttempts,
+    ) -> Result<(), SynthesisError> {
+        let mut scale = FIRST_SCALE;
+        while !self.is_better(CouplingChoice::new(weight, scale), found)? {
+            scale *= 2.0;
+            if scale > 1.0 {
+                return Ok(());
+            }
+        }
+        let (mut best, mut failed) = (scale, None);
+        while failed.is_none() && best > SMALLEST_SCALE {
+            let next = best * SCALE_STEP;
+            match self.is_better(CouplingChoice::new(weight, next), found)? {
+                true => best = next,
+                false => failed = Some(next),
+            }
+        }
+        let mut failed = failed.unwrap_or(best);
+        for _ in 0..HALVINGS {
+            let next = (best * failed).sqrt();
+            match self.is_better(CouplingChoice::new(weight, next), found)? {
+                true => best = next,
+                false => failed = next,
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a choice has a point with a smaller gain than all before it.
+    fn is_better(
+        &mut self,
+        choice: CouplingChoice,
+        found: &mut CouplingAttempts,
+    ) -> Result<bool, SynthesisError> {
+        let least = self.gains.iter().copied().fold(f64::INFINITY, f64::min);
+        found.smallest(self, choice)?;
+        Ok(self.gains.iter().any(|gain| *gain < least))
+    }
+
+    fn solve(
+        &mut self,
+        scaled: &[(Scaling, Task); 2],
+        choice: CouplingChoice,
+        goal: Goal,
+    ) -> Result<(Coupled, Solution), SynthesisError> {
+        let coupled = assemble(scaled, choice.coupling, self.request.form, goal);
+        let tasks = scaled.iter().map(|(_, task)| task.system.vertices.len());
+        let accuracy = goal.accuracy(&scaled[0].1);
+        let vertices = tasks.sum();
+        let solution = self
+            .session
+            .run(&coupled.problem, goal.name(), accuracy, vertices)?;
+        Ok((coupled, solution))
     }
 }
 
