@@ -7,6 +7,7 @@ mod certificate;
 pub mod infeasible;
 pub mod plant;
 pub mod reach;
+mod signals;
 pub mod theorem1;
 
 pub use sdp::exclusion;

@@ -49,7 +49,7 @@ impl<'a> Duals<'a> {
     }
 }
 
-use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
+use Signal::{DeadZone, Disturbance, Further, Held, Integral, Multiplied, Sample, State};
 
 /// A clique's name and its signals, in the order of its rows.
 type Clique = (&'static str, Vec<Signal>);
@@ -236,6 +236,7 @@ impl Source<'_> {
                 inputs.map(|unit| DEAD_ZONE_UNIT / unit).collect()
             }
             Disturbance => vec![self.scaling.disturbance; system.disturbance.ncols()],
+            Further(_) => Vec::new(),
             _ => state.collect(),
         }
     }

@@ -175,14 +175,14 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             Some(design) => Answer::Feasible(design.with_runs(&runs)),
             None if refuted.is_empty() => Answer::Undecided(None),
             None => {
-                let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
+                let (weights, checked): (_, Vec<Refutation>) = refuted.into_iter().unzip();
+                let bounds = checked.iter().map(|refutation| refutation.bound);
                 let bound = bounds.fold(f64::MAX, f64::min);
-                let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
                 let mut provenance = request.provenance(units);
                 provenance.solver_runs = runs.clone();
                 let (model, given) = (request.model, request.given);
                 let file = InfeasibilityFile::new(model, given, weights, provenance);
-                let limits = file.limits(model)?;
+                let limits = file.limits(model, &checked)?;
                 let all = !undecided && limits.is_empty();
                 let proof = Box::new(Infeasible {
                     file,
@@ -337,7 +337,7 @@ fn refutable(task: &Task) -> bool {
 
 /// The dual multipliers as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, DualMultipliers)> {
-    let file = WeightsFile::new(&source.weights()?)?;
+    let file = WeightsFile::new(source.weights()?)?;
     let weights = file.weights(source.model, source.given).ok()?;
     Some((file, weights))
 }

@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::certify::infeasible::{limits, refute, Limit, Refutation};
+use crate::certify::infeasible::{limits, Limit, Refutation};
 use crate::conditions::{GainPlan, Task};
 use crate::infeasibility::InfeasibilityFile;
 use crate::model::Model;
@@ -11,18 +11,19 @@ use crate::programs::{scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS};
 use sdp::solve::{Backend, Clarabel, Structured};
 
 impl InfeasibilityFile {
-    /// The designs that the file's statement does not cover, where its dual multipliers are proved; none: no design
-    /// exists. Where a bound on the multiplier is left, two solvers show how large its entries become.
+    /// The designs that the file's statement does not cover, where its dual multipliers are proved, by `checked`; none:
+    /// no design exists. Where a bound on the multiplier is left, two solvers show how large its entries become.
     ///
     /// # Errors
     /// Dual multipliers that do not fit the model; a problem that a solver refuses.
-    pub fn limits(&self, model: &Model) -> Result<Vec<Limit>, SynthesisError> {
+    pub fn limits(
+        &self,
+        model: &Model,
+        checked: &[Refutation],
+    ) -> Result<Vec<Limit>, SynthesisError> {
         let sets = self.weights(model)?;
-        let refutations: Vec<Refutation> = sets.iter().map(|set| refute(model, set)).collect();
         let given = sets.first().map_or(&[][..], |set| &set.given);
-        limits(model, &sets, &refutations, || {
-            largest_multiplier(model, given)
-        })
+        limits(model, &sets, checked, || largest_multiplier(model, given))
     }
 }
 

@@ -4,9 +4,14 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
-use crate::design::Provenance;
-use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
+use crate::certify::infeasible::{
+    refute, DualMultipliers, GainDuals, InputDual, IntegralCross, Moments, Refutation, RegionDual,
+};
+use crate::design::{rows, Provenance};
+use crate::model::bounded::{As, FromOne, Positive, Rows};
+use crate::model::{
+    check_matrix, check_symmetric, parse, FileError, Kind, Model, ModelError, ModelFile,
+};
 
 /// The version this program reads and writes.
 pub const INFEASIBILITY_SCHEMA_VERSION: u32 = 1;
@@ -25,142 +30,343 @@ pub struct InfeasibilityFile {
     /// The given gains F_j, each m x n, for which no proof exists; left out, no constant gain has a design.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gains: Vec<Vec<Vec<f64>>>,
-    /// The weights; one set for each weight rho of the containment condition, a single one when the
+    /// The dual multipliers; one set for each weight rho of the containment condition, a single one when the
     /// model has no states that must be contained.
     pub infeasibility: Vec<WeightsFile>,
     /// What made the file.
     pub provenance: Provenance,
 }
 
-/// Weights of the conditions.
+/// Dual multipliers of the conditions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WeightsFile {
-    /// The weight rho of the containment condition, above 0. Left out when the model has no states
-    /// that must be contained.
+    /// The weight rho of the containment condition. Left out when the model has no states that must be contained.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub containment_weight: Option<f64>,
-    /// Number of the given gain, from 1, that the next four keys are about; left out without given gains.
+    /// The given gain, numbered from 1, that the next four keys are about; left out without given gains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<FromOne>>")]
     pub gain: Option<usize>,
-    /// Weights of (18), r = 1.
-    pub decrease_start: MomentsFile,
-    /// Weights of (18), r = 2.
-    pub decrease_end: MomentsFile,
+    /// Dual multipliers of (18), r = 1.
+    pub decrease_start: Moments,
+    /// Dual multipliers of (18), r = 2.
+    pub decrease_end: Moments,
     /// E[s s'] of r = 2, with the integral's coordinate s: n x n, symmetric.
-    pub integral: Vec<Vec<f64>>,
-    /// Weights of (19), one for each input.
-    pub anti_windup: Vec<InputWeightFile>,
-    /// Weights of further given gains. Gains that do not occur have weight 0.
+    #[serde(with = "As::<Rows>")]
+    pub integral: DMatrix<f64>,
+    /// Dual multipliers of (19), one for each input.
+    pub anti_windup: Vec<InputDual>,
+    /// Dual multipliers of further given gains; those of gains that do not occur are 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further_gains: Vec<GainWeightsFile>,
-    /// Weights of the region's conditions, in their order.
-    pub region: Vec<RegionWeightFile>,
-    /// Weights of the containment conditions, one for each state: n x n, symmetric.
+    /// Dual multipliers of the region's conditions, in their order.
+    pub region: Vec<RegionDual>,
+    /// Dual multipliers of the containment conditions, one for each state: n x n, symmetric.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub must_contain: Vec<Vec<Vec<f64>>>,
+    #[serde(with = "As::<Vec<Rows>>")]
+    pub must_contain: Vec<DMatrix<f64>>,
 }
 
-/// Weights of the conditions of a given gain beyond the first.
+/// Dual multipliers of the conditions of a given gain beyond the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GainWeightsFile {
-    /// Number of the gain, from 1.
+    /// The gain, numbered from 1.
+    #[serde(with = "As::<FromOne>")]
     pub gain: usize,
-    /// Weights of (18), r = 1.
-    pub decrease_start: MomentsFile,
-    /// Weights of (18), r = 2.
-    pub decrease_end: MomentsFile,
+    /// Dual multipliers of (18), r = 1.
+    pub decrease_start: Moments,
+    /// Dual multipliers of (18), r = 2.
+    pub decrease_end: Moments,
     /// E[s s'] of r = 2: n x n, symmetric.
-    pub integral: Vec<Vec<f64>>,
+    #[serde(with = "As::<Rows>")]
+    pub integral: DMatrix<f64>,
     /// E[x s'] of r = 2, n x n.
-    pub state_integral: Vec<Vec<f64>>,
+    #[serde(with = "As::<Rows>")]
+    pub state_integral: DMatrix<f64>,
     /// E[x(t_k^l) s'] of r = 2, n x n.
-    pub sample_integral: Vec<Vec<f64>>,
-    /// Weights of (19), one for each input.
-    pub anti_windup: Vec<InputWeightFile>,
+    #[serde(with = "As::<Rows>")]
+    pub sample_integral: DMatrix<f64>,
+    /// Dual multipliers of (19), one for each input.
+    pub anti_windup: Vec<InputDual>,
 }
 
-/// Weights of (18) at one end of the sampling interval, as second moments of its coordinates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MomentsFile {
-    /// Weights of the vertices that matter; the others' are zero.
-    pub vertices: Vec<VertexWeightFile>,
-    /// E[x x(t_k^l)'], n x n.
-    pub state_sample: Vec<Vec<f64>>,
-    /// E[v x(t_k^l)'], n x n. May be left out for r = 2: it is then what makes the sum independent of
-    /// the multiplier, and the proof needs no bound.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub multiplied_sample: Option<Vec<Vec<f64>>>,
-    /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
-    pub sample: Vec<Vec<f64>>,
-    /// E[v tau'], n x d.
-    pub multiplied_disturbance: Vec<Vec<f64>>,
-    /// E[tau tau'], d x d, symmetric.
-    pub disturbance: Vec<Vec<f64>>,
-    /// Moments with the held state w = x(t_k); left out, w = x(t_k^l).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub held: Option<HeldMomentsFile>,
-    /// Moments with the dead zone p; exactly for given gains.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub dead_zone: Option<DeadZoneMomentsFile>,
+/// Sizes of a model, and how many gains are given.
+#[derive(Clone, Copy)]
+struct Sizes {
+    states: usize,
+    inputs: usize,
+    disturbances: usize,
+    vertices: usize,
+    given: usize,
 }
 
-/// Moments with the dead zone p. m inputs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DeadZoneMomentsFile {
-    /// E[v p'], n x m.
-    pub multiplied_zone: Vec<Vec<f64>>,
-    /// E[w p'], n x m.
-    pub held_zone: Vec<Vec<f64>>,
-    /// E[p p'], m x m, symmetric.
-    pub zone: Vec<Vec<f64>>,
+impl WeightsFile {
+    /// The numbers as a reader of the file gets them, `None` without dual multipliers of a gain or where no file may
+    /// hold them.
+    pub(crate) fn new(duals: DualMultipliers) -> Option<Self> {
+        let contains = !duals.must_contain.is_empty();
+        let given = !duals.given.is_empty();
+        let mut gains = duals.gains.into_iter();
+        let first = gains.next()?;
+        let further = gains.filter_map(|of| {
+            let cross = of.integral_cross?;
+            Some(GainWeightsFile {
+                gain: of.gain,
+                decrease_start: of.start,
+                decrease_end: of.end,
+                integral: of.integral,
+                state_integral: cross.state,
+                sample_integral: cross.sample,
+                anti_windup: of.inputs,
+            })
+        });
+        let written = WeightsFile {
+            containment_weight: contains.then_some(duals.containment_weight),
+            gain: given.then_some(first.gain),
+            decrease_start: first.start,
+            decrease_end: first.end,
+            integral: first.integral,
+            anti_windup: first.inputs,
+            further_gains: further.collect(),
+            region: duals.region,
+            must_contain: duals.must_contain,
+        };
+        serde_json::from_value(serde_json::to_value(written).ok()?).ok()
+    }
+
+    /// The numbers, with the checks of their shapes.
+    pub(crate) fn weights(
+        &self,
+        model: &Model,
+        given: &[DMatrix<f64>],
+    ) -> Result<DualMultipliers, ModelError> {
+        let system = model.plant.nominal().takagi_sugeno();
+        let sizes = Sizes {
+            states: system.states(),
+            inputs: system.inputs(),
+            disturbances: system.disturbance.ncols(),
+            vertices: system.vertices.len(),
+            given: given.len(),
+        };
+        let n = sizes.states;
+        check_length("region", self.region.len(), system.region.len())?;
+        // Without them the statement is about every rho.
+        let contained = match self.must_contain.is_empty() && self.containment_weight.is_none() {
+            true => 0,
+            false => model.file.specs.must_contain.len(),
+        };
+        check_length("must_contain", self.must_contain.len(), contained)?;
+        for (index, (dual, bound)) in self.region.iter().zip(&system.region).enumerate() {
+            let field = |key: &str| format!("region[{index}].{key}");
+            let k = bound.rows.nrows();
+            symmetric(&field("state"), &dual.state, n)?;
+            shape(&field("cross"), &dual.cross, (n, k))?;
+            symmetric(&field("unit"), &dual.unit, k)?;
+        }
+        for (index, dual) in self.must_contain.iter().enumerate() {
+            symmetric(&format!("must_contain[{index}]"), dual, n)?;
+        }
+        let mut gains = vec![self.first_gain(model, sizes)?];
+        if given.is_empty() {
+            check_length("further_gains", self.further_gains.len(), 0)?;
+        }
+        for (index, further) in self.further_gains.iter().enumerate() {
+            let duals = further.duals(sizes);
+            gains.push(duals.map_err(|error| error.within(&format!("further_gains[{index}]")))?);
+        }
+        Ok(DualMultipliers {
+            given: given.to_vec(),
+            containment_weight: self.containment(contained > 0)?,
+            gains,
+            region: self.region.clone(),
+            must_contain: self.must_contain.clone(),
+        })
+    }
+
+    /// The dual multipliers of the only or first gain.
+    fn first_gain(&self, model: &Model, sizes: Sizes) -> Result<GainDuals, ModelError> {
+        let (n, given) = (sizes.states, sizes.given > 0);
+        let gain = match self.gain {
+            Some(gain) if given => numbered("gain", gain, sizes.given)?,
+            Some(gain) => {
+                return Err(ModelError::OutOfRange {
+                    field: "gain".to_string(),
+                    value: (gain + 1) as f64,
+                    allowed: "left out: no gains are given".to_string(),
+                })
+            }
+            None if given => return Err(missing("gain", "the number of a gain")),
+            None => 0,
+        };
+        let duals = GainDuals {
+            gain,
+            start: self.decrease_start.clone(),
+            end: self.decrease_end.clone(),
+            integral: self.integral.clone(),
+            integral_cross: None,
+            inputs: self.anti_windup.clone(),
+        };
+        check_gain(&duals, sizes)?;
+        let because = match (&duals.end.multiplied_sample, &duals.end.held) {
+            (None, _) if model.file.specs.eps[2] == 0.0 => "eps[2] is 0",
+            (None, None) if given => "there is no held state",
+            _ => return Ok(duals),
+        };
+        let expected = format!("{n} x {n}, because {because}");
+        Err(missing("decrease_end.multiplied_sample", &expected))
+    }
+
+    fn containment(&self, needed: bool) -> Result<f64, ModelError> {
+        match (needed, self.containment_weight) {
+            (true, Some(weight)) => Ok(weight),
+            (true, None) => Err(missing(
+                "containment_weight",
+                "a number above 0, because the model has must_contain states",
+            )),
+            (false, Some(value)) => Err(ModelError::OutOfRange {
+                field: "containment_weight".to_string(),
+                value,
+                allowed: "left out: the model has no must_contain states".to_string(),
+            }),
+            (false, None) => Ok(1.0),
+        }
+    }
 }
 
-/// Weight of (18) at one vertex.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct VertexWeightFile {
-    /// Number of the vertex, from 1.
-    pub vertex: usize,
-    /// Second moments of (x, v), 2n x 2n, symmetric.
-    pub moments: Vec<Vec<f64>>,
+impl GainWeightsFile {
+    fn duals(&self, sizes: Sizes) -> Result<GainDuals, ModelError> {
+        let n = sizes.states;
+        let duals = GainDuals {
+            gain: numbered("gain", self.gain, sizes.given)?,
+            start: self.decrease_start.clone(),
+            end: self.decrease_end.clone(),
+            integral: self.integral.clone(),
+            integral_cross: Some(IntegralCross {
+                state: self.state_integral.clone(),
+                sample: self.sample_integral.clone(),
+            }),
+            inputs: self.anti_windup.clone(),
+        };
+        check_gain(&duals, sizes)?;
+        if duals.end.multiplied_sample.is_none() {
+            let expected = format!("{n} x {n}");
+            return Err(missing("decrease_end.multiplied_sample", &expected));
+        }
+        shape("state_integral", &self.state_integral, (n, n))?;
+        shape("sample_integral", &self.sample_integral, (n, n))?;
+        Ok(duals)
+    }
 }
 
-/// Moments with the held state w.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct HeldMomentsFile {
-    /// E[v w'], n x n.
-    pub multiplied_held: Vec<Vec<f64>>,
-    /// E[x(t_k^l) w'], n x n.
-    pub sample_held: Vec<Vec<f64>>,
-    /// E[w w'], n x n, symmetric.
-    pub held: Vec<Vec<f64>>,
+/// The shapes of what the dual multipliers of every gain have.
+fn check_gain(duals: &GainDuals, sizes: Sizes) -> Result<(), ModelError> {
+    let n = sizes.states;
+    check_length("anti_windup", duals.inputs.len(), sizes.inputs)?;
+    for (index, dual) in duals.inputs.iter().enumerate() {
+        symmetric(&format!("anti_windup[{index}].state"), &dual.state, n)?;
+    }
+    check_moments("decrease_start", &duals.start, sizes)?;
+    if duals.start.multiplied_sample.is_none() {
+        let expected = format!("{n} x {n}");
+        return Err(missing("decrease_start.multiplied_sample", &expected));
+    }
+    check_moments("decrease_end", &duals.end, sizes)?;
+    symmetric("integral", &duals.integral, n)
 }
 
-/// Weight of one condition (19).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct InputWeightFile {
-    /// The block of the state, n x n, symmetric.
-    pub state: Vec<Vec<f64>>,
-    /// The corner.
-    pub unit: f64,
+fn check_moments(end: &str, moments: &Moments, sizes: Sizes) -> Result<(), ModelError> {
+    let (n, m, d) = (sizes.states, sizes.inputs, sizes.disturbances);
+    let field = |key: &str| format!("{end}.{key}");
+    for (index, dual) in moments.vertices.iter().enumerate() {
+        let field = field(&format!("vertices[{index}]"));
+        numbered(&format!("{field}.vertex"), dual.vertex, sizes.vertices)?;
+        symmetric(&format!("{field}.moments"), &dual.moments, 2 * n)?;
+    }
+    shape(&field("state_sample"), &moments.state_sample, (n, n))?;
+    if let Some(multiplied) = &moments.multiplied_sample {
+        shape(&field("multiplied_sample"), multiplied, (n, n))?;
+    }
+    symmetric(&field("sample"), &moments.sample, n)?;
+    let driven = &moments.multiplied_disturbance;
+    shape(&field("multiplied_disturbance"), driven, (n, d))?;
+    symmetric(&field("disturbance"), &moments.disturbance, d)?;
+    if let Some(held) = &moments.held {
+        shape(
+            &field("held.multiplied_held"),
+            &held.multiplied_held,
+            (n, n),
+        )?;
+        shape(&field("held.sample_held"), &held.sample_held, (n, n))?;
+        symmetric(&field("held.held"), &held.held, n)?;
+    }
+    let given = sizes.given > 0;
+    if moments.dead_zone.is_some() != given {
+        return Err(ModelError::WrongShape {
+            field: field("dead_zone"),
+            found: if given { "nothing" } else { "moments" }.to_string(),
+            expected: "moments of the dead zone exactly where gains are given".to_string(),
+        });
+    }
+    if let Some(zone) = &moments.dead_zone {
+        shape(
+            &field("dead_zone.multiplied_zone"),
+            &zone.multiplied,
+            (n, m),
+        )?;
+        shape(&field("dead_zone.held_zone"), &zone.held, (n, m))?;
+        symmetric(&field("dead_zone.zone"), &zone.own, m)?;
+    }
+    Ok(())
 }
 
-/// Weight of one condition of the region with k rows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RegionWeightFile {
-    /// The block of the state, n x n, symmetric.
-    pub state: Vec<Vec<f64>>,
-    /// The block beside the corner, n x k.
-    pub cross: Vec<Vec<f64>>,
-    /// The corner, k x k, symmetric.
-    pub unit: Vec<Vec<f64>>,
+/// An index that files number from 1.
+fn numbered(field: &str, index: usize, count: usize) -> Result<usize, ModelError> {
+    match index < count {
+        true => Ok(index),
+        false => Err(ModelError::OutOfRange {
+            field: field.to_string(),
+            value: (index + 1) as f64,
+            allowed: format!("1 to {count}"),
+        }),
+    }
+}
+
+fn missing(field: &str, expected: &str) -> ModelError {
+    ModelError::WrongShape {
+        field: field.to_string(),
+        found: "nothing".to_string(),
+        expected: expected.to_string(),
+    }
+}
+
+fn check_length(field: &str, found: usize, expected: usize) -> Result<(), ModelError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(ModelError::WrongShape {
+        field: field.to_string(),
+        found: format!("{found} entries"),
+        expected: format!("{expected} entries"),
+    })
+}
+
+fn shape(field: &str, matrix: &DMatrix<f64>, size: (usize, usize)) -> Result<(), ModelError> {
+    if matrix.shape() == size {
+        return Ok(());
+    }
+    Err(ModelError::WrongShape {
+        field: field.to_string(),
+        found: format!("{} x {}", matrix.nrows(), matrix.ncols()),
+        expected: format!("{} x {}", size.0, size.1),
+    })
+}
+
+fn symmetric(field: &str, matrix: &DMatrix<f64>, side: usize) -> Result<(), ModelError> {
+    shape(field, matrix, (side, side))?;
+    check_symmetric(field, matrix)
 }
 
 impl InfeasibilityFile {
@@ -197,13 +403,13 @@ impl InfeasibilityFile {
         Ok((file, model))
     }
 
-    /// The given gains whose conditions have weights, numbered from 1: together they cannot hold. Empty
+    /// The given gains whose conditions have dual multipliers, numbered from 1: together they cannot hold. Empty
     /// where no gains are given.
     pub fn blocking_gains(&self) -> Vec<usize> {
         let sets = self.infeasibility.iter();
         let gains = sets.flat_map(|set| {
             let further = set.further_gains.iter().map(|weights| weights.gain);
-            set.gain.into_iter().chain(further)
+            set.gain.into_iter().chain(further).map(|index| index + 1)
         });
         let mut gains: Vec<usize> = gains.collect();
         gains.sort_unstable();
@@ -217,7 +423,7 @@ impl InfeasibilityFile {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    /// The numbers, every set of weights.
+    /// The numbers, every set of dual multipliers.
     pub fn weights(&self, model: &Model) -> Result<Vec<DualMultipliers>, ModelError> {
         if self.infeasibility.is_empty() {
             return Err(ModelError::WrongShape {
@@ -245,19 +451,4 @@ impl InfeasibilityFile {
         let sets = self.weights(model)?;
         Ok(sets.iter().map(|weights| refute(model, weights)).collect())
     }
-}
-
-/// Files hold no numbers below 1e-30 but 0.
-const SMALLEST: f64 = 1e-30;
-
-pub(super) fn flushed(value: f64) -> f64 {
-    match value.abs() < SMALLEST {
-        true => 0.0,
-        false => value,
-    }
-}
-
-pub(super) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
-    (0..matrix.nrows()).map(row).collect()
 }

@@ -1,5 +1,6 @@
 //! Model files: what an engineer writes.
 
+pub mod bounded;
 mod error;
 mod explain;
 mod file;
@@ -14,10 +15,10 @@ mod validate;
 
 pub use error::{kind_of, readable, FileError, Kind, ModelError};
 pub use file::{
-    ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound,
-    LocalRuleFile, Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear,
-    RulesPlant, RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, TrapezoidalFile,
-    TriangularFile, VerticesPlant, MODEL_SCHEMA_VERSION,
+    ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,
+    Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear, RulesPlant,
+    RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, VerticesPlant,
+    MODEL_SCHEMA_VERSION,
 };
 pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
 pub use ranges::{

@@ -19,13 +19,15 @@ pub struct Split {
     pub separator: Vec<usize>,
 }
 
-/// The splits that eliminate signals of (18) one after the other, read off its pattern: the separator of each is what
+/// The splits that eliminate the further bounded signals of (18) and then others in the given order, read off its pattern: the separator of each is what
 /// it still meets, and what is handed to the separator couples all of it.
 pub fn elimination(basis: &Basis, terms: &[Term], order: &[Signal]) -> Vec<Split> {
+    let further = basis.signals().iter();
+    let further = further.filter(|signal| matches!(signal, Signal::Further(_)));
     let mut meets = basis.pattern(terms);
     let mut remaining: Vec<bool> = basis.sizes().iter().map(|size| *size > 0).collect();
     let mut out = Vec::new();
-    for signal in order {
+    for signal in further.chain(order) {
         let Some(block) = basis.block(*signal).filter(|block| remaining[*block]) else {
             continue;
         };

@@ -1,60 +1,86 @@
 //! Dual multipliers of the conditions, and which of them fit a model.
 
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::conditions::GainPlan;
+use crate::model::bounded::{As, Flushed, FromOne, Rows};
 use crate::model::{Mismatch, Model};
 
-/// Dual multiplier of (18) at one vertex: second moments of (x, v), 2n x 2n, symmetric.
-#[derive(Debug, Clone, PartialEq)]
+/// Dual multiplier of (18) at one vertex.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct VertexDual {
-    /// Index of the vertex, from 0.
+    /// The vertex; files number vertices from 1.
+    #[serde(with = "As::<FromOne>")]
     pub vertex: usize,
-    /// The moments.
+    /// Second moments of (x, v), 2n x 2n, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub moments: DMatrix<f64>,
 }
 
 /// Moments with the held state w = x(t_k).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct HeldMoments {
     /// E[v w'], n x n.
+    #[serde(with = "As::<Rows>")]
     pub multiplied_held: DMatrix<f64>,
     /// E[x(t_k^l) w'], n x n.
+    #[serde(with = "As::<Rows>")]
     pub sample_held: DMatrix<f64>,
     /// E[w w'], n x n, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub held: DMatrix<f64>,
 }
 
 /// Moments with the dead zone p, for given gains.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct DeadZoneMoments {
     /// E[v p'], n x m.
+    #[serde(rename = "multiplied_zone", with = "As::<Rows>")]
     pub multiplied: DMatrix<f64>,
     /// E[w p'], n x m.
+    #[serde(rename = "held_zone", with = "As::<Rows>")]
     pub held: DMatrix<f64>,
     /// E[p p'], m x m, symmetric.
+    #[serde(rename = "zone", with = "As::<Rows>")]
     pub own: DMatrix<f64>,
 }
 
 /// Dual multipliers of (18) at one end of the sampling interval. n states, m inputs, d disturbances.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Moments {
     /// One for each vertex that matters; the multipliers of the others are 0.
     pub vertices: Vec<VertexDual>,
     /// E[x x(t_k^l)'], n x n.
+    #[serde(with = "As::<Rows>")]
     pub state_sample: DMatrix<f64>,
     /// E[v x(t_k^l)'], n x n; `None` when the stationarity of the multiplier determines it (r = 2 of the first
     /// gain only).
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        with = "As::<Option<Rows>>"
+    )]
     pub multiplied_sample: Option<DMatrix<f64>>,
     /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub sample: DMatrix<f64>,
     /// E[v tau'], n x d.
+    #[serde(with = "As::<Rows>")]
     pub multiplied_disturbance: DMatrix<f64>,
     /// E[tau tau'], d x d, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub disturbance: DMatrix<f64>,
     /// Moments with the held state; `None` stands for w = x(t_k^l) (no trigger error).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub held: Option<HeldMoments>,
     /// Moments with the dead zone; `None` exactly where the gain is free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dead_zone: Option<DeadZoneMoments>,
 }
 
@@ -68,22 +94,29 @@ pub struct IntegralCross {
 }
 
 /// Dual multiplier of one condition (19): `[ state, *; *, unit ]`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct InputDual {
     /// n x n, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub state: DMatrix<f64>,
     /// The corner.
+    #[serde(with = "As::<Flushed>")]
     pub unit: f64,
 }
 
 /// Dual multiplier of one condition of the region, with k rows: `[ state, cross; *, unit ]`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct RegionDual {
     /// n x n, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub state: DMatrix<f64>,
     /// n x k.
+    #[serde(with = "As::<Rows>")]
     pub cross: DMatrix<f64>,
     /// k x k, symmetric.
+    #[serde(with = "As::<Rows>")]
     pub unit: DMatrix<f64>,
 }
 

@@ -40,7 +40,7 @@ pub fn side_conditions(
 ) -> Vec<Condition> {
     let mut out = positivity_and_anti_windup(task, unknowns, strictness);
     out.push(peak_gain::peak_gain(task, unknowns, strictness));
-    out.push(peak_gain::gain_above_weight(task, unknowns, strictness));
+    out.extend(peak_gain::gain_above_weight(task, unknowns, strictness));
     out.extend(weight_region_and_start(task, unknowns, strictness));
     out
 }
@@ -89,7 +89,7 @@ fn weight_region_and_start(
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Vec<Condition> {
-    let mut out = vec![peak_gain::weight_bound(task, unknowns)];
+    let mut out: Vec<Condition> = peak_gain::weight_bound(task, unknowns).collect();
     out.extend(region::region(task, unknowns, strictness));
     out.extend(start::must_contain(task, unknowns));
     out

@@ -13,10 +13,9 @@ pub(super) fn region<'a>(
     let level = task.invariant_level();
     task.system.region.iter().map(move |bound| {
         let rows = bound.rows.nrows();
-        let mut lhs = SymmetricBlocks::new(&[task.system.states(), rows]);
-        lhs.add(0, 0, &(bound.bound_squared / level * &unknowns.lyapunov));
-        lhs.add(0, 1, &(&unknowns.multiplier * &bound.rows.transpose()));
-        lhs.add(1, 1, &Affine::identity(rows, 1.0));
-        strictness.positive(format!("box {}", bound.name), lhs.finish())
+        let scaled = bound.bound_squared / level * &unknowns.lyapunov;
+        let beside = &unknowns.multiplier * &bound.rows.transpose();
+        let lhs = SymmetricBlocks::of(&[&[&scaled, &beside], &[&Affine::identity(rows, 1.0)]]);
+        strictness.positive(format!("box {}", bound.name), lhs)
     })
 }

@@ -3,7 +3,8 @@
 //! The functional's derivative is bounded by a quadratic form in a few [`Signal`]s. [`terms`] states it once, term by
 //! term; everything else is read off it: the published matrix (rows x, x', x(t_k^l), e, p, tau, s), the form in the
 //! coordinates of the [reduction](crate::reduce), the pattern of that form, hence its cliques, and the place of a
-//! dual matrix in them. A further signal is a variant here, its terms, and its size.
+//! dual matrix in them. A further signal of bounded norm is an entry of [`Task::further_signals`]; one of another kind is a
+//! variant here, its terms, and its size.
 
 use nalgebra::DMatrix;
 
@@ -30,11 +31,15 @@ pub enum Signal {
     DeadZone,
     /// The disturbance tau, d rows.
     Disturbance,
+    /// Another signal of bounded norm, by its name.
+    Further(&'static str),
     /// The coordinate s of the integral's Schur complement, n rows; for r = 2 only.
     Integral,
 }
 
-use Signal::{DeadZone, Disturbance, Error, Held, Integral, Multiplied, Rate, Sample, State};
+use Signal::{
+    DeadZone, Disturbance, Error, Further, Held, Integral, Multiplied, Rate, Sample, State,
+};
 
 impl Signal {
     /// The name of the clique in which the signal stands alone with its neighbours.
@@ -43,6 +48,7 @@ impl Signal {
             Disturbance => "disturbance",
             DeadZone => "dead zone",
             Held => "held state",
+            Further(name) => name,
             Integral => "integral",
             State | Rate | Sample | Error | Multiplied => "root",
         }
@@ -55,6 +61,11 @@ impl Signal {
                 None => 0,
             },
             Disturbance => task.system.disturbance.ncols(),
+            Further(name) => {
+                let mut signals = task.further_signals.iter();
+                let known = signals.find(|signal| signal.name == name);
+                known.map_or(0, |signal| signal.coefficient.ncols())
+            }
             _ => task.system.states(),
         }
     }
@@ -156,6 +167,12 @@ fn terms_with(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, rate: Af
         out.push(Term::square(DeadZone, -2.0, &sector.weight));
         out.push(Term::cross(DeadZone, Held, sector.anti_windup.clone()));
     }
+    for (signal, weight) in task.further_signals.iter().zip(&unknowns.further_weights) {
+        let (own, block) = (Further(signal.name), Affine::constant(&signal.coefficient));
+        let unit = identity(signal.coefficient.ncols());
+        out.push(Term::cross(Multiplied, own, block));
+        out.push(Term::square(own, -1.0, &weight.times_matrix(&unit)));
+    }
     match end {
         SamplingEnd::Start => {
             out.push(Term::square(Rate, specification.sampling_interval_max, yh));
@@ -242,8 +259,13 @@ impl Basis {
     }
 
     fn new(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, signals: &[Signal]) -> Self {
+        let further = task
+            .further_signals
+            .iter()
+            .map(|signal| Further(signal.name));
         let integral = (end == SamplingEnd::End).then_some(Integral);
-        let signals: Vec<Signal> = signals.iter().copied().chain(integral).collect();
+        let signals = signals.iter().copied().chain(further);
+        let signals: Vec<Signal> = signals.chain(integral).collect();
         let sizes = signals.iter().map(|signal| signal.size(task, unknowns));
         Basis {
             sizes: sizes.collect(),
@@ -338,7 +360,8 @@ impl Basis {
     pub fn margin_weight(&self) -> DMatrix<f64> {
         let rows = [State, Rate, Sample, Error, DeadZone, Disturbance, Integral];
         let zero = DMatrix::zeros(self.side(), self.side());
-        rows.into_iter().fold(zero, |sum, signal| {
+        let further = self.signals.iter().filter(|own| matches!(own, Further(_)));
+        rows.iter().chain(further).fold(zero, |sum, &signal| {
             let map = match signal {
                 DeadZone => self.map(signal) / self.dead_zone_unit,
                 _ => self.map(signal),

@@ -68,6 +68,7 @@ impl SharedUnknowns {
             free_state: unknowns.general(&named("L1h"), states, states),
             free_sample: unknowns.general(&named("L2h"), states, states),
             disturbance_weight: unknowns.scalar(&named("xi")),
+            further_weights: Vec::new(),
             multiplier: self.multiplier.clone(),
             gain: self.gain.clone(),
             trigger_weight: self.trigger_weight.clone(),
