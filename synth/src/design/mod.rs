@@ -13,5 +13,5 @@ pub use file::{
 };
 pub use large_set::{Coupling, LargeSetCertificate, OuterFile};
 pub(crate) use recover::add_claims;
-pub use recover::{recover, RecoverError};
+pub use recover::recover;
 pub use search::{SearchRecord, VariedFile};

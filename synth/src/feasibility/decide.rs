@@ -367,7 +367,7 @@ fn point(
 ) -> Option<Box<Synthesized>> {
     let mut unknowns = assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
-    let mut certificate = recover(request.model, &unknowns, &solution.values, scaling).ok()?;
+    let mut certificate = recover(request.model, &unknowns, &solution.values, scaling)?;
     let xi = certificate.disturbance_weight;
     let guaranteed = certificate.guaranteed_gain;
     let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);

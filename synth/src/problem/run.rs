@@ -15,8 +15,8 @@ use crate::conditions::state_feedback::{
 use crate::design::{SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, generator, has_point, now, sha256_of, Decision, Form, Outcome, Recorded, Session,
-    SynthesisError, Synthesized,
+    blocking, generator, has_point, largest_magnitude, now, sha256_of, Decision, Form, Outcome,
+    Recorded, Session, SynthesisError, Synthesized,
 };
 use crate::synthesis::{Attempts, Smallest, Synthesis};
 use sdp::solve::{Backend, Observer, Solution};
@@ -207,11 +207,8 @@ impl<P: DesignProblem> FeedbackSynthesis<'_, '_, '_, P> {
         let (problem, accuracy) = (&program.problem, goal.accuracy());
         let vertices = plant.vertices.len();
         let solution = self.session.run(problem, goal.name(), accuracy, vertices)?;
-        let sizes = solution.values.iter().map(|value| match value.is_nan() {
-            true => f64::INFINITY,
-            false => value.abs(),
-        });
-        self.returned.largest = sizes.fold(self.returned.largest, f64::max);
+        let largest = largest_magnitude(&solution.values);
+        self.returned.largest = self.returned.largest.max(largest);
         Ok((program, solution))
     }
 }

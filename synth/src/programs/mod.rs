@@ -25,5 +25,5 @@ pub(crate) use outcome::Recorded;
 pub use parameter::Parameter;
 pub(crate) use record::{blocking, generator, now, sha256_of};
 pub(crate) use request::{ConditionSubset, DesignRequest};
-pub(crate) use session::{has_point, Session};
+pub(crate) use session::{has_point, largest_magnitude, Session};
 pub(crate) use units::{containment_weights, scaled, CONTAINMENT_WEIGHTS, STATE_UNITS};

@@ -29,6 +29,15 @@ pub(crate) fn has_point(solution: &Solution) -> bool {
     matches!(solution.status, Status::Solved | Status::Inaccurate)
 }
 
+/// The largest magnitude of numbers that a solver returned; infinite where one is not a number.
+pub(crate) fn largest_magnitude<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let magnitudes = values.into_iter().map(|value| match value.is_nan() {
+        true => f64::INFINITY,
+        false => value.abs(),
+    });
+    magnitudes.fold(0.0, f64::max)
+}
+
 impl<'a> Session<'a> {
     pub fn new(form: Form, backend: &'a dyn Backend, observer: Option<Observer>) -> Self {
         Session {

@@ -74,11 +74,7 @@ pub fn analyse(
         }
         _ => None,
     };
-    task.gains = GainPlan {
-        count: gains.len(),
-        mismatch,
-        given: Some(gains.to_vec()),
-    };
+    task.gains = GainPlan::given(gains, mismatch);
     let all: Vec<usize> = (0..gains.len()).collect();
     let request = DesignRequest {
         model,
@@ -158,7 +154,7 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
         let goal = Goal::LargestMargin { gain_bound };
         let (assembled, inside) = self.session.solve(&task, goal)?;
         let model = self.request.model;
-        let certificate = recover(model, &assembled.design, &inside.values, &scaling).ok();
+        let certificate = recover(model, &assembled.design, &inside.values, &scaling);
         Ok(certificate.and_then(|certificate| self.request.design(&certificate, None, units)))
     }
 

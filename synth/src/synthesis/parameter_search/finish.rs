@@ -230,10 +230,10 @@ impl Finish<'_> {
                 return Ok((None, None));
             }
             let recovered = recover(&model, &assembled.design, &solution.values, &scaling);
-            let design = recovered.ok().and_then(|mut certificate| {
+            let design = recovered.and_then(|mut certificate| {
                 let above = peak.unwrap_or(least).max(certificate.disturbance_weight);
                 certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
-                add_claims(&model, &mut certificate).ok()?;
+                add_claims(&model, &mut certificate)?;
                 let mut design = request.design(&certificate, None, units)?;
                 design.file.provenance.search = Some(self.record(point, &model.file));
                 Some(design)

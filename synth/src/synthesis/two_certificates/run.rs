@@ -202,7 +202,7 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
             recover(self.request.model, &coupled.inner, &solution.values, inner),
             recover(self.outer, &coupled.outer, &solution.values, outer),
         );
-        let (Ok(first), Ok(second)) = parts else {
+        let (Some(first), Some(second)) = parts else {
             return Ok(None);
         };
         // The controller is the inner certificate's; that of the large set differs in the last digits only.
