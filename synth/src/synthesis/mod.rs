@@ -1,12 +1,13 @@
 //! From a model to a proved design.
 
 mod attempts;
+mod coupled;
 mod cross_check;
 mod parameter_search;
 mod run;
 mod two_certificates;
 
-pub use cross_check::{cross_check, Candidate, CrossCheck, SolverOptimum};
+pub use cross_check::{cross_check, CrossCheck, SolverOptimum};
 pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
 pub use two_certificates::{coupled_problem, CouplingChoice};

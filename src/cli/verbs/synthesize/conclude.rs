@@ -11,7 +11,6 @@ use super::cross_check;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::cross_check::CrossCheckReport;
 use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::infeasibility::certificate;
 use crate::cli::show::no_design::NoDesignReport;
@@ -62,7 +61,6 @@ impl Conclusion<'_> {
             .cross_check
             .map(|solver| cross_check::run(solver, (self.model, self.form), design));
         let check = check.transpose()?;
-        let check = check.as_ref().map(CrossCheckReport::new);
         let report = SynthesisReport::new(design, self.model, &checked, check);
         let mut lines = report.lines(&design.file.name);
         lines.push(design_written(kept, checked.verdict));

@@ -1,5 +1,11 @@
-//! The search for a design with two certificates.
+//! One gain, two certificates.
+//!
+//! The inner certificate is for performance: a small set, the smallest gamma. The large-set certificate is for the
+//! region: it must contain given starts. The controller (F, Upsilon) is the same, so that in each set
+//! what is proved for it holds, and the command may saturate in the large set: with an N of its own, each certificate
+//! admits as much saturation as it can prove.
 
+use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use super::coupled::{assemble, Coupled, UNBOUNDED_GAIN};
 use crate::certify::theorem1::Certificate;
 use crate::conditions::Task;
@@ -11,7 +17,6 @@ use crate::programs::{
     Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
-use crate::synthesis::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use sdp::lmi::LmiProblem;
 use sdp::solve::{Backend, Observer, Solution};
 
