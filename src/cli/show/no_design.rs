@@ -6,13 +6,12 @@ use serde::Serialize;
 use synth::certify::Verdict;
 use synth::feasibility::Decision;
 use synth::model::Model;
+use synth::programs::{Blocking, LimitingFactors};
 use synth::synthesis::Form;
 
-use super::blocking::{
-    blocking, blocking_lines, search_lines, slack_line, slack_or_none, Blocking,
-};
+use super::blocking::{blocking_lines, search_lines, slack_line, slack_or_none};
 use super::infeasibility;
-use super::shortfall::ShortfallReport;
+use super::shortfall::limiting_lines;
 use super::solver::{SolverReport, SolverStatus};
 
 /// What is known where nothing is proved of any candidate, alike for models and problems.
@@ -26,17 +25,17 @@ pub struct FailureReport<'a> {
     /// Always empty.
     conditions: [(); 0],
     /// The conditions that carry the dual solution.
-    pub blocking: Vec<Blocking<'a>>,
+    pub blocking: &'a [Blocking],
 }
 
 impl<'a> FailureReport<'a> {
-    /// From what the solvers did, and the shares of the dual solution.
-    pub fn new(solver: SolverReport<'a>, shares: &'a [(String, f64)]) -> Self {
+    /// From what the solvers did, and the conditions that carry the dual solution.
+    pub fn new(solver: SolverReport<'a>, blocking: &'a [Blocking]) -> Self {
         FailureReport {
             solver,
             verdict: Verdict::NotProved,
             conditions: [],
-            blocking: blocking(shares),
+            blocking,
         }
     }
 }
@@ -75,7 +74,7 @@ enum Detail<'a> {
         #[serde(skip)]
         known: Option<String>,
         /// How far a search came; null without one.
-        shortfall: Option<ShortfallReport<'a>>,
+        shortfall: Option<&'a LimitingFactors>,
         /// What was proved about a part of the designs; null where the answer is about all.
         shown: Option<String>,
         /// The bound of proved weights; null without.
@@ -106,10 +105,7 @@ impl<'a> NoDesignReport<'a> {
         let detail = match decision.couplings {
             0 => Detail::One {
                 known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
-                shortfall: decision
-                    .limiting_factors
-                    .as_deref()
-                    .map(ShortfallReport::new),
+                shortfall: decision.limiting_factors.as_deref(),
                 shown: infeasibility::shown(answer),
                 bound: infeasibility::bound(answer),
                 blocking_gains: infeasibility::blocking_gains(answer),
@@ -136,7 +132,7 @@ impl<'a> NoDesignReport<'a> {
     /// In words: what was not found for the model of this file.
     pub fn lines(&self, path: &Path, what: &str) -> Vec<String> {
         let path = path.display();
-        let blocking = &self.failure.blocking;
+        let blocking = self.failure.blocking;
         let solver = &self.failure.solver;
         let unknown = match solver.status {
             SolverStatus::Undecided => {
@@ -151,7 +147,7 @@ impl<'a> NoDesignReport<'a> {
                 ..
             } => {
                 lines.push(format!("{path}: UNDECIDED: {}", shortfall.reason));
-                lines.extend(shortfall.lines());
+                lines.extend(limiting_lines(shortfall));
                 lines.extend(search_lines(blocking));
             }
             Detail::One { known, slack, .. } => {

@@ -172,7 +172,7 @@ impl<'a> NoFeedbackReport<'a> {
             (None, _) => "the solvers failed numerically".to_string(),
         });
         lines.push(slack_or_none(self.slack));
-        lines.extend(blocking_lines(&self.failure.blocking));
+        lines.extend(blocking_lines(self.failure.blocking));
         lines
     }
 }

@@ -8,8 +8,9 @@ use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    blocking, containment_weights, has_point, scaled, Answer, Assembled, Decision, DesignRequest,
-    Form, Goal, Infeasible, Session, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
+    blocking, containment_weights, has_point, scaled, Answer, Assembled, Blocking, Decision,
+    DesignRequest, Form, Goal, Infeasible, Session, SynthesisError, Synthesized, FIRST_UNITS,
+    STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::centre::centred;
@@ -123,7 +124,7 @@ struct SolverSequence<'a, 'b> {
     /// The smallest slack so far.
     slack: Option<f64>,
     /// The conditions that determine it.
-    blocking: Vec<(String, f64)>,
+    blocking: Vec<Blocking>,
 }
 
 impl<'a, 'b> SolverSequence<'a, 'b> {

@@ -23,6 +23,7 @@ pub use units::{scaled_task, FIRST_UNITS};
 pub(crate) use assemble::{state, Part};
 pub(crate) use outcome::Recorded;
 pub use parameter::Parameter;
+pub use record::Blocking;
 pub(crate) use record::{blocking, generator, now, sha256_of};
 pub(crate) use request::{ConditionSubset, DesignRequest};
 pub(crate) use session::{has_point, largest_magnitude, Session};

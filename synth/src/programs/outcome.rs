@@ -1,5 +1,8 @@
 //! The outcomes of synthesis and of the feasibility check.
 
+use serde::Serialize;
+
+use super::record::Blocking;
 use crate::certify::infeasible::Limit;
 use crate::certify::{Report, Verdict};
 use crate::design::{DesignFile, SolverRun};
@@ -158,7 +161,7 @@ pub struct Decision<A = Answer> {
     pub slack: Option<f64>,
     /// The conditions with the largest fractions of the dual solution's trace: those that block, when t is
     /// above 0.
-    pub blocking: Vec<(String, f64)>,
+    pub blocking: Vec<Blocking>,
     /// What a parameter search reached, where there was one.
     pub limiting_factors: Option<Box<LimitingFactors>>,
     /// How many couplings of two certificates were tried; 0 for one certificate.
@@ -195,7 +198,7 @@ impl Decision {
     /// The record of a parameter search without the requested design.
     pub(crate) fn of_search(
         limiting_factors: LimitingFactors,
-        blocking: Vec<(String, f64)>,
+        blocking: Vec<Blocking>,
         runs: &[SolverRun],
     ) -> Self {
         Decision {
@@ -207,7 +210,7 @@ impl Decision {
 }
 
 /// What a parameter search reached where it missed a requirement, and what limits it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitingFactors {
     /// Why, in one sentence with its numbers.
     pub reason: String,
@@ -232,12 +235,13 @@ impl LimitingFactors {
 }
 
 /// How the outcome depends on a number: by how much per cent it gets better when the number grows by 1 %.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The number, with its unit.
     pub what: String,
     /// Its value.
     pub value: f64,
     /// Per cent per per cent: of the scale for a region, of 1/gain for a gain. Below 0: it gets worse.
+    #[serde(rename = "percent_per_percent")]
     pub per_cent: f64,
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 use time::format_description::well_known::Rfc3339;
 use time::OffsetDateTime;
@@ -9,9 +10,18 @@ use time::OffsetDateTime;
 use sdp::lmi::{svec_index, Condition};
 use sdp::solve::Solution;
 
+/// A condition that carries the dual solution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Blocking {
+    /// Its name.
+    pub name: String,
+    /// Its fraction of the dual solution's trace.
+    pub share: f64,
+}
+
 /// Conditions by their fraction of the dual solution's trace, largest first, those below 1 % left out.
 /// The cliques of a reduced condition (18) count together, at all its vertices.
-pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<(String, f64)> {
+pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<Blocking> {
     let mut traces = BTreeMap::<String, f64>::new();
     for (condition, dual) in conditions.iter().zip(&solution.duals) {
         let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
@@ -24,13 +34,13 @@ pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<(St
             *traces.entry(whole).or_default() += trace;
         }
     }
-    let mut shares: Vec<(String, f64)> = traces.into_iter().collect();
-    let total: f64 = shares.iter().map(|(_, trace)| trace).sum();
-    shares
-        .iter_mut()
-        .for_each(|(_, trace)| *trace /= total.max(f64::MIN_POSITIVE));
-    shares.retain(|(_, share)| *share >= 0.01);
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let total: f64 = traces.values().sum();
+    let shares = traces.into_iter().map(|(name, trace)| Blocking {
+        name,
+        share: trace / total.max(f64::MIN_POSITIVE),
+    });
+    let mut shares: Vec<Blocking> = shares.filter(|condition| condition.share >= 0.01).collect();
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
     shares
 }
 

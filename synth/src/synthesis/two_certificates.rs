@@ -13,8 +13,8 @@ use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, P
 use crate::model::{Model, ModelError, OuterSpecs};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, Answer, Decision, DesignRequest, Form, Goal, Outcome, Session, SynthesisError,
-    Synthesized, CONTAINMENT_WEIGHTS,
+    blocking, Answer, Blocking, Decision, DesignRequest, Form, Goal, Outcome, Session,
+    SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
 use sdp::lmi::LmiProblem;
@@ -163,7 +163,7 @@ struct CoupledSynthesis<'a, 'b, 'c> {
     /// How many choices were tried.
     couplings: usize,
     /// The conditions with the largest fractions of the last dual solution that refutes a choice.
-    blocking: Vec<(String, f64)>,
+    blocking: Vec<Blocking>,
 }
 
 impl Synthesis for CoupledSynthesis<'_, '_, '_> {

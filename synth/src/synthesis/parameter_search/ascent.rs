@@ -6,14 +6,8 @@ use super::evaluator::{Evaluator, SearchPoint};
 use super::space::Space;
 use crate::programs::SynthesisError;
 
-/// When to stop.
-#[derive(Debug, Clone, Copy)]
-pub struct Effort {
-    /// Most rounds; each solves at two points.
-    pub rounds: usize,
-    /// Increase of the objective in one round below which another round is not worth it.
-    pub increase: f64,
-}
+/// Relative increase of the objective in one round below which another round is not worth it.
+const SMALL_INCREASE: f64 = 2e-3;
 
 /// First and largest change of a coordinate in a round.
 const STEPS: [f64; 2] = [0.4, 1.2];
@@ -36,12 +30,12 @@ struct Ascent<'a> {
     longest: f64,
 }
 
-/// Maximises from a solved point. `emit` is called with every point that is better than the last; `false` stops the
+/// Maximises from a solved point, in at most so many rounds; each solves at two points. `emit` is called with every point that is better than the last; `false` stops the
 /// search.
 pub fn ascend(
     evaluator: &Evaluator<'_>,
     start: SearchPoint,
-    effort: Effort,
+    rounds: usize,
     emit: &mut dyn FnMut(&SearchPoint) -> bool,
 ) -> Result<SearchPoint, SynthesisError> {
     let size = start.coordinates.len();
@@ -53,7 +47,7 @@ pub fn ascend(
         longest: STEPS[0],
     };
     let mut small = 0;
-    for _ in 0..effort.rounds {
+    for _ in 0..rounds {
         let Some(direction) = ascent.direction() else {
             break;
         };
@@ -81,10 +75,9 @@ pub fn ascend(
             }
         }
         let increase = ascent.best.objective - objective;
-        small = if increase < effort.increase {
-            small + 1
-        } else {
-            0
+        small = match increase < SMALL_INCREASE {
+            true => small + 1,
+            false => 0,
         };
         if small >= SMALL_INCREASES {
             break;

@@ -8,7 +8,7 @@ use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
 use crate::model::{Model, ModelFile};
 use crate::programs::{
-    assemble, blocking, has_point, Assembled, Form, Goal, Parameter, SynthesisError,
+    assemble, blocking, has_point, Assembled, Blocking, Form, Goal, Parameter, SynthesisError,
 };
 use crate::scaling::Scaling;
 use sdp::lmi::{svec_index, Entry, Semidefinite};
@@ -83,7 +83,7 @@ pub struct SearchPoint {
     /// P = Uh^-1 Qh there, SI units.
     pub linearisation: DMatrix<f64>,
     /// The conditions' fractions of the dual solution's trace.
-    pub blocking: Vec<(String, f64)>,
+    pub blocking: Vec<Blocking>,
 }
 
 /// Least margin of the strict inequalities in the search for a region, in scaled units: a large set has entries

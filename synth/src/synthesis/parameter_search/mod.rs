@@ -16,8 +16,9 @@ mod space;
 mod start;
 
 pub use finish::reached;
+pub use plan::wanted;
 
-use ascent::{ascend, Effort};
+use ascent::ascend;
 use evaluator::{Aim, Evaluator, SearchPoint};
 use finish::Finish;
 use plan::{outside_every_box, Plan};
@@ -27,14 +28,6 @@ use crate::model::Model;
 use crate::programs::{Decision, Form, LimitingFactors, Outcome, Session, SynthesisError};
 use crate::scaling::Scaling;
 use sdp::solve::{alternative, Backend, Observer, Structured};
-
-/// Whether a model requests a search.
-pub fn wanted(model: &Model) -> bool {
-    Plan::wanted(model)
-}
-
-/// Relative increase of the objective in one round below which another round is not worth it.
-const SMALL_INCREASE: f64 = 2e-3;
 
 /// Scale at which the required sets count as contained, with an allowance for the next step.
 const CONTAINED: f64 = 1.02;
@@ -182,12 +175,9 @@ impl<'a> ParameterSearch<'a> {
         enough: f64,
         passed: &mut dyn FnMut(&SearchPoint),
     ) -> Result<SearchPoint, SynthesisError> {
-        let effort = Effort {
-            rounds: self.plan.limits.rounds as usize,
-            increase: SMALL_INCREASE,
-        };
+        let rounds = self.plan.limits.rounds as usize;
         let mut last = begun.objective;
-        ascend(evaluator, begun, effort, &mut |point| {
+        ascend(evaluator, begun, rounds, &mut |point| {
             let objective = point.objective;
             let value = evaluator.aim.value(objective);
             self.progress.reached(value, objective - last);

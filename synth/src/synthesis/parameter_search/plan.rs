@@ -40,13 +40,13 @@ const LEAST_WEIGHT: f64 = 1e-6;
 /// A unit of the state relative to the size of what must be in the set.
 const UNIT_SHARE: f64 = 0.4;
 
-impl Plan {
-    /// Whether a model requests a search.
-    pub fn wanted(model: &Model) -> bool {
-        let specs = &model.file.specs;
-        specs.search.is_some() || specs.objective == Objective::Region
-    }
+/// Whether a model requests a search.
+pub fn wanted(model: &Model) -> bool {
+    let specs = &model.file.specs;
+    specs.search.is_some() || specs.objective == Objective::Region
+}
 
+impl Plan {
     /// The plan for a model that requests a search.
     pub fn of(model: &Model) -> Self {
         let specs = &model.file.specs;
