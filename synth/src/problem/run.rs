@@ -15,8 +15,8 @@ use crate::conditions::state_feedback::{
 use crate::design::{SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, generator, has_point, largest_magnitude, now, sha256_of, Decision, Form, Outcome,
-    Recorded, Session, SynthesisError, Synthesized,
+    blocking, has_point, largest_magnitude, now, sha256_of, Decision, Form, Outcome, Recorded,
+    Session, SynthesisError, Synthesized, GENERATOR,
 };
 use crate::synthesis::{Attempts, Smallest, Synthesis};
 use sdp::solve::{Backend, Observer, Solution};
@@ -129,7 +129,7 @@ impl<'a, P: DesignProblem> Request<'a, P> {
             certificate,
             verdict: report.clone(),
             provenance: ProblemProvenance {
-                generator: generator(),
+                generator: GENERATOR.to_string(),
                 model_sha256: sha256_of(self.text),
                 date: now(),
                 solver_runs: Vec::new(),

@@ -82,11 +82,12 @@ impl Goal {
     /// When a solver may stop. The margin need not be the largest: any point well
     /// inside the feasible set suffices, and the check decides.
     pub fn accuracy(self, task: &Task) -> Accuracy {
+        let gain_unit = GAIN_UNIT * task.disturbance_weight_unit;
         let (relative_gap, objective_unit) = match self {
-            Goal::SmallestGain => (1e-8, GAIN_UNIT * task.disturbance_weight_unit),
+            Goal::SmallestGain => (1e-8, gain_unit),
             Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => (1e-2, 1.0),
             Goal::LargestScale { .. } => (1e-4, REACH_UNIT),
-            Goal::SmallestPeak => (1e-5, GAIN_UNIT * task.disturbance_weight_unit),
+            Goal::SmallestPeak => (1e-5, gain_unit),
             Goal::SmallestSlack => (1e-8, SLACK_UNIT),
         };
         Accuracy {
@@ -99,11 +100,10 @@ impl Goal {
     pub fn name(self) -> &'static str {
         match self {
             Goal::SmallestGain => "smallest gain",
-            Goal::LargestMargin { .. } => "largest margin",
+            Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => "largest margin",
             Goal::SmallestSlack => "smallest slack",
             Goal::LargestScale { .. } => "largest reach",
             Goal::SmallestPeak => "smallest peak",
-            Goal::LargestMarginAtPeak { .. } => "largest margin",
         }
     }
 }

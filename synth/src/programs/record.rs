@@ -44,10 +44,8 @@ pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<Blo
     shares
 }
 
-/// Program and version, for a file's provenance.
-pub(crate) fn generator() -> String {
-    concat!("steadfast ", env!("CARGO_PKG_VERSION")).to_string()
-}
+/// The program that made a file, with its version.
+pub const GENERATOR: &str = concat!("steadfast ", env!("CARGO_PKG_VERSION"));
 
 /// Date and time, UTC, to the second.
 pub(crate) fn now() -> String {
@@ -57,7 +55,7 @@ pub(crate) fn now() -> String {
 }
 
 /// SHA-256 of a text, in hexadecimal.
-pub(crate) fn sha256_of(text: &str) -> String {
+pub fn sha256_of(text: &str) -> String {
     let digest = Sha256::digest(text.as_bytes());
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::assemble::Form;
 use super::outcome::Synthesized;
-use super::record::{generator, now, sha256_of};
+use super::record::{now, sha256_of, GENERATOR};
 use crate::certify::theorem1::Certificate;
 use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
@@ -110,7 +110,7 @@ impl DesignRequest<'_> {
     /// Who made a file from which model and when.
     pub fn provenance(&self, problem: ProblemUnits) -> Provenance {
         Provenance {
-            generator: generator(),
+            generator: GENERATOR.to_string(),
             model_sha256: sha256_of(self.model_text),
             date: now(),
             gains_sha256: self.gains_text.map(sha256_of),

@@ -173,18 +173,10 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
 
 /// The first required state that lies outside every allowed box, as a sentence.
 pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
-    let PlantFile::Exact(exact) = &model.file.plant else {
+    if !matches!(model.file.plant, PlantFile::Exact(_)) {
         return None;
-    };
-    let limit = |parameter: Parameter, fixed: f64, pick: fn(&[f64; 2]) -> f64| {
-        let range = plan
-            .space
-            .ranges
-            .iter()
-            .find(|range| range.parameter == parameter);
-        range.map_or(fixed, |range| pick(&range.limits))
-    };
-    let least = limit(Parameter::ScalarPart, exact.q0_min, |limits| limits[0]);
+    }
+    let [least, _] = plan.space.limits(Parameter::ScalarPart);
     let longest = (1.0 - least * least).max(0.0).sqrt();
     for (index, state) in model.file.specs.must_contain.iter().enumerate() {
         let state = DVector::from_column_slice(state);
@@ -200,9 +192,7 @@ pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
             ));
         }
         for axis in 0..3 {
-            let highest = limit(Parameter::Rate(axis), exact.rate_rad_s[axis], |limits| {
-                limits[1]
-            });
+            let [_, highest] = plan.space.limits(Parameter::Rate(axis));
             if state[axis].abs() >= highest {
                 return Some(format!(
                     "must-contain state {} lies outside every box: its rate about axis {} is {} rad/s, but the box ends at \

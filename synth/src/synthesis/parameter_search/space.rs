@@ -54,6 +54,15 @@ impl Space {
         file
     }
 
+    /// The limits of a number of the model; its value twice where it stays.
+    pub fn limits(&self, parameter: Parameter) -> [f64; 2] {
+        let mut ranges = self.ranges.iter();
+        let varied = ranges.find(|range| range.parameter == parameter);
+        varied.map_or([parameter.of(&self.base).unwrap_or(f64::NAN); 2], |range| {
+            range.limits
+        })
+    }
+
     /// The nearest point inside the limits.
     pub fn inside(&self, point: &[f64]) -> Vec<f64> {
         let pairs = self.ranges.iter().zip(point);

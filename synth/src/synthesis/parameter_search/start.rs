@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::evaluator::{Aim, Evaluator, SearchPoint};
+use super::space::Range;
 use crate::programs::{Parameter, SynthesisError};
 
 /// Weights rho of the first containment condition, for eps_1 = 1; from then on it is linearised about the
@@ -22,8 +23,14 @@ pub fn first(evaluator: &Evaluator<'_>) -> Result<Option<SearchPoint>, Synthesis
     };
     let own = evaluator.space.start();
     for factor in BOXES {
-        let boxed = with_rates(evaluator, &own, factor);
-        let slow = with_slowest_decay(evaluator, &boxed);
+        let boxed = moved(evaluator, &own, |range, at| match range.parameter {
+            Parameter::Rate(_) => at + factor.ln(),
+            _ => at,
+        });
+        let slow = moved(evaluator, &boxed, |range, at| match range.parameter {
+            Parameter::DecayRate => range.coordinates()[0],
+            _ => at,
+        });
         let mut points = vec![boxed];
         if !points.contains(&slow) {
             points.push(slow);
@@ -58,23 +65,9 @@ fn solve(
     evaluator.solve(coordinates, &linearisation)
 }
 
-fn with_rates(evaluator: &Evaluator<'_>, point: &[f64], factor: f64) -> Vec<f64> {
+/// A point with some of its coordinates moved, inside the limits.
+fn moved(evaluator: &Evaluator<'_>, point: &[f64], to: impl Fn(&Range, f64) -> f64) -> Vec<f64> {
     let ranges = evaluator.space.ranges.iter().zip(point);
-    let moved: Vec<f64> = ranges
-        .map(|(range, &at)| match range.parameter {
-            Parameter::Rate(_) => at + factor.ln(),
-            _ => at,
-        })
-        .collect();
+    let moved: Vec<f64> = ranges.map(|(range, &at)| to(range, at)).collect();
     evaluator.space.inside(&moved)
-}
-
-fn with_slowest_decay(evaluator: &Evaluator<'_>, point: &[f64]) -> Vec<f64> {
-    let ranges = evaluator.space.ranges.iter().zip(point);
-    ranges
-        .map(|(range, &at)| match range.parameter {
-            Parameter::DecayRate => range.coordinates()[0],
-            _ => at,
-        })
-        .collect()
 }
