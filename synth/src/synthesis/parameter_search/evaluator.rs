@@ -56,6 +56,7 @@ impl Aim {
 }
 
 /// The program that is solved at every point.
+#[derive(Clone, Copy)]
 pub struct Evaluator<'a> {
     /// What is varied.
     pub space: &'a Space,

@@ -27,13 +27,13 @@ use progress::SearchProgress;
 use crate::model::Model;
 use crate::programs::{Decision, Form, LimitingFactors, Outcome, Session, SynthesisError};
 use crate::scaling::Scaling;
-use sdp::solve::{alternative, Backend, Observer, Structured};
+use sdp::solve::{Backend, Observer, Structured};
 
 /// Scale at which the required sets count as contained, with an allowance for the next step.
 const CONTAINED: f64 = 1.02;
 
-/// Searches and makes the design, with the other solver too where the given one proves nothing: the better of the two
-/// outcomes is returned, with the runs of both. Only the check decides whether the design is proved.
+/// Searches once, and makes the design with the given solver; with the other one too where that proves nothing: the
+/// better of the two outcomes is returned, with the runs of both. Only the check decides whether the design is proved.
 pub fn synthesize(
     model: &Model,
     model_text: &str,
@@ -41,51 +41,33 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
-    let search = |form: Form, backend: &dyn Backend| {
-        let mut session = Session::new(form, backend, observer.clone());
-        search(model, model_text, &mut session, observer.clone())
-    };
-    let first = search(form, backend)?;
-    let other = alternative(backend);
-    let Some(other) = other.as_deref().filter(|_| !first.is_proved()) else {
-        return Ok(first);
-    };
-    let second = search(form.for_backend(other), other)?;
-    Ok(match second.rank() > first.rank() {
-        true => second.after(&first),
-        false => first.after(&second),
-    })
-}
-
-/// Searches, and makes the design with one solver.
-fn search(
-    model: &Model,
-    model_text: &str,
-    session: &mut Session,
-    observer: Option<Observer>,
-) -> Result<Outcome, SynthesisError> {
     let plan = Plan::of(model);
-    let progress = SearchProgress::new(observer);
+    let progress = SearchProgress::new(observer.clone());
     // Two points at a time, each on one thread.
     let mut own = Structured::default();
     own.threads = 1;
     let system = model.task().system;
     let smallest = Scaling::automatic(&system, 1.0).state.min();
-    let whole = ParameterSearch {
-        plan: &plan,
+    let evaluator = Evaluator {
+        space: &plan.space,
+        aim: &plan.aim,
+        contained: &plan.contained,
         scaling: &Scaling::automatic(&system, plan.unit / smallest),
         backend: &own,
         progress: &progress,
     };
-    let points = match outside_every_box(model, &plan) {
-        Some(reason) => Err(reason),
-        None => whole.best(model)?,
+    let search = ParameterSearch {
+        plan: &plan,
+        evaluator,
     };
-    let points = match points {
+    let found = match outside_every_box(model, &plan) {
+        Some(reason) => Err(reason),
+        None => search.best(model)?,
+    };
+    let points = match found {
         Ok(points) => points,
         Err(reason) => {
-            let limiting_factors = LimitingFactors::unknown(reason);
-            let decision = Decision::of_search(limiting_factors, Vec::new(), &session.runs);
+            let decision = Decision::of_search(LimitingFactors::unknown(reason), Vec::new(), &[]);
             return Ok(Outcome::Undecided(decision));
         }
     };
@@ -93,39 +75,40 @@ fn search(
         model,
         model_text,
         plan: &plan,
-        evaluator: &whole.evaluator(&plan.aim, &plan.contained),
+        evaluator: &evaluator,
     };
-    finish.outcome(&points, session)
+    let solved = progress.count();
+    let mut session = Session::new(form, backend, observer);
+    let first = finish.outcome(&points, &mut session)?;
+    if first.is_proved() {
+        return Ok(first);
+    }
+    // Each design records the programs that led to it.
+    progress.restart(solved);
+    let second = session.with_other(|session| finish.outcome(&points, session))?;
+    Ok(match second {
+        Some(second) if second.rank() > first.rank() => second.after(&first),
+        Some(second) => first.after(&second),
+        None => first,
+    })
 }
 
 /// The search from the first start to the optimum.
 struct ParameterSearch<'a> {
     plan: &'a Plan,
-    scaling: &'a Scaling,
-    backend: &'a Structured,
-    progress: &'a SearchProgress,
+    /// For the aim of the plan.
+    evaluator: Evaluator<'a>,
 }
 
 /// What a search found, or why it found nothing.
 type Found<T> = Result<Result<T, String>, SynthesisError>;
 
-impl<'a> ParameterSearch<'a> {
-    fn evaluator(&self, aim: &'a Aim, contained: &'a [nalgebra::DMatrix<f64>]) -> Evaluator<'a> {
-        Evaluator {
-            space: &self.plan.space,
-            aim,
-            contained,
-            scaling: self.scaling,
-            backend: self.backend,
-            progress: self.progress,
-        }
-    }
-
+impl ParameterSearch<'_> {
     /// The iterates, the optimum last.
     fn best(&self, model: &Model) -> Found<Vec<SearchPoint>> {
-        let evaluator = self.evaluator(&self.plan.aim, &self.plan.contained);
+        let evaluator = &self.evaluator;
         let begun = match self.plan.contained.is_empty() {
-            true => start::first(&evaluator)?,
+            true => start::first(evaluator)?,
             false => match self.covering(model)? {
                 Ok(point) => evaluator.solve(&point.coordinates, &point.linearisation)?,
                 Err(reason) => return Ok(Err(reason)),
@@ -136,7 +119,7 @@ impl<'a> ParameterSearch<'a> {
         };
         let mut iterates = vec![begun.clone()];
         // Every increase is reported, so that the last iterate is the optimum.
-        self.ascend(&evaluator, begun, f64::INFINITY, &mut |point| {
+        self.ascend(evaluator, begun, f64::INFINITY, &mut |point| {
             iterates.push(point.clone());
         })?;
         Ok(Ok(iterates))
@@ -148,7 +131,11 @@ impl<'a> ParameterSearch<'a> {
             scaled: self.plan.contained.clone(),
             bounds: self.plan.aim.bounds(),
         };
-        let evaluator = self.evaluator(&aim, &[]);
+        let evaluator = Evaluator {
+            aim: &aim,
+            contained: &[],
+            ..self.evaluator
+        };
         let Some(begun) = start::first(&evaluator)? else {
             return Ok(Err(self.no_start(model)?));
         };
@@ -180,7 +167,7 @@ impl<'a> ParameterSearch<'a> {
         ascend(evaluator, begun, rounds, &mut |point| {
             let objective = point.objective;
             let value = evaluator.aim.value(objective);
-            self.progress.reached(value, objective - last);
+            evaluator.progress.reached(value, objective - last);
             last = objective;
             passed(point);
             objective < enough
@@ -195,8 +182,13 @@ impl<'a> ParameterSearch<'a> {
             return Ok(none.to_string());
         };
         let plan = &self.plan.without_bounds(model);
-        let free = ParameterSearch { plan, ..*self };
-        let evaluator = free.evaluator(&Aim::Gain, &[]);
+        let evaluator = Evaluator {
+            space: &plan.space,
+            aim: &Aim::Gain,
+            contained: &[],
+            ..self.evaluator
+        };
+        let free = ParameterSearch { plan, evaluator };
         let Some(begun) = start::first(&evaluator)? else {
             return Ok(none.to_string());
         };
