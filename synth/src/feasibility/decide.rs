@@ -8,14 +8,13 @@ use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    blocking, containment_weights, has_point, scaled, Answer, Assembled, Blocking, Decision,
-    DesignRequest, Form, Goal, Infeasible, Session, SynthesisError, Synthesized, FIRST_UNITS,
-    STATE_UNITS,
+    containment_weights, has_point, scaled, Answer, Blocking, Decision, DesignRequest, Form, Goal,
+    Infeasible, Session, Solved, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::centre::centred;
 use sdp::lmi::Affine;
-use sdp::solve::{Backend, Observer, Solution, Structured};
+use sdp::solve::{Backend, Observer, Structured};
 
 /// Decides whether a design exists for a model. `model_text` is its file's text.
 pub fn decide(
@@ -229,32 +228,32 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         units: ProblemUnits,
     ) -> Result<AttemptResult, SynthesisError> {
         let session = &mut self.sessions[session];
-        let (scaling, task) = solved_task(request.task, units);
-        let (assembled, solution) = session.solve(&task, Goal::SmallestSlack)?;
-        let usable = has_point(&solution);
-        if usable && self.slack.is_none_or(|slack| solution.objective < slack) {
-            self.slack = Some(solution.objective);
-            self.blocking = blocking(&assembled.problem.conditions, &solution);
+        let solved = session.solve(solved_task(request.task, units), Goal::SmallestSlack)?;
+        let slack = solved.solution.objective;
+        let usable = has_point(&solved.solution);
+        if usable && self.slack.is_none_or(|smallest| slack < smallest) {
+            self.slack = Some(slack);
+            self.blocking = solved.blocking();
         }
         let design = self.goal == DecisionGoal::Design;
-        if solution.objective < task.specification.margin {
+        if slack < solved.task.specification.margin {
             if self.goal == DecisionGoal::Refutation {
                 return Ok(AttemptResult::NotPursued);
             }
-            if let Some(design) = point(request, &assembled, &solution, &scaling, units) {
+            if let Some(design) = point(request, &solved, units) {
                 return Ok(AttemptResult::Point(design));
             }
         }
         if usable && design {
             return Ok(AttemptResult::NotPursued);
         }
-        if design || !refutable(&task) {
+        if design || !refutable(&solved.task) {
             return Ok(AttemptResult::Undecided);
         }
         if request.model.plant.has_uncertain_inertia() {
             return refute_nominal(request, session, units);
         }
-        Ok(refuted(request, &scaling, &task, &assembled, &solution))
+        Ok(refuted(request, &solved))
     }
 }
 
@@ -281,43 +280,32 @@ fn refute_nominal(
     }
     let mut nominal = request.model.clone();
     nominal.plant = nominal.plant.nominal();
-    let (scaling, task) = solved_task(&nominal.task(), units);
     let mut own = session.fresh(Form::Chordal);
-    let solved = own.solve(&task, Goal::SmallestSlack);
+    let solved = own.solve(solved_task(&nominal.task(), units), Goal::SmallestSlack);
     session.runs.append(&mut own.runs);
-    let (assembled, solution) = solved?;
     let request = DesignRequest {
         model: &nominal,
         ..request
     };
-    Ok(refuted(request, &scaling, &task, &assembled, &solution))
+    Ok(refuted(request, &solved?))
 }
 
 /// The proof that the dual solution gives, if it gives one.
-fn refuted(
-    request: DesignRequest,
-    scaling: &Scaling,
-    task: &Task,
-    assembled: &Assembled,
-    solution: &Solution,
-) -> AttemptResult {
-    let margin = task.specification.margin;
-    let excess = solution.objective - margin;
+fn refuted(request: DesignRequest, solved: &Solved) -> AttemptResult {
+    let margin = solved.task.specification.margin;
+    let excess = solved.solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
         return AttemptResult::Undecided;
     }
-    let problem = assembled.problem.lower();
+    let problem = solved.assembled.problem.lower();
+    let duals = &solved.solution.duals;
     for kept in KEPT {
-        let centre = centred(&problem, &solution.duals, -(margin + kept * excess));
+        let centre = centred(&problem, duals, -(margin + kept * excess));
         let source = Source {
-            model: request.model,
-            scaling,
-            task,
-            assembled,
-            duals: centre.as_ref().unwrap_or(&solution.duals),
+            request,
+            solved,
+            duals: centre.as_ref().unwrap_or(duals),
             size: kept * excess,
-            given: request.given,
-            part: request.part,
         };
         if let Some((file, weights)) = as_read(&source) {
             let refutation = refute(request.model, &weights);
@@ -339,7 +327,9 @@ fn refutable(task: &Task) -> bool {
 /// The dual multipliers as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, DualMultipliers)> {
     let file = WeightsFile::new(source.weights()?)?;
-    let weights = file.weights(source.model, source.given).ok()?;
+    let weights = file
+        .weights(source.request.model, source.request.given)
+        .ok()?;
     Some((file, weights))
 }
 
@@ -359,16 +349,11 @@ const UNKNOWN_GAIN: f64 = 1e300;
 const GAIN_BACK_OFF: f64 = 1e-3;
 
 /// The solver's point as a proved design, with the gain bound it admits.
-fn point(
-    request: DesignRequest,
-    assembled: &Assembled,
-    solution: &Solution,
-    scaling: &Scaling,
-    units: ProblemUnits,
-) -> Option<Box<Synthesized>> {
-    let mut unknowns = assembled.design.clone();
+fn point(request: DesignRequest, solved: &Solved, units: ProblemUnits) -> Option<Box<Synthesized>> {
+    let mut unknowns = solved.assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
-    let mut certificate = recover(request.model, &unknowns, &solution.values, scaling)?;
+    let (values, scaling) = (&solved.solution.values, &solved.scaling);
+    let mut certificate = recover(request.model, &unknowns, values, scaling)?;
     let xi = certificate.disturbance_weight;
     let guaranteed = certificate.guaranteed_gain;
     let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);

@@ -51,9 +51,9 @@ fn largest_multiplier(model: &Model, given: &[DMatrix<f64>]) -> Result<f64, Synt
 }
 
 fn largest_entry(task: &Task, session: &mut Session, goal: Goal) -> Result<f64, SynthesisError> {
-    let (scaling, task) = scaled(task, FIRST_UNITS);
-    let (assembled, solution) = session.solve(&task, goal)?;
-    let units = DMatrix::from_diagonal(&scaling.state);
-    let multiplier = &units * assembled.design.multiplier.value(&solution.values) * &units;
+    let solved = session.solve(scaled(task, FIRST_UNITS), goal)?;
+    let units = DMatrix::from_diagonal(&solved.scaling.state);
+    let multiplier = &solved.assembled.design.multiplier;
+    let multiplier = &units * multiplier.value(&solved.solution.values) * &units;
     Ok(largest_magnitude(multiplier.iter()))
 }

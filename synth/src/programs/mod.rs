@@ -26,5 +26,5 @@ pub use parameter::Parameter;
 pub(crate) use record::{blocking, now};
 pub use record::{sha256_of, Blocking, GENERATOR};
 pub(crate) use request::{ConditionSubset, DesignRequest};
-pub(crate) use session::{has_point, largest_magnitude, Session};
+pub(crate) use session::{has_point, largest_magnitude, Session, Solved};
 pub(crate) use units::{containment_weights, scaled, CONTAINMENT_WEIGHTS, STATE_UNITS};

@@ -7,8 +7,12 @@ use std::time::Instant;
 use super::active;
 use super::assemble::{assemble_at, Assembled, Form, Goal};
 use super::outcome::{Cancelled, SynthesisError};
+use super::record::{blocking, Blocking};
+use crate::certify::theorem1::Certificate;
 use crate::conditions::Task;
-use crate::design::SolverRun;
+use crate::design::{recover, SolverRun};
+use crate::model::Model;
+use crate::scaling::Scaling;
 use sdp::lmi::LmiProblem;
 use sdp::solve::{alternative, Accuracy, Backend, Observer, Solution, Solver, Status};
 
@@ -22,6 +26,31 @@ pub(crate) struct Session<'a> {
     pub runs: Vec<SolverRun>,
     /// The vertices that mattered so far, where not all are used.
     chosen: Vec<usize>,
+}
+
+/// A program in units of its own, with its solution.
+pub(crate) struct Solved {
+    /// The units.
+    pub scaling: Scaling,
+    /// The task in these units.
+    pub task: Task,
+    /// The program.
+    pub assembled: Assembled,
+    /// What the solver returned.
+    pub solution: Solution,
+}
+
+impl Solved {
+    /// The solver's point as numbers of a certificate, in SI units.
+    pub fn recover(&self, model: &Model) -> Option<Certificate> {
+        let values = &self.solution.values;
+        recover(model, &self.assembled.design, values, &self.scaling)
+    }
+
+    /// The conditions that carry the dual solution.
+    pub fn blocking(&self) -> Vec<Blocking> {
+        blocking(&self.assembled.problem.conditions, &self.solution)
+    }
 }
 
 /// True when a solver returned a point.
@@ -124,6 +153,20 @@ impl<'a> Session<'a> {
     /// Solves with all vertices, or, where there are many, with those that matter: vertices that the
     /// solution violates are added until there are none, so that it solves the whole problem.
     pub fn solve(
+        &mut self,
+        (scaling, task): (Scaling, Task),
+        goal: Goal,
+    ) -> Result<Solved, SynthesisError> {
+        let (assembled, solution) = self.solve_task(&task, goal)?;
+        Ok(Solved {
+            scaling,
+            task,
+            assembled,
+            solution,
+        })
+    }
+
+    fn solve_task(
         &mut self,
         task: &Task,
         goal: Goal,

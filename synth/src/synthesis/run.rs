@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use super::{parameter_search, two_certificates};
 use crate::conditions::GainPlan;
-use crate::design::{matrix, recover, DesignFile, ProblemUnits};
+use crate::design::{matrix, DesignFile, ProblemUnits};
 use crate::feasibility;
 use crate::model::{Mismatch, Model, Objective};
 use crate::optimality::Optimality;
@@ -140,9 +140,9 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
     type File = DesignFile;
 
     fn smallest(&mut self, units: ProblemUnits) -> Result<Smallest, SynthesisError> {
-        let (_, task) = scaled(self.request.task, units);
-        let (_, solution) = self.session.solve(&task, Goal::SmallestGain)?;
-        Ok(Smallest::of(&solution))
+        let program = scaled(self.request.task, units);
+        let solved = self.session.solve(program, Goal::SmallestGain)?;
+        Ok(Smallest::of(&solved.solution))
     }
 
     fn design(
@@ -150,11 +150,12 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
         units: ProblemUnits,
         gain_bound: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let (scaling, task) = scaled(self.request.task, units);
+        let program = scaled(self.request.task, units);
         let goal = Goal::LargestMargin { gain_bound };
-        let (assembled, inside) = self.session.solve(&task, goal)?;
-        let model = self.request.model;
-        let certificate = recover(model, &assembled.design, &inside.values, &scaling);
+        let certificate = self
+            .session
+            .solve(program, goal)?
+            .recover(self.request.model);
         Ok(certificate.and_then(|certificate| self.request.design(&certificate, None, units)))
     }
 

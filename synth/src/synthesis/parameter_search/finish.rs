@@ -8,7 +8,7 @@ use super::sensitivities::sensitivities;
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
 use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
-use crate::design::{add_claims, matrix, recover, rows, ProblemUnits, SearchRecord, VariedFile};
+use crate::design::{add_claims, matrix, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
@@ -219,18 +219,16 @@ impl Finish<'_> {
             state_fraction: self.plan.unit * settings.unit / smallest,
             containment_weight: 0.5,
         };
-        let (scaling, scaled) = scaled(&task, units);
         let request = DesignRequest::of_model(&model, self.model_text, &task, session.form);
         // The design of a solver's point, checked.
         let mut design = |goal: Goal, peak: Option<f64>| {
-            let (assembled, solution) = session.solve(&scaled, goal)?;
-            let least = solution.objective;
-            let failed = !(has_point(&solution) && least.is_finite() && least > 0.0);
+            let solved = session.solve(scaled(&task, units), goal)?;
+            let least = solved.solution.objective;
+            let failed = !(has_point(&solved.solution) && least.is_finite() && least > 0.0);
             if peak.is_none() && failed {
                 return Ok((None, None));
             }
-            let recovered = recover(&model, &assembled.design, &solution.values, &scaling);
-            let design = recovered.and_then(|mut certificate| {
+            let design = solved.recover(&model).and_then(|mut certificate| {
                 let above = peak.unwrap_or(least).max(certificate.disturbance_weight);
                 certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
                 add_claims(&model, &mut certificate)?;
