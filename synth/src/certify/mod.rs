@@ -44,12 +44,14 @@ pub struct ConditionMargin {
     pub margin: f64,
 }
 
-/// The outcome of the check.
-#[derive(Debug, Clone, PartialEq)]
+/// The outcome of a check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "VerdictFile")]
 pub struct Report {
-    /// The answer.
+    /// Proved or not.
     pub verdict: Verdict,
-    /// Every condition.
+    /// Margin of each condition.
     pub conditions: Vec<ConditionMargin>,
     /// What the proof does not cover.
     pub not_covered: Vec<String>,

@@ -53,6 +53,15 @@ impl GainPlan {
         }
     }
 
+    /// Given gains, m x n each.
+    pub fn given(gains: &[DMatrix<f64>], mismatch: Option<f64>) -> Self {
+        GainPlan {
+            count: gains.len(),
+            mismatch,
+            given: Some(gains.to_vec()),
+        }
+    }
+
     /// Bound kappa when plant and gains are weighted by nearly the same memberships.
     pub fn matched(&self) -> Option<f64> {
         self.mismatch.filter(|_| self.count > 1)
