@@ -23,7 +23,7 @@ use super::table::{
     MARGIN_COLUMN, RUN_COLUMN, VERDICT_COLUMN,
 };
 use super::CampaignError;
-use crate::base::files::{create_folder, write};
+use crate::base::files::{create_folder, write, OutputError};
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
@@ -158,7 +158,7 @@ impl Tables<'_> {
         content: Content,
         sources: &[Source],
     ) -> Result<(), CampaignError> {
-        let failed = |source| CampaignError::written(path, source);
+        let failed = |source| OutputError::io(path, "cannot be written", source);
         let file = tempfile::NamedTempFile::new_in(self.folder).map_err(failed)?;
         let to = file.reopen().map_err(failed)?;
         let mut table = writer(path, to, self.columns, content, &self.inputs.to_json())?;
@@ -284,7 +284,7 @@ pub(crate) fn remove_others(all: &Path, runs: &[u64]) -> Result<(), CampaignErro
         if name.starts_with("run-") && !names.contains(&name) {
             let path = entry.path();
             fs::remove_dir_all(&path)
-                .map_err(|source| CampaignError::io(&path, "cannot be removed", source))?;
+                .map_err(|source| OutputError::io(&path, "cannot be removed", source))?;
         }
     }
     // Only when nothing is left.
@@ -298,7 +298,7 @@ fn remove_parts(folder: &Path) -> Result<(), CampaignError> {
     let path = folder.join(PARTS_FOLDER);
     match fs::remove_dir_all(&path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(CampaignError::io(&path, "cannot be removed", error))
+            Err(OutputError::io(&path, "cannot be removed", error).into())
         }
         _ => Ok(()),
     }

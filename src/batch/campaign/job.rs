@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
-use synth::model::write_atomically;
-
 use super::folder::{part_file, CAMPAIGN_FILE, DESIGN_FILE, PARTS_FOLDER, SCENARIO_FILE};
 use super::plan::Plan;
 use super::record::{CampaignFile, Inputs, State, CAMPAIGN_SCHEMA_VERSION};
@@ -182,7 +180,7 @@ impl Store<RunRow> for CampaignJob<'_> {
     fn keep(&self, chunk: Range<u64>, rows: Vec<RunRow>) -> Result<(), CampaignError> {
         let path = part_file(&self.folder, self.chunks.holding(chunk.start));
         let bytes = part_table(&path, &self.plan.columns, &self.inputs.to_json(), &rows)?;
-        write_atomically(&path, &bytes).map_err(|problem| CampaignError::file(&path, problem))
+        Ok(write(&path, bytes)?)
     }
 }
 

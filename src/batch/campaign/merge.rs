@@ -3,15 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use synth::model::{read_text, write_atomically};
-
 use super::finish::{remove_others, Source, Tables};
 use super::folder::{run_folder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE};
 use super::job::prepare;
 use super::record::{CampaignFile, Inputs, RequirementCount, Results};
 use super::table::{column_names, CampaignColumns, DRAWN};
 use super::CampaignError;
-use crate::base::files::create_folder;
+use crate::base::files::{create_folder, read, write, OutputError};
 use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// A shard's folder.
@@ -28,7 +26,7 @@ struct ShardFolder {
 /// Shards that are not complete, of different campaigns, missing or there twice; files that cannot be
 /// read or written.
 pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results, CampaignError> {
-    let shards = folders.iter().map(|folder| read(folder));
+    let shards = folders.iter().map(|folder| shard(folder));
     let mut shards = shards.collect::<Result<Vec<_>, _>>()?;
     shards.sort_by_key(|shard| (shard.inputs.first_run, shard.inputs.end_run));
     check_same(&shards)?;
@@ -70,7 +68,7 @@ fn missed(shards: &[ShardFolder]) -> Vec<RequirementCount> {
     all.unwrap_or_default()
 }
 
-fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
+fn shard(folder: &Path) -> Result<ShardFolder, CampaignError> {
     let record = CampaignFile::read(folder)?;
     match record.results {
         Some(results) => Ok(ShardFolder {
@@ -139,10 +137,7 @@ fn missing(from: u64, to: u64) -> CampaignError {
 }
 
 fn texts(shard: &ShardFolder) -> Result<(String, Option<String>), CampaignError> {
-    let read = |name: &str| {
-        let path = shard.folder.join(name);
-        read_text(&path).map_err(|problem| CampaignError::file(&path, problem))
-    };
+    let read = |name: &str| read(&shard.folder.join(name));
     let design = shard.inputs.design_sha256.as_ref();
     Ok((
         read(SCENARIO_FILE)?,
@@ -176,8 +171,9 @@ fn copy_kept(
         create_folder(&to)?;
         for name in [SCENARIO_FILE, TRAJECTORY_FILE, SUMMARY_FILE] {
             let (from, to) = (from.join(name), to.join(name));
-            let bytes = fs::read(&from).map_err(|source| CampaignError::read(&from, source))?;
-            write_atomically(&to, &bytes).map_err(|problem| CampaignError::file(&to, problem))?;
+            let bytes = fs::read(&from);
+            let bytes = bytes.map_err(|source| OutputError::io(&from, "cannot be read", source))?;
+            write(&to, bytes)?;
         }
         kept.push(run);
     }

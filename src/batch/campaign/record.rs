@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use synth::model::read_text;
 
 use super::folder::CAMPAIGN_FILE;
 use super::CampaignError;
+use crate::base::files::read;
 use crate::batch::store::chunks::Shard;
 use crate::batch::store::identity::first_difference;
 use crate::scenario::PlanFile;
@@ -184,7 +184,7 @@ impl CampaignFile {
     /// A folder without a record, or with one that is not valid.
     pub fn read(folder: &Path) -> Result<Self, CampaignError> {
         let path = folder.join(CAMPAIGN_FILE);
-        let text = read_text(&path).map_err(|problem| CampaignError::file(&path, problem))?;
+        let text = read(&path)?;
         let bad = |reason| {
             CampaignError::unsuitable(&path, format!("not the record of a campaign: {reason}"))
         };

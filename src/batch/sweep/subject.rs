@@ -21,22 +21,19 @@ use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::{Scenario, ScenarioFile};
 use crate::sim::metrics::{MetricKind, METRICS};
 
-/// What is swept. The file holds every default, so that what it leaves out can be varied too.
-pub enum Subject {
-    /// A scenario with its design, if it has one.
-    Scenario {
-        /// The file.
-        file: Value,
-        /// The design of its controller.
-        design: Option<Box<Design>>,
-    },
-    /// A model.
-    Model {
-        /// The file.
-        file: Value,
-        /// The solver.
-        solver: SolverChoice,
-    },
+/// What is swept.
+pub struct Subject {
+    /// The file, with every default, so that what it leaves out can be varied too.
+    pub file: Value,
+    work: Work,
+}
+
+/// What is done at each point.
+enum Work {
+    /// A scenario is run, with the design of its controller, if it has one.
+    Run(Option<Box<Design>>),
+    /// A model is synthesized.
+    Synthesis(SolverChoice),
 }
 
 /// A solver, with the form of the problems it is given.
@@ -73,17 +70,17 @@ const BLOCKING: usize = 3;
 impl Subject {
     /// A scenario, which must be valid, with its design.
     pub fn scenario(file: &ScenarioFile, design: Option<Box<Design>>) -> Self {
-        Subject::Scenario {
+        Subject {
             file: value_of(file),
-            design,
+            work: Work::Run(design),
         }
     }
 
     /// A model.
     pub fn model(model: &Model, solver: SolverChoice) -> Self {
-        Subject::Model {
+        Subject {
             file: value_of(&model.file),
-            solver,
+            work: Work::Synthesis(solver),
         }
     }
 
@@ -92,36 +89,27 @@ impl Subject {
         kind_of(text) == Some(Kind::Scenario)
     }
 
-    /// The file with its defaults.
-    pub fn file(&self) -> &Value {
-        match self {
-            Subject::Scenario { file, .. } | Subject::Model { file, .. } => file,
-        }
-    }
-
     /// Kind of the file.
     pub fn kind(&self) -> Kind {
-        match self {
-            Subject::Scenario { .. } => Kind::Scenario,
-            Subject::Model { .. } => Kind::Model,
+        match &self.work {
+            Work::Run(_) => Kind::Scenario,
+            Work::Synthesis(_) => Kind::Model,
         }
     }
 
     /// SHA-256 of the design's file, for a scenario that has one.
     pub fn design_sha256(&self) -> Option<&str> {
-        match self {
-            Subject::Scenario { design, .. } => {
-                design.as_ref().map(|design| design.sha256.as_str())
-            }
-            Subject::Model { .. } => None,
+        match &self.work {
+            Work::Run(design) => Some(&design.as_ref()?.sha256),
+            Work::Synthesis(_) => None,
         }
     }
 
     /// The solver with the form of its problems, for a model.
     pub fn solver(&self) -> Option<String> {
-        match self {
-            Subject::Scenario { .. } => None,
-            Subject::Model { solver, .. } => {
+        match &self.work {
+            Work::Run(_) => None,
+            Work::Synthesis(solver) => {
                 let (backend, form) = (solver.backend(), solver.form());
                 Some(format!("{}, {} form", backend.name(), form.name()))
             }
@@ -130,7 +118,7 @@ impl Subject {
 
     /// Unit of a number that is varied or of a metric; empty where it has none.
     pub fn unit(&self, name: &str) -> &'static str {
-        let body = self.file().pointer("/system/rigid_body").is_some();
+        let body = self.file.pointer("/system/rigid_body").is_some();
         let metric = METRICS.iter().find(|entry| entry.key == name);
         match metric {
             Some(entry) if body || entry.kind != MetricKind::Effort => entry.unit,
@@ -140,16 +128,16 @@ impl Subject {
 
     /// Solves the file's own model once, for the points to start from. A search takes too long for that.
     pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
-        let Subject::Model {
-            file,
-            solver: SolverChoice::Structured(solver),
-        } = self
-        else {
+        let Work::Synthesis(SolverChoice::Structured(solver)) = &mut self.work else {
             return;
         };
-        let model = model_of(file).ok();
+        let model = model_of(&self.file).ok();
         if let Some(model) = model.filter(|model| model.file.specs.objective == Objective::Gain) {
-            let (text, first, form) = (file.to_string(), Structured::warm(), Form::VertexRelaxed);
+            let (text, first, form) = (
+                self.file.to_string(),
+                Structured::warm(),
+                Form::VertexRelaxed,
+            );
             // Whatever comes of it: where nothing is remembered, points start cold.
             let _ = synthesis::synthesize(&model, &text, form, &first, Some(until(stop)));
             *solver = first.frozen();
@@ -159,11 +147,11 @@ impl Subject {
     /// Runs the point with these values, in the order of the axes. A synthesis ends early when `stop` is set;
     /// its outcome is of no use then.
     pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
-        let file = grid.apply(self.file(), values);
+        let file = grid.apply(&self.file, values);
         let found = file.map_err(|error| error.to_string());
-        let found = found.and_then(|file| match self {
-            Subject::Scenario { design, .. } => run_scenario(&file, design.as_deref()),
-            Subject::Model { solver, .. } => run_model(&file, solver, stop),
+        let found = found.and_then(|file| match &self.work {
+            Work::Run(design) => run_scenario(&file, design.as_deref()),
+            Work::Synthesis(solver) => run_model(&file, solver, stop),
         });
         found.unwrap_or_else(|reason| PointOutcome::without_numbers(INVALID, reason))
     }

@@ -11,6 +11,7 @@ use crate::base::provenance::GENERATOR;
 use crate::controllers::lei2022::LeiFile;
 use crate::controllers::ControllerFile;
 use crate::scenario::ScenarioFile;
+use crate::sim::metrics::{by_key, Metric, MetricValue};
 
 /// The answer of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,17 +54,19 @@ pub struct RunReport {
     pub met: bool,
     /// The requirements that are missed.
     pub missed: Vec<Missed>,
-    /// Settling time, s.
-    pub settle_seconds: Option<f64>,
-    /// Largest error from then on that is required, deg.
-    pub tail_error_deg: Option<f64>,
-    /// Largest rate, rad/s.
-    pub max_rate: Option<f64>,
-    /// Times the actuators were turned on.
-    pub turn_ons: Option<u64>,
-    /// Integral of the magnitudes of the torques, N m s.
-    pub impulse: Option<f64>,
+    /// The [`REPORTED`] metrics, each under its key; null where the run could not be made.
+    #[serde(flatten, serialize_with = "by_key")]
+    pub metrics: Vec<MetricValue>,
 }
+
+/// Metrics of a validation run.
+pub const REPORTED: [Metric; 5] = [
+    Metric::SettleSeconds,
+    Metric::TailErrorDeg,
+    Metric::MaxRate,
+    Metric::TurnOns,
+    Metric::Impulse,
+];
 
 /// A requirement that is missed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -124,10 +127,8 @@ fn run_report(trial: &Trial) -> RunReport {
         disturbed: trial.start.disturbed,
         met: trial.met(),
         missed: missed.collect(),
-        settle_seconds: summary.and_then(|summary| summary.settle_seconds),
-        tail_error_deg: summary.and_then(|summary| summary.tail_error_deg),
-        max_rate: summary.and_then(|summary| summary.max_rate),
-        turn_ons: summary.and_then(|summary| summary.turn_ons),
-        impulse: summary.map(|summary| summary.impulse),
+        metrics: REPORTED
+            .map(|metric| (metric, summary.and_then(|summary| summary.metric(metric))))
+            .into(),
     }
 }

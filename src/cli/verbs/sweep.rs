@@ -68,8 +68,8 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         reason: error.to_string(),
     })?;
     let mut subject = subject(args, &text)?;
-    let grid = Grid::new(subject.file(), &axes)
-        .map_err(|error| CliError::unsuitable(&args.file, error))?;
+    let grid =
+        Grid::new(&subject.file, &axes).map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
     let identity = SweepIdentity::new(&text, &subject, &grid);
     let store = PointStore::open(&args.output, &identity, &grid, args.restart)?;
