@@ -1,9 +1,8 @@
 //! One run as a row of the tables.
 
-use super::plan::Resolved;
 use crate::run::outcome::Outcome;
 use crate::run::summary::{RunVerdict, Summary};
-use crate::scenario::RequirementFile;
+use crate::scenario::{RequirementFile, Scenario};
 use crate::sim::metrics::METRICS;
 
 /// What is known of one run.
@@ -30,22 +29,21 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// The row of a run.
-    pub fn new(resolved: Resolved, outcome: Outcome) -> Self {
+    /// The row of a run of a scenario with these drawn numbers.
+    pub fn new(run: u64, scenario: &Scenario, drawn: Vec<Option<f64>>, outcome: Outcome) -> Self {
         let summary = &outcome.summary;
         let certificate = summary.certificate.as_ref();
         let metrics = METRICS.iter().map(|entry| summary.metric(entry.metric));
+        let finite = metrics.map(|value| value.filter(|value| value.is_finite()));
         RunRow {
-            run: resolved.run,
-            seed: resolved.scenario.seed,
+            run,
+            seed: scenario.seed,
             verdict: summary.verdict,
             proof_covers: certificate.map(|outcome| outcome.covers_run),
             start_level: certificate.map(|outcome| outcome.start_level),
-            worst: worst(summary, &resolved.scenario.requirements),
-            metrics: metrics
-                .map(|value| value.filter(|value| value.is_finite()))
-                .collect(),
-            drawn: resolved.drawn,
+            worst: worst(summary, &scenario.requirements),
+            metrics: finite.collect(),
+            drawn,
             profile: outcome.profile,
         }
     }
