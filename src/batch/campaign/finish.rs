@@ -106,7 +106,9 @@ impl RunCount {
                 continue;
             }
             let rank = Rank::new(verdict, margin, run);
-            let place = self.worst.partition_point(|other| *other < rank);
+            let place = self
+                .worst
+                .partition_point(|other| other.compare(&rank).is_lt());
             if place < keep {
                 self.worst.insert(place, rank);
                 self.worst.truncate(keep);

@@ -1,5 +1,7 @@
 //! One run as a row of the tables.
 
+use std::cmp::Ordering;
+
 use crate::run::outcome::Outcome;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::{RequirementFile, Scenario};
@@ -54,8 +56,8 @@ impl RunRow {
     }
 }
 
-/// How bad a run is; runs sorted by this begin with the worst.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How bad a run is.
+#[derive(Debug, Clone, Copy)]
 pub struct Rank {
     severity: usize,
     margin: f64,
@@ -72,18 +74,9 @@ impl Rank {
             run,
         }
     }
-}
 
-impl Eq for Rank {}
-
-impl PartialOrd for Rank {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Rank {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+    /// The order of two runs, the worse one first.
+    pub fn compare(&self, other: &Self) -> Ordering {
         let severity = self.severity.cmp(&other.severity);
         let margin = self.margin.total_cmp(&other.margin);
         severity.then(margin).then(self.run.cmp(&other.run))
@@ -118,7 +111,7 @@ mod tests {
             rank(2, f64::NEG_INFINITY, 7),
             rank(0, 1.0, 8),
         ];
-        ranks.sort();
+        ranks.sort_by(Rank::compare);
         assert_eq!(ranks.map(|rank| rank.run), [8, 7, 2, 9, 1]);
     }
 }
