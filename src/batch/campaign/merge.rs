@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::finish::{remove_others, Source, Tables};
-use super::folder::{run_folder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE};
-use super::job::prepare;
+use super::finish::{remove_others, Source};
+use super::folder::{
+    run_folder, CampaignFolder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE,
+};
 use super::record::{CampaignFile, Inputs, RequirementCount, Results};
 use super::table::{column_names, CampaignColumns, DRAWN};
 use super::CampaignError;
@@ -34,15 +35,14 @@ pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results,
     let Some(first) = shards.first() else {
         return Err(CampaignError::Shards("no folder is given".to_string()));
     };
-    let inputs = whole(&first.inputs);
     let (scenario, design) = texts(first)?;
-    let _open = prepare(output, &inputs, &scenario, design.as_deref())?;
-    let tables = Tables {
-        folder: output,
-        columns: &columns(first)?,
-        inputs: &inputs,
+    let whole = CampaignFolder {
+        path: output.to_path_buf(),
+        columns: columns(first)?,
+        inputs: whole(&first.inputs),
     };
-    tables.write(|name, content| {
+    let _open = whole.open(&scenario, design.as_deref())?;
+    whole.write_tables(|name, content| {
         let sources = shards.iter().map(|shard| Source {
             path: shard.folder.join(name),
             content,
@@ -50,9 +50,9 @@ pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results,
         });
         sources.collect()
     })?;
-    let count = tables.count(keep)?;
+    let count = whole.count(keep)?;
     let kept = copy_kept(&shards, output, &count.worst_runs())?;
-    tables.conclude(count, kept, missed(&shards))
+    whole.conclude(count, kept, missed(&shards))
 }
 
 /// How many runs of all shards, which are of one campaign, missed each requirement.

@@ -77,7 +77,7 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     let open = job.prepare(&text, design_text.as_deref(), &stop);
     let results = open.and_then(|open| make(&job, open.state, args.keep, stop));
     let results = results.map_err(|error| stopped(&args.scenario, &job, error))?;
-    Ok(answer(&results, &job.inputs, &args.output))
+    Ok(answer(&results, &job.folder.inputs, &args.output))
 }
 
 fn make(
@@ -134,7 +134,7 @@ fn stopped(scenario: &Path, job: &CampaignJob, error: CampaignError) -> CliError
         0 => "; nothing is done".to_string(),
         _ => format!(
             "; {done} of {all} runs are done and kept in {}; the same command goes on with the rest",
-            job.folder.display()
+            job.folder.path.display()
         ),
     };
     match error {
