@@ -30,8 +30,7 @@ pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results,
     let shards = folders.iter().map(|folder| shard(folder));
     let mut shards = shards.collect::<Result<Vec<_>, _>>()?;
     shards.sort_by_key(|shard| (shard.inputs.first_run, shard.inputs.end_run));
-    check_same(&shards)?;
-    check_whole(&shards)?;
+    check(&shards)?;
     let Some(first) = shards.first() else {
         return Err(CampaignError::Shards("no folder is given".to_string()));
     };
@@ -93,9 +92,10 @@ fn whole(inputs: &Inputs) -> Inputs {
     }
 }
 
-fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
-    for pair in shards.windows(2) {
-        let [one, other] = pair else { continue };
+/// Refuses shards of different campaigns, gaps and overlaps.
+fn check(shards: &[ShardFolder]) -> Result<(), CampaignError> {
+    let pairs = || shards.iter().zip(shards.iter().skip(1));
+    for (one, other) in pairs() {
         if let Some(difference) = whole(&other.inputs).difference(&whole(&one.inputs)) {
             return Err(CampaignError::Shards(format!(
                 "{} is a shard of another campaign than {}: {difference}",
@@ -104,30 +104,25 @@ fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
             )));
         }
     }
-    Ok(())
-}
-
-/// Refuses gaps and overlaps.
-fn check_whole(shards: &[ShardFolder]) -> Result<(), CampaignError> {
-    let mut next = 0;
-    let mut before: Option<&ShardFolder> = None;
-    for shard in shards {
-        let first = shard.inputs.first_run;
+    let begin = shards.first().map_or(0, |first| first.inputs.first_run);
+    if begin > 0 {
+        return Err(missing(0, begin));
+    }
+    for (one, other) in pairs() {
+        let (next, first) = (one.inputs.end_run, other.inputs.first_run);
         if first > next {
             return Err(missing(next, first));
         }
-        if let Some(before) = before.filter(|_| first < next) {
+        if first < next {
             return Err(CampaignError::Shards(format!(
                 "{} and {} both hold run {first}",
-                before.folder.display(),
-                shard.folder.display()
+                one.folder.display(),
+                other.folder.display()
             )));
         }
-        next = shard.inputs.end_run;
-        before = Some(shard);
     }
-    match before {
-        Some(shard) if next < shard.inputs.runs => Err(missing(next, shard.inputs.runs)),
+    match shards.last().map(|last| &last.inputs) {
+        Some(last) if last.end_run < last.runs => Err(missing(last.end_run, last.runs)),
         _ => Ok(()),
     }
 }

@@ -125,9 +125,7 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
         return Some("did not settle".to_string());
     }
     let missed = summary.requirements.iter().find(|outcome| !outcome.met)?;
-    let value = missed.value;
-    let value = value.map_or("none".to_string(), |value| format!("{value:.4}"));
-    Some(format!("{} {}: {value}", missed.name, missed.limit))
+    Some(missed.as_text(Some(4)))
 }
 
 /// The compared metrics of a run, then the steps outside of a bound, which no table shows.

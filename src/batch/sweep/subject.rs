@@ -216,10 +216,7 @@ fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, S
 
 fn why_not(summary: &Summary) -> Option<String> {
     let missed = summary.requirements.iter().filter(|outcome| !outcome.met);
-    let missed = missed.map(|outcome| {
-        let value = outcome.value.map_or("none".to_string(), |v| v.to_string());
-        format!("{} {}: {value}", outcome.name, outcome.limit)
-    });
+    let missed = missed.map(|outcome| outcome.as_text(None));
     match summary.verdict {
         RunVerdict::RequirementsMet => None,
         RunVerdict::RequirementsMissed => Some(missed.collect::<Vec<_>>().join("; ")),

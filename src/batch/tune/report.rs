@@ -1,6 +1,7 @@
 //! What a search found.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 
 use super::file::Requirements;
 use super::limits::least_time_s;
@@ -10,6 +11,7 @@ use super::trial::Trial;
 use crate::base::provenance::GENERATOR;
 use crate::controllers::lei2022::LeiFile;
 use crate::controllers::ControllerFile;
+use crate::run::summary::RequirementOutcome;
 use crate::scenario::ScenarioFile;
 use crate::sim::metrics::{by_key, Metric, MetricValue};
 
@@ -53,7 +55,8 @@ pub struct RunReport {
     /// Whether every requirement is met.
     pub met: bool,
     /// The requirements that are missed.
-    pub missed: Vec<Missed>,
+    #[serde(serialize_with = "without_met")]
+    pub missed: Vec<RequirementOutcome>,
     /// The [`REPORTED`] metrics, each under its key; null where the run could not be made.
     #[serde(flatten, serialize_with = "by_key")]
     pub metrics: Vec<MetricValue>,
@@ -68,15 +71,15 @@ pub const REPORTED: [Metric; 5] = [
     Metric::Impulse,
 ];
 
-/// A requirement that is missed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Missed {
-    /// Its metric and side.
-    pub name: String,
-    /// What the run has; null when it has none.
-    pub value: Option<f64>,
-    /// The limit.
-    pub limit: f64,
+/// Writes the name, value and limit of requirements, all of which are missed.
+fn without_met<S: Serializer>(
+    missed: &[RequirementOutcome],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let parts = missed.iter();
+    let parts =
+        parts.map(|one| json!({ "name": one.name, "value": one.value, "limit": one.limit }));
+    serializer.collect_seq(parts)
 }
 
 impl TuneReport {
@@ -117,16 +120,11 @@ impl TuneReport {
 
 fn run_report(trial: &Trial) -> RunReport {
     let summary = trial.summary.as_ref();
-    let missed = trial.missed().map(|outcome| Missed {
-        name: outcome.name.clone(),
-        value: outcome.value,
-        limit: outcome.limit,
-    });
     RunReport {
         axis: trial.start.axis.into(),
         disturbed: trial.start.disturbed,
         met: trial.met(),
-        missed: missed.collect(),
+        missed: trial.missed().cloned().collect(),
         metrics: REPORTED
             .map(|metric| (metric, summary.and_then(|summary| summary.metric(metric))))
             .into(),
