@@ -13,7 +13,7 @@ use super::folder::{
     RUNS_FILE, SCENARIO_FILE,
 };
 use super::job::CampaignJob;
-use super::record::{CampaignFile, RequirementCount, Results};
+use super::record::{CampaignFile, RequirementCount, Results, State};
 use super::row::Rank;
 use super::statistics::{count_missed, metric_quantiles, pass_rate_interval};
 use super::table::{
@@ -25,34 +25,29 @@ use crate::base::files::{create_folder, write, OutputError};
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
-/// Writes the tables, the kept runs and the record of a job whose parts are all there, and removes the
-/// parts. `keep`: most failed runs that are kept with their trajectory.
+/// Writes the tables of a job whose parts are all there (of one that is complete they are), the kept runs
+/// and the record, and removes the parts. `keep`: most failed runs that are kept with their trajectory; of
+/// a job that is complete it may be another number than before.
 ///
 /// # Errors
-/// A file that cannot be written; it was stopped. What was done before stays.
-pub fn finish(job: &CampaignJob, keep: usize, stop: &AtomicBool) -> Result<Results, CampaignError> {
-    let inputs = job.folder.inputs.to_json();
-    let sources = |_: &str, _| {
-        let sources = job.part_files().map(|path| Source {
-            path,
-            content: Content::Whole,
-            inputs: inputs.clone(),
-        });
-        sources.collect()
-    };
-    job.folder.write_tables(sources)?;
-    finish_again(job, keep, stop)
-}
-
-/// As [`finish`], from the tables of a job that is complete: another number of runs may be kept.
-///
-/// # Errors
-/// A file that cannot be read or written; it was stopped.
-pub fn finish_again(
+/// A file that cannot be read or written; it was stopped. What was done before stays.
+pub fn finish(
     job: &CampaignJob,
+    state: State,
     keep: usize,
     stop: &AtomicBool,
 ) -> Result<Results, CampaignError> {
+    if state == State::Running {
+        let inputs = job.folder.inputs.to_json();
+        job.folder.write_tables(|_, _| {
+            let sources = job.part_files().map(|path| Source {
+                path,
+                content: Content::Whole,
+                inputs: inputs.clone(),
+            });
+            sources.collect()
+        })?;
+    }
     let folder = &job.folder;
     let count = folder.count(keep)?;
     let kept = count.worst_runs();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
-use crate::batch::campaign::finish::{finish, finish_again};
+use crate::batch::campaign::finish::finish;
 use crate::batch::campaign::job::CampaignJob;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, State};
@@ -96,11 +96,10 @@ fn make(
         done: &|| progress.done(),
         stop,
     };
-    if state == State::Complete {
-        return finish_again(job, keep, &control.stop);
+    if state == State::Running {
+        job.run(&control)?;
     }
-    job.run(&control)?;
-    finish(job, keep, &control.stop)
+    finish(job, state, keep, &control.stop)
 }
 
 /// Refuses numbers of runs that are no campaign.
