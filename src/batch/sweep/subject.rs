@@ -10,7 +10,7 @@ use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::Decision;
 use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
-use synth::solve::{Backend, Clarabel, Observer, Structured};
+use synth::solve::{Backend, Observer, Solver, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
 use super::outcome::{numbers_of, PointOutcome, INVALID};
@@ -32,36 +32,8 @@ pub struct Subject {
 enum Work {
     /// A scenario is run, with the design of its controller, if it has one.
     Run(Option<Box<Design>>),
-    /// A model is synthesized.
-    Synthesis(SolverChoice),
-}
-
-/// A solver, with the form of the problems it is given.
-#[derive(Debug, Clone)]
-pub enum SolverChoice {
-    /// Clarabel.
-    Clarabel,
-    /// The structured solver, which may start from the way to the solution of the file's own model. That is the
-    /// same for every point, so that points do not depend on each other.
-    Structured(Structured),
-}
-
-impl SolverChoice {
-    /// The solver.
-    pub fn backend(&self) -> Box<dyn Backend> {
-        match self {
-            SolverChoice::Clarabel => Box::new(Clarabel::default()),
-            SolverChoice::Structured(solver) => Box::new(solver.clone()),
-        }
-    }
-
-    /// The form of the decrease condition that the solver is fastest with.
-    pub fn form(&self) -> Form {
-        match self {
-            SolverChoice::Clarabel => Form::Chordal,
-            SolverChoice::Structured(_) => Form::VertexRelaxed,
-        }
-    }
+    /// A model is synthesized with a solver, from this form of its problem.
+    Synthesis(Box<dyn Backend + Send + Sync>, Form),
 }
 
 /// Conditions that block a synthesis, as many as a row names.
@@ -76,11 +48,11 @@ impl Subject {
         }
     }
 
-    /// A model.
-    pub fn model(model: &Model, solver: SolverChoice) -> Self {
+    /// A model with its solver and the form of the problems that it is given.
+    pub fn model(model: &Model, solver: Box<dyn Backend + Send + Sync>, form: Form) -> Self {
         Subject {
             file: value_of(&model.file),
-            work: Work::Synthesis(solver),
+            work: Work::Synthesis(solver, form),
         }
     }
 
@@ -93,7 +65,7 @@ impl Subject {
     pub fn kind(&self) -> Kind {
         match &self.work {
             Work::Run(_) => Kind::Scenario,
-            Work::Synthesis(_) => Kind::Model,
+            Work::Synthesis(..) => Kind::Model,
         }
     }
 
@@ -101,7 +73,7 @@ impl Subject {
     pub fn design_sha256(&self) -> Option<&str> {
         match &self.work {
             Work::Run(design) => Some(&design.as_ref()?.sha256),
-            Work::Synthesis(_) => None,
+            Work::Synthesis(..) => None,
         }
     }
 
@@ -109,9 +81,8 @@ impl Subject {
     pub fn solver(&self) -> Option<String> {
         match &self.work {
             Work::Run(_) => None,
-            Work::Synthesis(solver) => {
-                let (backend, form) = (solver.backend(), solver.form());
-                Some(format!("{}, {} form", backend.name(), form.name()))
+            Work::Synthesis(solver, form) => {
+                Some(format!("{}, {} form", solver.name(), form.name()))
             }
         }
     }
@@ -126,21 +97,22 @@ impl Subject {
         }
     }
 
-    /// Solves the file's own model once, for the points to start from. A search takes too long for that.
+    /// Solves the file's own model once, for the points to start from: the structured solver can, and as
+    /// that start is the same for every point, points do not depend on each other. A search takes too long
+    /// for that.
     pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
-        let Work::Synthesis(SolverChoice::Structured(solver)) = &mut self.work else {
+        let Work::Synthesis(solver, form) = &mut self.work else {
             return;
         };
+        if solver.solver() != Some(Solver::Structured) {
+            return;
+        }
         let model = model_of(&self.file).ok();
         if let Some(model) = model.filter(|model| model.file.specs.objective == Objective::Gain) {
-            let (text, first, form) = (
-                self.file.to_string(),
-                Structured::warm(),
-                Form::VertexRelaxed,
-            );
+            let (text, first) = (self.file.to_string(), Structured::warm());
             // Whatever comes of it: where nothing is remembered, points start cold.
-            let _ = synthesis::synthesize(&model, &text, form, &first, Some(until(stop)));
-            *solver = first.frozen();
+            let _ = synthesis::synthesize(&model, &text, *form, &first, Some(until(stop)));
+            *solver = Box::new(first.frozen());
         }
     }
 
@@ -151,7 +123,7 @@ impl Subject {
         let found = file.map_err(|error| error.to_string());
         let found = found.and_then(|file| match &self.work {
             Work::Run(design) => run_scenario(&file, design.as_deref()),
-            Work::Synthesis(solver) => run_model(&file, solver, stop),
+            Work::Synthesis(solver, form) => run_model(&file, solver.as_ref(), *form, stop),
         });
         found.unwrap_or_else(|reason| PointOutcome::without_numbers(INVALID, reason))
     }
@@ -231,14 +203,13 @@ fn until(stop: &Arc<AtomicBool>) -> Observer {
 
 fn run_model(
     file: &Value,
-    solver: &SolverChoice,
+    solver: &dyn Backend,
+    form: Form,
     stop: &Arc<AtomicBool>,
 ) -> Result<PointOutcome, String> {
     let text = file.to_string();
     let model = model_of(file).map_err(|error| error.to_string())?;
-    let backend = solver.backend();
-    let observer = Some(until(stop));
-    let outcome = synthesis::synthesize(&model, &text, solver.form(), backend.as_ref(), observer);
+    let outcome = synthesis::synthesize(&model, &text, form, solver, Some(until(stop)));
     Ok(match outcome.map_err(|error| error.to_string())? {
         Outcome::Solved(design) => designed(&design),
         Outcome::Infeasible(decision) => undesigned("infeasible", &decision),

@@ -109,7 +109,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Clarabel);
             let model = files::model_of(&args.file, text)?;
-            Ok(Subject::model(&model, solver.choice()))
+            Ok(Subject::model(&model, solver.backend(), solver.form()))
         }
         Some(_) => Err(CliError::Argument {
             argument: "--design",
