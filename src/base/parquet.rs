@@ -15,10 +15,9 @@ use parquet::basic::Compression;
 use parquet::errors::ParquetError as LibraryError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
-use synth::model::write_atomically;
 
 use super::csv::{self, CsvError};
-use super::files::OutputError;
+use super::files::{write, OutputError};
 use super::provenance::GENERATOR;
 
 /// Most rows of a row group.
@@ -160,10 +159,7 @@ pub fn write_table(
     about: &[(&str, String)],
 ) -> Result<(), OutputError> {
     let bytes = to_bytes(columns, about).map_err(|error| OutputError::unmade(path, error))?;
-    write_atomically(path, &bytes).map_err(|problem| OutputError::File {
-        path: path.to_path_buf(),
-        problem,
-    })
+    write(path, bytes)
 }
 
 #[cfg(test)]

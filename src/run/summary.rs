@@ -150,6 +150,17 @@ pub struct RequirementOutcome {
     pub met: bool,
 }
 
+impl RequirementOutcome {
+    /// The requirement and the value, with so many decimal places or as it is.
+    pub fn as_text(&self, places: Option<usize>) -> String {
+        let value = self.value.map_or("none".to_string(), |value| match places {
+            Some(places) => format!("{value:.places$}"),
+            None => value.to_string(),
+        });
+        format!("{} {}: {value}", self.name, self.limit)
+    }
+}
+
 /// What became of the design's certificate in the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CertificateOutcome {

@@ -3,7 +3,8 @@
 //! A new metric is a row of [`METRICS`], and what it reads is set where it is measured.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::bound_utilisation::BoundUtilisation;
 use super::effort::Effort;
@@ -265,6 +266,26 @@ impl Metric {
     pub fn key(self) -> &'static str {
         self.entry().key
     }
+}
+
+/// A metric with the value that a run has.
+pub type MetricValue = (Metric, Option<f64>);
+
+/// Writes metrics as a map by their keys, whole numbers as such.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn by_key<S: Serializer>(metrics: &[MetricValue], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(metrics.len()))?;
+    for (metric, value) in metrics {
+        match value {
+            Some(value) if metric.entry().whole => {
+                map.serialize_entry(metric.key(), &(*value as u64))?
+            }
+            value => map.serialize_entry(metric.key(), value)?,
+        }
+    }
+    map.end()
 }
 
 /// The limit of a requirement.

@@ -225,7 +225,7 @@ fn a_sweep_stopped_after_four_points_keeps_four_and_goes_on_from_them() {
     let (content, _) = Scenario::read(&text).expect("a scenario");
     let subject = Subject::scenario(&content, None);
     let axis = Axis::parse(vary).expect("an axis");
-    let grid = Grid::new(subject.file(), &[axis]).expect("a grid");
+    let grid = Grid::new(&subject.file, &[axis]).expect("a grid");
     let identity = SweepIdentity::new(&text, &subject, &grid);
     let store = PointStore::open(&output, &identity, &grid, false).expect("a journal");
     let (count, stop) = (AtomicUsize::new(0), Arc::new(AtomicBool::new(false)));

@@ -14,26 +14,25 @@ use crate::scenario::distribution::{direction, direction_of_any_size, rotation, 
 use crate::scenario::{ChangeFile, Dispersion, FaultDispersion, Scenario, ScenarioFile};
 use crate::sim::reference::Reference;
 
-/// What is sampled for every run, with what it needs to know of the scenario.
+/// What is sampled for every run.
 #[derive(Debug, Clone)]
 pub(crate) struct Sampler {
-    dispersion: Dispersion,
-    context: Context,
+    draw: Draw,
     /// Coordinates that it uses.
     pub numbers: usize,
     /// Names of the columns of what is drawn, with units.
     pub columns: Vec<String>,
 }
 
-/// What a dispersion needs to know of the scenario.
+/// A dispersion with what it needs to know of the scenario.
 #[derive(Debug, Clone)]
-enum Context {
-    /// Nothing.
-    Nothing,
-    /// A number's place in the file, and its value there.
-    Number(Parameter, f64),
-    /// The certified set.
+enum Draw {
+    /// A number's place in the file, its value there, what is drawn and what is done with it.
+    Number(Parameter, f64, Distribution, ChangeFile),
+    /// A start on the certified set.
     Boundary(Boundary),
+    /// All else, which needs nothing.
+    Other(Dispersion),
 }
 
 /// The set x'Ux = level.
@@ -55,17 +54,13 @@ const INERTIA: [(&str, usize, usize); 6] = [
     ("23", 1, 2),
 ];
 
-/// The entries of the inertia matrix that are drawn, each with its distribution.
-fn inertia<'a>(
-    parts: &'a [Option<Distribution>; 2],
-) -> impl Iterator<Item = (&'a Distribution, &'static str, usize, usize)> {
-    let parts = parts.iter().zip(INERTIA.chunks(3));
-    parts.flat_map(|(part, places)| {
-        let places = part
-            .iter()
-            .flat_map(move |part| places.iter().map(move |place| (part, place)));
-        places.map(|(part, &(name, row, column))| (part, name, row, column))
-    })
+/// The entries of the inertia matrix that are drawn: distribution, name, row and column.
+fn inertia(parts: &[Option<Distribution>; 2]) -> Vec<(&Distribution, &'static str, usize, usize)> {
+    let all = INERTIA.into_iter().enumerate();
+    let drawn = all.filter_map(|(index, (name, row, column))| {
+        Some((parts[index / 3].as_ref()?, name, row, column))
+    });
+    drawn.collect()
 }
 
 fn numbered(name: &str, unit: &str, count: usize) -> Vec<String> {
@@ -93,12 +88,16 @@ impl Sampler {
         nominal: &Scenario,
         design: Option<&Design>,
     ) -> Result<Self, ModelError> {
-        let mut context = Context::Nothing;
+        let mut draw = Draw::Other(dispersion.clone());
         let (numbers, columns) = match dispersion {
-            Dispersion::Number { name, change, .. } => {
+            Dispersion::Number {
+                name,
+                distribution,
+                change,
+            } => {
                 let (parameter, base) = number(index, name, *change, file)?;
                 let columns = vec![parameter.name.clone()];
-                context = Context::Number(parameter, base);
+                draw = Draw::Number(parameter, base, distribution.clone(), *change);
                 (1, columns)
             }
             Dispersion::Boundary { level } => {
@@ -108,7 +107,7 @@ impl Sampler {
                     None => numbered("initial_state", "", size),
                     Some(_) => [attitude_columns(), numbered("initial_rate", "_rad_s", 3)].concat(),
                 };
-                context = Context::Boundary(boundary);
+                draw = Draw::Boundary(boundary);
                 (size, columns)
             }
             Dispersion::AnyAttitude | Dispersion::Turn(_) => (3, attitude_columns()),
@@ -117,7 +116,8 @@ impl Sampler {
             Dispersion::Phase(_, count) => (*count, numbered("disturbance_phase", "_deg", *count)),
             Dispersion::Factor(_) => (1, vec!["disturbance_factor".to_string()]),
             Dispersion::Inertia(parts) => {
-                let names = inertia(parts).map(|(_, name, ..)| format!("inertia_{name}_kg_m2"));
+                let names = inertia(parts).into_iter();
+                let names = names.map(|(_, name, ..)| format!("inertia_{name}_kg_m2"));
                 let names: Vec<String> = names.collect();
                 (names.len(), names)
             }
@@ -128,8 +128,7 @@ impl Sampler {
             }
         };
         Ok(Sampler {
-            dispersion: dispersion.clone(),
-            context,
+            draw,
             numbers,
             columns,
         })
@@ -137,20 +136,12 @@ impl Sampler {
 
     /// Whether it draws a number of the file by its name.
     pub fn is_named(&self) -> bool {
-        matches!(self.context, Context::Number(..))
+        matches!(self.draw, Draw::Number(..))
     }
 
     /// Sets a number of the file and returns it; the other kinds do not apply to it.
     pub fn set(&self, at: &[f64], file: &mut Value) -> Result<Option<f64>, ParameterError> {
-        let (
-            Dispersion::Number {
-                distribution,
-                change,
-                ..
-            },
-            Context::Number(parameter, base),
-        ) = (&self.dispersion, &self.context)
-        else {
+        let Draw::Number(parameter, base, distribution, change) = &self.draw else {
             return Ok(None);
         };
         let value = distribution.value(at[0]);
@@ -169,11 +160,15 @@ impl Sampler {
         at: &[f64],
         file: &mut ScenarioFile,
     ) -> Result<Vec<Option<f64>>, ModelError> {
-        let drawn = match (&self.dispersion, &mut file.system) {
-            (Dispersion::Boundary { .. }, system) => match &self.context {
-                Context::Boundary(boundary) => boundary.start(at, system)?,
-                _ => Vec::new(),
-            },
+        let dispersion = match &self.draw {
+            Draw::Number(..) => return Ok(Vec::new()),
+            Draw::Boundary(boundary) => {
+                let drawn = boundary.start(at, &mut file.system)?;
+                return Ok(drawn.into_iter().map(Some).collect());
+            }
+            Draw::Other(dispersion) => dispersion,
+        };
+        let drawn = match (dispersion, &mut file.system) {
             (Dispersion::AnyAttitude, SystemFile::RigidBody(body)) => {
                 start_with(rotation([at[0], at[1], at[2]]), body)
             }
@@ -192,7 +187,7 @@ impl Sampler {
             }
             (Dispersion::Inertia(parts), SystemFile::RigidBody(body)) => {
                 let matrix = &mut body.inertia_kg_m2;
-                let entries = inertia(parts).zip(at);
+                let entries = inertia(parts).into_iter().zip(at);
                 let entries = entries.map(|((distribution, _, row, column), &u)| {
                     let value = matrix[row][column] * (1.0 + 0.01 * distribution.value(u));
                     matrix[row][column] = value;

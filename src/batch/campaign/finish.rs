@@ -9,69 +9,54 @@ use arrow_array::{BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Ar
 use synth::model::make_readable;
 
 use super::folder::{
-    run_folder, run_folder_name, CAMPAIGN_FILE, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
+    run_folder, run_folder_name, CampaignFolder, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
     RUNS_FILE, SCENARIO_FILE,
 };
 use super::job::CampaignJob;
-use super::record::{
-    CampaignFile, Inputs, RequirementCount, Results, State, CAMPAIGN_SCHEMA_VERSION,
-};
+use super::record::{CampaignFile, RequirementCount, Results, State};
 use super::row::Rank;
 use super::statistics::{count_missed, metric_quantiles, pass_rate_interval};
 use super::table::{
-    mistyped, rows, typed, unwritten, writer, CampaignColumns, Content, COVERS_COLUMN,
-    MARGIN_COLUMN, RUN_COLUMN, VERDICT_COLUMN,
+    mistyped, rows, typed, unwritten, writer, Content, COVERS_COLUMN, MARGIN_COLUMN, RUN_COLUMN,
+    VERDICT_COLUMN,
 };
 use super::CampaignError;
-use crate::base::files::{create_folder, write};
+use crate::base::files::{create_folder, write, OutputError};
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
-/// Writes the tables, the kept runs and the record of a job whose parts are all there, and removes the
-/// parts. `keep`: most failed runs that are kept with their trajectory.
+/// Writes the tables of a job whose parts are all there (of one that is complete they are), the kept runs
+/// and the record, and removes the parts. `keep`: most failed runs that are kept with their trajectory; of
+/// a job that is complete it may be another number than before.
 ///
 /// # Errors
-/// A file that cannot be written; it was stopped. What was done before stays.
-pub fn finish(job: &CampaignJob, keep: usize, stop: &AtomicBool) -> Result<Results, CampaignError> {
-    let inputs = job.inputs.to_json();
-    let sources = |_: &str, _| {
-        let sources = job.part_files().map(|path| Source {
-            path,
-            content: Content::Whole,
-            inputs: inputs.clone(),
-        });
-        sources.collect()
-    };
-    tables(job).write(sources)?;
-    finish_again(job, keep, stop)
-}
-
-/// As [`finish`], from the tables of a job that is complete: another number of runs may be kept.
-///
-/// # Errors
-/// A file that cannot be read or written; it was stopped.
-pub fn finish_again(
+/// A file that cannot be read or written; it was stopped. What was done before stays.
+pub fn finish(
     job: &CampaignJob,
+    state: State,
     keep: usize,
     stop: &AtomicBool,
 ) -> Result<Results, CampaignError> {
-    let tables = tables(job);
-    let count = tables.count(keep)?;
+    if state == State::Running {
+        let inputs = job.folder.inputs.to_json();
+        job.folder.write_tables(|_, _| {
+            let sources = job.part_files().map(|path| Source {
+                path,
+                content: Content::Whole,
+                inputs: inputs.clone(),
+            });
+            sources.collect()
+        })?;
+    }
+    let folder = &job.folder;
+    let count = folder.count(keep)?;
     let kept = count.worst_runs();
     keep_runs(job, &kept, stop)?;
-    let runs = job.folder.join(RUNS_FILE);
+    let runs = folder.path.join(RUNS_FILE);
     let requirements = count_missed(&runs, &job.plan.nominal.requirements)?;
-    let results = tables.conclude(count, kept, requirements)?;
-    remove_parts(&job.folder)?;
+    let results = folder.conclude(count, kept, requirements)?;
+    remove_parts(&folder.path)?;
     Ok(results)
-}
-
-fn tables<'a>(job: &'a CampaignJob) -> Tables<'a> {
-    Tables {
-        folder: &job.folder,
-        columns: &job.plan.columns,
-        inputs: &job.inputs,
-    }
 }
 
 /// What is counted while the rows pass.
@@ -106,7 +91,9 @@ impl RunCount {
                 continue;
             }
             let rank = Rank::new(verdict, margin, run);
-            let place = self.worst.partition_point(|other| *other < rank);
+            let place = self
+                .worst
+                .partition_point(|other| other.compare(&rank).is_lt());
             if place < keep {
                 self.worst.insert(place, rank);
                 self.worst.truncate(keep);
@@ -128,16 +115,9 @@ pub(crate) struct Source {
     pub inputs: String,
 }
 
-/// The tables of a folder: their columns, and what determines their numbers.
-pub(super) struct Tables<'a> {
-    pub folder: &'a Path,
-    pub columns: &'a CampaignColumns,
-    pub inputs: &'a Inputs,
-}
-
-impl Tables<'_> {
+impl CampaignFolder {
     /// Writes both tables from the sources that there are for the table of a name and content.
-    pub fn write(
+    pub(super) fn write_tables(
         &self,
         sources: impl Fn(&str, Content) -> Vec<Source>,
     ) -> Result<(), CampaignError> {
@@ -146,7 +126,7 @@ impl Tables<'_> {
             (PROFILES_FILE, Content::Profiles),
         ];
         for (name, content) in tables {
-            self.concatenate(&self.folder.join(name), content, &sources(name, content))?;
+            self.concatenate(&self.path.join(name), content, &sources(name, content))?;
         }
         Ok(())
     }
@@ -158,10 +138,10 @@ impl Tables<'_> {
         content: Content,
         sources: &[Source],
     ) -> Result<(), CampaignError> {
-        let failed = |source| CampaignError::written(path, source);
-        let file = tempfile::NamedTempFile::new_in(self.folder).map_err(failed)?;
+        let failed = |source| OutputError::io(path, "cannot be written", source);
+        let file = tempfile::NamedTempFile::new_in(&self.path).map_err(failed)?;
         let to = file.reopen().map_err(failed)?;
-        let mut table = writer(path, to, self.columns, content, &self.inputs.to_json())?;
+        let mut table = writer(path, to, &self.columns, content, &self.inputs.to_json())?;
         self.each_batch(path, content, sources, |rows| {
             table.write(rows).map_err(|error| unwritten(path, error))
         })?;
@@ -174,8 +154,8 @@ impl Tables<'_> {
 
     /// Counts the runs in the table of the runs, which must be those of the inputs. `keep`: most failed
     /// runs that are wanted.
-    pub fn count(&self, keep: usize) -> Result<RunCount, CampaignError> {
-        let path = self.folder.join(RUNS_FILE);
+    pub(super) fn count(&self, keep: usize) -> Result<RunCount, CampaignError> {
+        let path = self.path.join(RUNS_FILE);
         let source = Source {
             path: path.clone(),
             content: Content::Runs,
@@ -199,7 +179,7 @@ impl Tables<'_> {
         let mut next = self.inputs.first_run;
         for source in sources {
             let contents = (source.content, content);
-            for batch in rows(&source.path, self.columns, contents, &source.inputs)? {
+            for batch in rows(&source.path, &self.columns, contents, &source.inputs)? {
                 let batch = batch?;
                 for &run in typed::<UInt64Array>(&batch, RUN_COLUMN)?.values() {
                     if run != next {
@@ -222,7 +202,7 @@ impl Tables<'_> {
     }
 
     /// Writes the record, with the failed runs whose trajectory is kept, the worst first.
-    pub fn conclude(
+    pub(super) fn conclude(
         &self,
         count: RunCount,
         kept: Vec<u64>,
@@ -238,27 +218,21 @@ impl Tables<'_> {
             pass_rate: passed as f64 / runs as f64,
             pass_rate_interval: pass_rate_interval(passed, runs),
             requirements,
-            metrics: metric_quantiles(&self.folder.join(RUNS_FILE))?,
+            metrics: metric_quantiles(&self.path.join(RUNS_FILE))?,
             profile: self.columns.profile.clone(),
             not_kept: runs - passed - kept.len() as u64,
             kept,
         };
-        let record = CampaignFile {
-            schema_version: CAMPAIGN_SCHEMA_VERSION,
-            state: State::Complete,
-            inputs: self.inputs.clone(),
-            results: Some(results.clone()),
-        };
-        write(&self.folder.join(CAMPAIGN_FILE), &record.to_json())?;
+        CampaignFile::write(&self.path, &self.inputs, Some(&results))?;
         Ok(results)
     }
 }
 
 /// Makes the failed runs again, this time with their trajectory; other folders of kept runs go away.
 fn keep_runs(job: &CampaignJob, runs: &[u64], stop: &AtomicBool) -> Result<(), CampaignError> {
-    remove_others(&job.folder.join(FAILED_FOLDER), runs)?;
+    remove_others(&job.folder.path.join(FAILED_FOLDER), runs)?;
     job.threads.each(runs.to_vec(), stop, |run| {
-        let folder = run_folder(&job.folder, run);
+        let folder = run_folder(&job.folder.path, run);
         // The summary is written last.
         if folder.join(SUMMARY_FILE).exists() {
             return Ok(());
@@ -284,7 +258,7 @@ pub(crate) fn remove_others(all: &Path, runs: &[u64]) -> Result<(), CampaignErro
         if name.starts_with("run-") && !names.contains(&name) {
             let path = entry.path();
             fs::remove_dir_all(&path)
-                .map_err(|source| CampaignError::io(&path, "cannot be removed", source))?;
+                .map_err(|source| OutputError::io(&path, "cannot be removed", source))?;
         }
     }
     // Only when nothing is left.
@@ -298,7 +272,7 @@ fn remove_parts(folder: &Path) -> Result<(), CampaignError> {
     let path = folder.join(PARTS_FOLDER);
     match fs::remove_dir_all(&path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(CampaignError::io(&path, "cannot be removed", error))
+            Err(OutputError::io(&path, "cannot be removed", error).into())
         }
         _ => Ok(()),
     }

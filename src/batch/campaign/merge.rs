@@ -3,15 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use synth::model::{read_text, write_atomically};
-
-use super::finish::{remove_others, Source, Tables};
-use super::folder::{run_folder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE};
-use super::job::prepare;
+use super::finish::{remove_others, Source};
+use super::folder::{
+    run_folder, CampaignFolder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE,
+};
 use super::record::{CampaignFile, Inputs, RequirementCount, Results};
 use super::table::{column_names, CampaignColumns, DRAWN};
 use super::CampaignError;
-use crate::base::files::create_folder;
+use crate::base::files::{create_folder, read, write, OutputError};
 use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// A shard's folder.
@@ -28,23 +27,21 @@ struct ShardFolder {
 /// Shards that are not complete, of different campaigns, missing or there twice; files that cannot be
 /// read or written.
 pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results, CampaignError> {
-    let shards = folders.iter().map(|folder| read(folder));
+    let shards = folders.iter().map(|folder| shard(folder));
     let mut shards = shards.collect::<Result<Vec<_>, _>>()?;
     shards.sort_by_key(|shard| (shard.inputs.first_run, shard.inputs.end_run));
-    check_same(&shards)?;
-    check_whole(&shards)?;
+    check(&shards)?;
     let Some(first) = shards.first() else {
         return Err(CampaignError::Shards("no folder is given".to_string()));
     };
-    let inputs = whole(&first.inputs);
     let (scenario, design) = texts(first)?;
-    let _open = prepare(output, &inputs, &scenario, design.as_deref())?;
-    let tables = Tables {
-        folder: output,
-        columns: &columns(first)?,
-        inputs: &inputs,
+    let whole = CampaignFolder {
+        path: output.to_path_buf(),
+        columns: columns(first)?,
+        inputs: whole(&first.inputs),
     };
-    tables.write(|name, content| {
+    let _open = whole.open(&scenario, design.as_deref())?;
+    whole.write_tables(|name, content| {
         let sources = shards.iter().map(|shard| Source {
             path: shard.folder.join(name),
             content,
@@ -52,9 +49,9 @@ pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results,
         });
         sources.collect()
     })?;
-    let count = tables.count(keep)?;
+    let count = whole.count(keep)?;
     let kept = copy_kept(&shards, output, &count.worst_runs())?;
-    tables.conclude(count, kept, missed(&shards))
+    whole.conclude(count, kept, missed(&shards))
 }
 
 /// How many runs of all shards, which are of one campaign, missed each requirement.
@@ -70,7 +67,7 @@ fn missed(shards: &[ShardFolder]) -> Vec<RequirementCount> {
     all.unwrap_or_default()
 }
 
-fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
+fn shard(folder: &Path) -> Result<ShardFolder, CampaignError> {
     let record = CampaignFile::read(folder)?;
     match record.results {
         Some(results) => Ok(ShardFolder {
@@ -95,9 +92,10 @@ fn whole(inputs: &Inputs) -> Inputs {
     }
 }
 
-fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
-    for pair in shards.windows(2) {
-        let [one, other] = pair else { continue };
+/// Refuses shards of different campaigns, gaps and overlaps.
+fn check(shards: &[ShardFolder]) -> Result<(), CampaignError> {
+    let pairs = || shards.iter().zip(shards.iter().skip(1));
+    for (one, other) in pairs() {
         if let Some(difference) = whole(&other.inputs).difference(&whole(&one.inputs)) {
             return Err(CampaignError::Shards(format!(
                 "{} is a shard of another campaign than {}: {difference}",
@@ -106,30 +104,25 @@ fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
             )));
         }
     }
-    Ok(())
-}
-
-/// Refuses gaps and overlaps.
-fn check_whole(shards: &[ShardFolder]) -> Result<(), CampaignError> {
-    let mut next = 0;
-    let mut before: Option<&ShardFolder> = None;
-    for shard in shards {
-        let first = shard.inputs.first_run;
+    let begin = shards.first().map_or(0, |first| first.inputs.first_run);
+    if begin > 0 {
+        return Err(missing(0, begin));
+    }
+    for (one, other) in pairs() {
+        let (next, first) = (one.inputs.end_run, other.inputs.first_run);
         if first > next {
             return Err(missing(next, first));
         }
-        if let Some(before) = before.filter(|_| first < next) {
+        if first < next {
             return Err(CampaignError::Shards(format!(
                 "{} and {} both hold run {first}",
-                before.folder.display(),
-                shard.folder.display()
+                one.folder.display(),
+                other.folder.display()
             )));
         }
-        next = shard.inputs.end_run;
-        before = Some(shard);
     }
-    match before {
-        Some(shard) if next < shard.inputs.runs => Err(missing(next, shard.inputs.runs)),
+    match shards.last().map(|last| &last.inputs) {
+        Some(last) if last.end_run < last.runs => Err(missing(last.end_run, last.runs)),
         _ => Ok(()),
     }
 }
@@ -139,10 +132,7 @@ fn missing(from: u64, to: u64) -> CampaignError {
 }
 
 fn texts(shard: &ShardFolder) -> Result<(String, Option<String>), CampaignError> {
-    let read = |name: &str| {
-        let path = shard.folder.join(name);
-        read_text(&path).map_err(|problem| CampaignError::file(&path, problem))
-    };
+    let read = |name: &str| read(&shard.folder.join(name));
     let design = shard.inputs.design_sha256.as_ref();
     Ok((
         read(SCENARIO_FILE)?,
@@ -176,8 +166,9 @@ fn copy_kept(
         create_folder(&to)?;
         for name in [SCENARIO_FILE, TRAJECTORY_FILE, SUMMARY_FILE] {
             let (from, to) = (from.join(name), to.join(name));
-            let bytes = fs::read(&from).map_err(|source| CampaignError::read(&from, source))?;
-            write_atomically(&to, &bytes).map_err(|problem| CampaignError::file(&to, problem))?;
+            let bytes = fs::read(&from);
+            let bytes = bytes.map_err(|source| OutputError::io(&from, "cannot be read", source))?;
+            write(&to, bytes)?;
         }
         kept.push(run);
     }

@@ -71,24 +71,6 @@ pub enum CampaignError {
 }
 
 impl CampaignError {
-    /// A file that cannot be used.
-    pub(super) fn file(path: &Path, problem: FileError) -> Self {
-        let path = path.to_path_buf();
-        CampaignError::Output(OutputError::File { path, problem })
-    }
-
-    fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
-        Self::file(path, FileError::Io { action, source })
-    }
-
-    fn read(path: &Path, source: std::io::Error) -> Self {
-        Self::io(path, "cannot be read", source)
-    }
-
-    fn written(path: &Path, source: std::io::Error) -> Self {
-        Self::io(path, "cannot be written", source)
-    }
-
     fn broken(path: &Path, error: impl std::fmt::Display) -> Self {
         Self::unsuitable(path, format!("is not a table that can be read: {error}"))
     }

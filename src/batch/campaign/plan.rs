@@ -166,7 +166,10 @@ impl<'a> Plan<'a> {
             profile_times_s: &self.columns.profile.times_s,
         };
         let outcome = self.simulate(&resolved.scenario, run, &recording)?;
-        Ok(RunRow::new(resolved, outcome))
+        let Resolved {
+            scenario, drawn, ..
+        } = resolved;
+        Ok(RunRow::new(run, &scenario, drawn, outcome))
     }
 
     /// Makes a run and keeps its trajectory, and its scenario as a text.

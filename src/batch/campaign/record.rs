@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use synth::model::read_text;
 
-use super::folder::CAMPAIGN_FILE;
 use super::CampaignError;
+use crate::base::files::{read, write, OutputError};
 use crate::batch::store::chunks::Shard;
 use crate::batch::store::identity::first_difference;
 use crate::scenario::PlanFile;
 
+/// What was requested and what came of it.
+pub const CAMPAIGN_FILE: &str = "campaign.json";
 /// The version of the format of `campaign.json`.
 pub const CAMPAIGN_SCHEMA_VERSION: u32 = 1;
 
@@ -184,7 +185,7 @@ impl CampaignFile {
     /// A folder without a record, or with one that is not valid.
     pub fn read(folder: &Path) -> Result<Self, CampaignError> {
         let path = folder.join(CAMPAIGN_FILE);
-        let text = read_text(&path).map_err(|problem| CampaignError::file(&path, problem))?;
+        let text = read(&path)?;
         let bad = |reason| {
             CampaignError::unsuitable(&path, format!("not the record of a campaign: {reason}"))
         };
@@ -198,9 +199,23 @@ impl CampaignFile {
         Ok(file)
     }
 
-    /// The record as a text.
-    pub fn to_json(&self) -> String {
+    /// Writes the record of a folder: its inputs, and what came of it where it is complete.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(
+        folder: &Path,
+        inputs: &Inputs,
+        results: Option<&Results>,
+    ) -> Result<(), OutputError> {
+        let record = CampaignFile {
+            schema_version: CAMPAIGN_SCHEMA_VERSION,
+            state: results.map_or(State::Running, |_| State::Complete),
+            inputs: inputs.clone(),
+            results: results.cloned(),
+        };
         // It holds finite numbers, strings and lists only, so it can always be written.
-        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+        let text = serde_json::to_string_pretty(&record).unwrap_or_default() + "\n";
+        write(&folder.join(CAMPAIGN_FILE), text)
     }
 }

@@ -1,9 +1,10 @@
 //! One run as a row of the tables.
 
-use super::plan::Resolved;
+use std::cmp::Ordering;
+
 use crate::run::outcome::Outcome;
 use crate::run::summary::{RunVerdict, Summary};
-use crate::scenario::RequirementFile;
+use crate::scenario::{RequirementFile, Scenario};
 use crate::sim::metrics::METRICS;
 
 /// What is known of one run.
@@ -30,22 +31,21 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// The row of a run.
-    pub fn new(resolved: Resolved, outcome: Outcome) -> Self {
+    /// The row of a run of a scenario with these drawn numbers.
+    pub fn new(run: u64, scenario: &Scenario, drawn: Vec<Option<f64>>, outcome: Outcome) -> Self {
         let summary = &outcome.summary;
         let certificate = summary.certificate.as_ref();
         let metrics = METRICS.iter().map(|entry| summary.metric(entry.metric));
+        let finite = metrics.map(|value| value.filter(|value| value.is_finite()));
         RunRow {
-            run: resolved.run,
-            seed: resolved.scenario.seed,
+            run,
+            seed: scenario.seed,
             verdict: summary.verdict,
             proof_covers: certificate.map(|outcome| outcome.covers_run),
             start_level: certificate.map(|outcome| outcome.start_level),
-            worst: worst(summary, &resolved.scenario.requirements),
-            metrics: metrics
-                .map(|value| value.filter(|value| value.is_finite()))
-                .collect(),
-            drawn: resolved.drawn,
+            worst: worst(summary, &scenario.requirements),
+            metrics: finite.collect(),
+            drawn,
             profile: outcome.profile,
         }
     }
@@ -56,8 +56,8 @@ impl RunRow {
     }
 }
 
-/// How bad a run is; runs sorted by this begin with the worst.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How bad a run is.
+#[derive(Debug, Clone, Copy)]
 pub struct Rank {
     severity: usize,
     margin: f64,
@@ -74,18 +74,9 @@ impl Rank {
             run,
         }
     }
-}
 
-impl Eq for Rank {}
-
-impl PartialOrd for Rank {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Rank {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+    /// The order of two runs, the worse one first.
+    pub fn compare(&self, other: &Self) -> Ordering {
         let severity = self.severity.cmp(&other.severity);
         let margin = self.margin.total_cmp(&other.margin);
         severity.then(margin).then(self.run.cmp(&other.run))
@@ -120,7 +111,7 @@ mod tests {
             rank(2, f64::NEG_INFINITY, 7),
             rank(0, 1.0, 8),
         ];
-        ranks.sort();
+        ranks.sort_by(Rank::compare);
         assert_eq!(ranks.map(|rank| rank.run), [8, 7, 2, 9, 1]);
     }
 }

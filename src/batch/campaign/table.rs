@@ -19,6 +19,7 @@ use parquet::schema::types::ColumnPath;
 use super::record::ProfileGrid;
 use super::row::RunRow;
 use super::CampaignError;
+use crate::base::files::OutputError;
 use crate::base::parquet::{batch, properties, Column};
 use crate::sim::metrics::METRICS;
 
@@ -234,7 +235,8 @@ pub(super) fn mistyped() -> CampaignError {
 }
 
 fn builder(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, CampaignError> {
-    let file = File::open(path).map_err(|source| CampaignError::read(path, source))?;
+    let file = File::open(path);
+    let file = file.map_err(|source| OutputError::io(path, "cannot be read", source))?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file);
     builder.map_err(|error| CampaignError::broken(path, error))
 }

@@ -202,11 +202,11 @@ fn run(candidate: &Candidate, fault: Option<&StandardFault>) -> Result<Outcome, 
 }
 
 fn with_fault(candidate: &Candidate, fault: &StandardFault) -> Result<Scenario, ModelError> {
-    let mut file = candidate.file.clone();
+    let mut file = candidate.entry.file.clone();
     if let SystemFile::RigidBody(body) = &mut file.system {
         body.faults.extend(fault.faults.iter().cloned());
     }
-    Scenario::from_file(&file, candidate.scenario.sha256.clone())
+    Scenario::from_file(&file, candidate.entry.sha256.clone())
 }
 
 fn proof(outcome: &CertificateOutcome) -> String {

@@ -1,14 +1,13 @@
 //! The table of a comparison.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::base::csv::quoted;
 use crate::base::number::short_or_none;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
-use crate::sim::metrics::{compared, Metric};
+use crate::sim::metrics::{by_key, compared, Metric, MetricValue};
 
 /// The version of the comparison's format.
 pub const COMPARISON_SCHEMA_VERSION: u32 = 1;
@@ -60,7 +59,7 @@ pub struct ControllerRow {
     pub proof: Option<String>,
     /// The compared metrics, each under its key.
     #[serde(flatten, serialize_with = "by_key")]
-    pub metrics: Vec<Compared>,
+    pub metrics: Vec<MetricValue>,
     /// What the link to the actuators carried, where there is one.
     pub link: Option<LinkOutcome>,
     /// The runs with a standard fault.
@@ -126,37 +125,19 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
         return Some("did not settle".to_string());
     }
     let missed = summary.requirements.iter().find(|outcome| !outcome.met)?;
-    let value = missed.value;
-    let value = value.map_or("none".to_string(), |value| format!("{value:.4}"));
-    Some(format!("{} {}: {value}", missed.name, missed.limit))
+    Some(missed.as_text(Some(4)))
 }
 
-/// A compared metric and its value for a controller.
-pub type Compared = (Metric, Option<f64>);
-
 /// The compared metrics of a run, then the steps outside of a bound, which no table shows.
-pub(super) fn compared_metrics(summary: &Summary) -> Vec<Compared> {
+pub(super) fn compared_metrics(summary: &Summary) -> Vec<MetricValue> {
     let shown = compared().into_iter().map(|entry| entry.metric);
     let all = shown.chain([Metric::Violations]);
     all.map(|metric| (metric, summary.metric(metric))).collect()
 }
 
-fn by_key<S: Serializer>(metrics: &[Compared], serializer: S) -> Result<S::Ok, S::Error> {
-    let mut map = serializer.serialize_map(Some(metrics.len()))?;
-    for (metric, value) in metrics {
-        match value {
-            Some(value) if metric.entry().whole => {
-                map.serialize_entry(metric.key(), &(*value as u64))?
-            }
-            value => map.serialize_entry(metric.key(), value)?,
-        }
-    }
-    map.end()
-}
-
 impl ControllerRow {
     /// The metrics that tables show.
-    pub fn shown(&self) -> &[Compared] {
+    pub fn shown(&self) -> &[MetricValue] {
         let shown = self.metrics.len().saturating_sub(1);
         &self.metrics[..shown]
     }

@@ -1,6 +1,7 @@
 //! What is the same for every controller of a comparison.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -20,7 +21,7 @@ pub struct Candidate {
     /// Name in tables and figures.
     pub label: String,
     /// The scenario as written.
-    pub file: ScenarioFile,
+    pub entry: Entry,
     /// The checked scenario.
     pub scenario: Scenario,
     /// The design, for a scenario whose controller is one.
@@ -57,8 +58,8 @@ impl Candidate {
 /// A scenario file to be compared.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// Name of the file.
-    pub name: String,
+    /// Where it is.
+    pub path: PathBuf,
     /// The file.
     pub file: ScenarioFile,
     /// SHA-256 of its text.
@@ -125,6 +126,10 @@ pub enum ComparisonError {
 const KEYS: [&str; 4] = ["system", "duration_s", "metrics", "requirements"];
 
 impl Entry {
+    fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
     /// Refuses a plant that is not a spacecraft.
     ///
     /// # Errors
@@ -132,9 +137,10 @@ impl Entry {
     pub fn check_spacecraft(&self) -> Result<(), ComparisonError> {
         match &self.file.system {
             SystemFile::RigidBody(_) => Ok(()),
-            SystemFile::TakagiSugeno(_) => Err(ComparisonError::NotASpacecraft {
-                file: self.name.clone(),
-            }),
+            SystemFile::TakagiSugeno(_) => {
+                let file = self.name();
+                Err(ComparisonError::NotASpacecraft { file })
+            }
         }
     }
 
@@ -167,8 +173,8 @@ pub fn check_one_task(entries: &[Entry]) -> Result<(), ComparisonError> {
     for entry in others {
         if let Some(difference) = entry.first_difference(first) {
             return Err(ComparisonError::Differs {
-                file: entry.name.clone(),
-                other_file: first.name.clone(),
+                file: entry.name(),
+                other_file: first.name(),
                 difference,
             });
         }
@@ -176,20 +182,17 @@ pub fn check_one_task(entries: &[Entry]) -> Result<(), ComparisonError> {
     Ok(())
 }
 
-/// The task of one scenario, which may be any, in place of every entry's own. `limit`: the torque that can
-/// act, N m.
+/// The task of one candidate, which may be any, in place of every entry's own, with the torque that can act
+/// there as the actuators' limit.
 ///
 /// # Errors
 /// A plant that is not a spacecraft.
-pub fn impose(
-    task: &Entry,
-    limit: &Vector3<f64>,
-    entries: &mut [Entry],
-) -> Result<(), ComparisonError> {
-    let mut task = task.file.clone();
+pub fn impose(source: &Candidate, entries: &mut [Entry]) -> Result<(), ComparisonError> {
+    let mut task = source.entry.file.clone();
     if let SystemFile::RigidBody(body) = &mut task.system {
+        let limit = source.torque_limit();
         let finite = limit.iter().all(|value| value.is_finite());
-        body.actuators.torque_limit_nm = finite.then_some((*limit).into());
+        body.actuators.torque_limit_nm = finite.then_some(limit.into());
     }
     for entry in entries {
         entry.check_spacecraft()?;
@@ -202,12 +205,12 @@ pub fn impose(
 }
 
 /// Tells candidates of the same name apart by their files.
-pub fn name_apart(candidates: &mut [Candidate], entries: &[Entry]) {
+pub fn name_apart(candidates: &mut [Candidate]) {
     let names: Vec<String> = candidates.iter().map(|one| one.label.clone()).collect();
-    for (candidate, entry) in candidates.iter_mut().zip(entries) {
+    for candidate in candidates {
         let alike = names.iter().filter(|name| **name == candidate.label);
         if alike.count() > 1 {
-            candidate.label += &format!(" ({})", entry.name);
+            candidate.label += &format!(" ({})", candidate.entry.name());
         }
     }
 }

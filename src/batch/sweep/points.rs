@@ -59,21 +59,13 @@ impl SweepIdentity {
 }
 
 /// The keys of the identity, those that explain a difference best first, and what they are called.
-const IDENTITY: [&str; 6] = [
-    "file_sha256",
-    "kind",
-    "axes",
-    "design_sha256",
-    "solver",
-    "generator",
-];
-const CALLED: [&str; 6] = [
-    "file",
-    "kind of file",
-    "--vary",
-    "design",
-    "solver",
-    "version of the program",
+const IDENTITY: [(&str, &str); 6] = [
+    ("file_sha256", "file"),
+    ("kind", "kind of file"),
+    ("axes", "--vary"),
+    ("design_sha256", "design"),
+    ("solver", "solver"),
+    ("generator", "version of the program"),
 ];
 
 /// First line of the journal.
@@ -175,14 +167,14 @@ fn parse<T: for<'a> Deserialize<'a>>(line: &[u8]) -> Result<T, LineError> {
 
 fn check_header(line: &[u8], identity: &SweepIdentity) -> Result<(), LineError> {
     let header: FirstRecord = parse(line)?;
-    let Some(difference) = first_difference(&header.sweep, identity, &IDENTITY) else {
-        return Ok(());
-    };
-    let mut names = IDENTITY.iter().zip(CALLED);
-    let name = names.find(|(key, _)| **key == difference.key);
-    Err(LineError::Other(
-        name.map_or(difference.key, |(_, name)| name),
-    ))
+    let keys = IDENTITY.map(|(key, _)| key);
+    match first_difference(&header.sweep, identity, &keys) {
+        None => Ok(()),
+        Some(difference) => {
+            let named = IDENTITY.into_iter().find(|(key, _)| *key == difference.key);
+            Err(LineError::Other(named.map_or("work", |(_, name)| name)))
+        }
+    }
 }
 
 fn take_point(

@@ -83,21 +83,20 @@ fn failed(error: ComparisonError) -> CliError {
 
 /// The scenarios, checked, all with one task.
 fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
-    let paths = &args.scenarios;
-    let entries = paths.iter().map(|path| read(path));
+    let entries = args.scenarios.iter().map(|path| read(path));
     let mut entries = entries.collect::<Result<Vec<_>, _>>()?;
     let design = args.design.as_deref().map(read_design).transpose()?;
     match &args.take_system_from {
         Some(path) => {
             let source = read(path)?;
             source.check_spacecraft().map_err(failed)?;
-            let limit = candidate(path, &source, design.as_ref())?.torque_limit();
-            impose(&source, &limit, &mut entries).map_err(failed)?;
+            let source = candidate(source, design.as_ref())?;
+            impose(&source, &mut entries).map_err(failed)?;
         }
         None => check_one_task(&entries).map_err(failed)?,
     }
-    let candidates = paths.iter().zip(&entries);
-    let candidates = candidates.map(|(path, entry)| candidate(path, entry, design.as_ref()));
+    let candidates = entries.into_iter();
+    let candidates = candidates.map(|entry| candidate(entry, design.as_ref()));
     let mut candidates = candidates.collect::<Result<Vec<_>, _>>()?;
     if let Some(path) = &args.design {
         if !candidates.iter().any(Candidate::needs_design) {
@@ -105,7 +104,7 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
             return Err(CliError::unsuitable(path, reason));
         }
     }
-    name_apart(&mut candidates, &entries);
+    name_apart(&mut candidates);
     Ok(candidates)
 }
 
@@ -113,7 +112,7 @@ fn read(path: &Path) -> Result<Entry, CliError> {
     let text = files::text(path)?;
     let (file, sha256) = Scenario::read(&text).map_err(|error| CliError::file(path, error))?;
     Ok(Entry {
-        name: path.display().to_string(),
+        path: path.to_path_buf(),
         file,
         sha256,
     })
@@ -121,20 +120,20 @@ fn read(path: &Path) -> Result<Entry, CliError> {
 
 /// The checked scenario with its design: the command line's, or the scenario's, whose path starts at
 /// the scenario's folder.
-fn candidate(path: &Path, entry: &Entry, design: Option<&Design>) -> Result<Candidate, CliError> {
+fn candidate(entry: Entry, design: Option<&Design>) -> Result<Candidate, CliError> {
     let scenario = Scenario::from_file(&entry.file, entry.sha256.clone())
-        .map_err(|error| CliError::value(path, error))?;
+        .map_err(|error| CliError::value(&entry.path, error))?;
     let design = match (&scenario.controller, design) {
         (ControllerChoice::Design(_), Some(design)) => Some(design.clone()),
         (ControllerChoice::Design(Some(file)), None) => {
-            let folder = path.parent().unwrap_or(Path::new("."));
+            let folder = entry.path.parent().unwrap_or(Path::new("."));
             Some(read_design(&folder.join(file))?)
         }
         _ => None,
     };
     Ok(Candidate {
         label: scenario.name.clone(),
-        file: entry.file.clone(),
+        entry,
         scenario,
         design,
     })
