@@ -5,7 +5,7 @@ use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
-use synth::design::{DesignFile, LargeSetCertificate};
+use synth::design::{prove, DesignFile, LargeSetCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
@@ -108,7 +108,7 @@ impl Design {
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
         let outer = file.large_set_certificate(&model)?;
-        let report = file.verify(&model)?;
+        let report = prove(&model, &certificate, outer.as_ref());
         Ok(Self {
             file,
             model,

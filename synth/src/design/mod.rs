@@ -7,8 +7,8 @@ mod recover;
 pub(crate) use certificate::{matrix, rows, symmetric};
 pub use certificate::{CertificateFile, ControllerFile, MismatchFile};
 pub use file::{
-    Coupling, DesignFile, LargeSetCertificate, OuterFile, ProblemUnits, Provenance, SearchRecord,
-    SolverRun, VariedFile, DESIGN_SCHEMA_VERSION,
+    prove, Coupling, DesignFile, LargeSetCertificate, OuterFile, ProblemUnits, Provenance,
+    SearchRecord, SolverRun, VariedFile, DESIGN_SCHEMA_VERSION,
 };
 pub(crate) use recover::add_claims;
 pub use recover::recover;
