@@ -265,14 +265,16 @@ where
     ) {
         self.steps += 1;
         let seen = self.gauge.see(time_s, state);
-        let (gauge, square) = (&self.gauge, disturbance.norm_squared());
+        let gauge = &self.gauge;
         let magnitude = gauge.settling_square(&seen);
         self.error
             .record(time_s, step_s, magnitude, || gauge.tail_square(&seen));
         if let Some(monitor) = &mut self.lyapunov {
+            let square = disturbance.norm_squared();
             monitor.step(time_s, step_s, &gauge.certified(&seen), square);
         }
         if let Some(inner) = &mut self.inner {
+            let square = disturbance.norm_squared();
             inner.step(time_s, step_s, &gauge.certified(&seen), square);
         }
         self.watch(time_s, state, &seen, controller);
