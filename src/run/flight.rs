@@ -14,8 +14,17 @@ use crate::sim::plant::Plant;
 use crate::sim::sampling::Sampling;
 use crate::sim::sensor::Sensor;
 
-/// A run that waits for its controller.
-pub(crate) struct Flight<'a, P, S, G, const N: usize, const M: usize, const D: usize> {
+/// A run that waits for its controller, of a plant whose certificates are about `L` states.
+pub(crate) struct Flight<
+    'a,
+    P,
+    S,
+    G,
+    const N: usize,
+    const M: usize,
+    const D: usize,
+    const L: usize,
+> {
     /// The scenario.
     pub scenario: &'a Scenario,
     /// Its plant.
@@ -28,11 +37,8 @@ pub(crate) struct Flight<'a, P, S, G, const N: usize, const M: usize, const D: u
     pub recording: &'a Recording<'a>,
 }
 
-/// A [`Flight`] of a plant whose certificates are about `L` states.
-pub(crate) struct Certified<F, const L: usize>(pub F);
-
 impl<P, S, G, const N: usize, const M: usize, const D: usize, const L: usize> Use<S::Measurement, M>
-    for Certified<Flight<'_, P, S, G, N, M, D>, L>
+    for Flight<'_, P, S, G, N, M, D, L>
 where
     P: Plant<N, M, D>,
     S: Sensor<N>,
@@ -47,7 +53,7 @@ where
             design,
             mut link,
             recording,
-        } = self.0;
+        } = self;
         let breakpoints_s = bench.discontinuities_s(scenario.duration_s);
         let columns = (controller.signal_names(), link.is_some());
         let mut log = Log::new(bench.gauge, scenario, design, recording, columns);

@@ -15,7 +15,7 @@ use synth::model::Plant;
 
 use design::Design;
 use designed::{designed, designed_attitude};
-use flight::{finish, Certified, Flight};
+use flight::{finish, Flight};
 use judge::About;
 use outcome::{Outcome, Recording, SimulateError};
 
@@ -87,7 +87,7 @@ fn run_spacecraft(
     };
     let link = scenario.link.as_ref();
     let link = link.map(|data| Link::new(data, scenario.seed));
-    let flight = Flight {
+    let flight = Flight::<_, _, _, 7, 3, 3, 6> {
         scenario,
         bench: system.bench(settle, scenario.seed),
         design,
@@ -99,10 +99,7 @@ fn run_spacecraft(
         linked: scenario.link.is_some(),
     };
     let law = scenario.controller.law();
-    let (end, log) = match scenario
-        .controller
-        .build(&around, Certified::<_, 6>(flight))?
-    {
+    let (end, log) = match scenario.controller.build(&around, flight)? {
         Ok(flown) => flown,
         Err(flight) => designed_attitude(design.ok_or(SimulateError::NoDesign)?, flight)?,
     };
@@ -155,14 +152,14 @@ fn run_padded<const N: usize, const M: usize>(
 ) -> Result<Outcome, SimulateError> {
     let tolerance = scenario.settle_tolerance_state;
     let rules = mixing_rules(system, design)?;
-    let flight = Flight {
+    let flight = Flight::<_, _, _, N, M, N, N> {
         scenario,
         bench: system.bench::<N, M>(tolerance, rules, scenario.seed),
         design: Some(design),
         link: None,
         recording,
     };
-    let flown = designed::<_, N, M, _>(design, Certified::<_, N>(flight))?;
+    let flown = designed::<_, N, M, _>(design, flight)?;
     let (controller, torque_limit) = design.law();
     let about = About {
         system: SystemKind::TakagiSugeno,
