@@ -4,7 +4,6 @@
 pub mod bounded;
 pub mod condition;
 pub mod csv;
-pub mod empty_file;
 pub mod files;
 pub mod number;
 pub mod parquet;

@@ -14,10 +14,6 @@ pub(crate) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Resul
     finite(field, value)
 }
 
-pub(crate) fn not_negative(field: &str, value: f64) -> Result<(), ModelError> {
-    require(value >= 0.0, field, value, "0 or above")
-}
-
 pub(crate) fn each(
     field: &str,
     values: &[f64],

@@ -1,15 +1,18 @@
 //! The controllers that a scenario file may name: a new one is a file and a row here.
 
+use runtime::attitude::AttitudeMeasurement;
+use runtime::error::ParameterError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use super::law::{AttitudeLaw, LawFile};
+use super::law::{AttitudeLaw, LawFile, Surroundings};
 use super::lei2022::LeiFile;
 use super::wu2018::WuFile;
 use super::xu2020::XuFile;
 use super::yang2025::YangFile;
 use crate::plants::System;
+use crate::sim::controller::Use;
 
 /// Makes the file's and the checked list of controllers and what is the same for all. A row: the words
 /// for the schema, the key in the file, the names in the two lists and the file's type.
@@ -50,6 +53,21 @@ macro_rules! controllers {
                     $(ControllerChoice::$law(law) => Some(law.as_ref()),)+
                 }
             }
+
+            /// Hands on the controller, unless it is that of a design: then `then` comes back.
+            ///
+            /// # Errors
+            /// A parameter that the flight code refuses.
+            pub fn build<U: Use<AttitudeMeasurement, 3>>(
+                &self,
+                around: &Surroundings,
+                then: U,
+            ) -> Result<Result<U::Output, U>, ParameterError> {
+                match self {
+                    ControllerChoice::Design(_) => Ok(Err(then)),
+                    $(ControllerChoice::$law(law) => law.build(around, then).map(Ok),)+
+                }
+            }
         }
 
         /// Checks the controller of a file.
@@ -66,11 +84,11 @@ macro_rules! controllers {
                     let law = law.map_err(|error| error.within(concat!("controller.", $key)))?;
                     Ok(ControllerChoice::$law(Box::new(law)))
                 })+
-                (_, System::TakagiSugeno(_)) => Err(ModelError::WrongShape {
-                    field: "controller".to_string(),
-                    found: "an attitude controller".to_string(),
-                    expected: "design, because system is takagi_sugeno".to_string(),
-                }),
+                (_, System::TakagiSugeno(_)) => Err(ModelError::shape(
+                    "controller",
+                    "an attitude controller",
+                    "design, because system is takagi_sugeno",
+                )),
             }
         }
     };

@@ -9,11 +9,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use super::law::{matrix, AnyAttitudeController, AttitudeLaw, LawFile, Surroundings};
+use super::law::{matrix, AttitudeLaw, LawFile, Surroundings};
 use crate::base::bounded::{plain, BelowOne, InsideUnit, Positive};
-use crate::base::empty_file::EmptyFile;
 use crate::plants::RigidBodySystem;
-use crate::sim::controller::Controller;
+use crate::sim::controller::{Controller, Use};
 
 /// Law (6) and trigger (8) of Wu, Shen and Cao 2018.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -33,55 +32,40 @@ pub struct WuFile {
 
 /// Gains of the law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum WuGainsFile {
     /// By (39), from a settling time.
-    SettlingTime(SettlingTimeFile),
+    SettlingTime {
+        /// Settling time, above 0 (s).
+        settling_time_s: Positive,
+        /// Damping ratio, above 0.
+        damping_ratio: Positive,
+        /// Largest principal moment of inertia, above 0; that of the plant when left out [kg m^2].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        largest_inertia_kg_m2: Option<Positive>,
+    },
     /// k and beta.
-    Direct(DirectGainsFile),
-}
-
-/// Data of (39).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SettlingTimeFile {
-    /// Settling time, above 0 (s).
-    pub settling_time_s: Positive,
-    /// Damping ratio, above 0.
-    pub damping_ratio: Positive,
-    /// Largest principal moment of inertia, above 0; that of the plant when left out [kg m^2].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub largest_inertia_kg_m2: Option<Positive>,
-}
-
-/// k and beta.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DirectGainsFile {
-    /// k, above 0 [N m s/rad].
-    pub error_gain_nm_s_rad: Positive,
-    /// beta, above 0 [rad/s].
-    pub attitude_weight_rad_s: Positive,
+    Direct {
+        /// k, above 0 [N m s/rad].
+        error_gain_nm_s_rad: Positive,
+        /// beta, above 0 [rad/s].
+        attitude_weight_rad_s: Positive,
+    },
 }
 
 /// When the filtered error is sent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum WuTriggerFile {
     /// The paper's (8).
-    Relative(RelativeTriggerFile),
+    Relative {
+        /// alpha, in (0, 1).
+        relative: InsideUnit,
+        /// gamma, above 0 [rad/s].
+        absolute_rad_s: Positive,
+    },
     /// At every sample: the time-triggered loop. Write `{}` after it.
-    EverySample(EmptyFile),
-}
-
-/// alpha and gamma of (8).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RelativeTriggerFile {
-    /// alpha, in (0, 1).
-    pub relative: InsideUnit,
-    /// gamma, above 0 [rad/s].
-    pub absolute_rad_s: Positive,
+    EverySample {},
 }
 
 impl LawFile for WuFile {
@@ -91,10 +75,13 @@ impl LawFile for WuFile {
         Ok(wu2018::Parameters {
             gains: self.gains.check(system.body.inertia())?,
             trigger: match &self.trigger {
-                WuTriggerFile::EverySample(_) => wu2018::TriggerRule::EverySample,
-                WuTriggerFile::Relative(rule) => wu2018::TriggerRule::Relative {
-                    relative: rule.relative.get(),
-                    absolute_rad_s: rule.absolute_rad_s.get(),
+                WuTriggerFile::EverySample {} => wu2018::TriggerRule::EverySample,
+                WuTriggerFile::Relative {
+                    relative,
+                    absolute_rad_s,
+                } => wu2018::TriggerRule::Relative {
+                    relative: relative.get(),
+                    absolute_rad_s: absolute_rad_s.get(),
                 },
             },
             torque_limit: plain(&self.torque_limit_nm).into(),
@@ -108,35 +95,44 @@ impl LawFile for WuFile {
     }
 
     fn assume_inertia(&mut self, inertia_kg_m2: &[[f64; 3]; 3]) {
-        if let WuGainsFile::SettlingTime(settling) = &mut self.gains {
-            let largest = matrix(inertia_kg_m2).symmetric_eigenvalues().max();
+        if let WuGainsFile::SettlingTime {
+            largest_inertia_kg_m2: largest,
+            ..
+        } = &mut self.gains
+        {
+            let of_plant = matrix(inertia_kg_m2).symmetric_eigenvalues().max();
             // An inertia that is not positive definite is refused with the plant.
-            let largest = Positive::try_from(largest).ok();
-            settling.largest_inertia_kg_m2 = settling.largest_inertia_kg_m2.or(largest);
+            *largest = largest.or(Positive::try_from(of_plant).ok());
         }
     }
 }
 
 impl WuGainsFile {
     fn check(&self, plant: &Matrix3<f64>) -> Result<wu2018::Gains, ModelError> {
-        let settling = match self {
-            WuGainsFile::Direct(direct) => {
-                return Ok(wu2018::Gains {
-                    error_gain: direct.error_gain_nm_s_rad.get(),
-                    attitude_weight: direct.attitude_weight_rad_s.get(),
+        match *self {
+            WuGainsFile::Direct {
+                error_gain_nm_s_rad,
+                attitude_weight_rad_s,
+            } => Ok(wu2018::Gains {
+                error_gain: error_gain_nm_s_rad.get(),
+                attitude_weight: attitude_weight_rad_s.get(),
+            }),
+            WuGainsFile::SettlingTime {
+                settling_time_s,
+                damping_ratio,
+                largest_inertia_kg_m2,
+            } => {
+                let given = largest_inertia_kg_m2.map(Positive::get);
+                let inertia = given.unwrap_or_else(|| plant.symmetric_eigenvalues().max());
+                let (damping, time_s) = (damping_ratio.get(), settling_time_s.get());
+                let gains = wu2018::Gains::from_settling_time(inertia, damping, time_s);
+                gains.map_err(|_| ModelError::OutOfRange {
+                    field: "gains.settling_time".to_string(),
+                    value: inertia,
+                    allowed: "above 0".to_string(),
                 })
             }
-            WuGainsFile::SettlingTime(settling) => settling,
-        };
-        let given = settling.largest_inertia_kg_m2.map(Positive::get);
-        let inertia = given.unwrap_or_else(|| plant.symmetric_eigenvalues().max());
-        let (damping, time_s) = (settling.damping_ratio, settling.settling_time_s);
-        let gains = wu2018::Gains::from_settling_time(inertia, damping.get(), time_s.get());
-        gains.map_err(|_| ModelError::OutOfRange {
-            field: "gains.settling_time".to_string(),
-            value: inertia,
-            allowed: "above 0".to_string(),
-        })
+        }
     }
 }
 
@@ -153,8 +149,12 @@ impl AttitudeLaw for wu2018::Parameters {
         self.torque_limit
     }
 
-    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
-        Ok(Box::new(wu2018::Controller::new(*self)?))
+    fn build<U: Use<AttitudeMeasurement, 3>>(
+        &self,
+        _: &Surroundings,
+        then: U,
+    ) -> Result<U::Output, ParameterError> {
+        Ok(then.with(wu2018::Controller::new(*self)?))
     }
 
     fn sends_every_sample(&self) -> bool {

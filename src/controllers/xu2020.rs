@@ -12,11 +12,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::{check_matrix, check_positive_definite, ModelError};
 
-use super::law::{AnyAttitudeController, AttitudeLaw, Flown, LawFile, Surroundings};
+use super::law::{AttitudeLaw, Flown, LawFile, Surroundings};
 use crate::base::bounded::{plain, BelowOne, Finite, NonNegative, Positive};
 use crate::base::ranges::require;
 use crate::plants::RigidBodySystem;
-use crate::sim::controller::Controller;
+use crate::sim::controller::{Controller, Use};
 use crate::sim::events::EventCount;
 
 /// Law (12) and trigger (10) of Xu and Huang 2020 with given gains.
@@ -53,44 +53,29 @@ pub struct RuleFile {
 
 /// The threshold of the trigger, in [0, 1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ThresholdFile {
     /// It never changes.
-    Fixed(FixedThresholdFile),
+    Fixed {
+        /// nu.
+        nu: BelowOne,
+    },
     /// The published update between two bounds.
-    Clamped(ClampedThresholdFile),
+    Clamped {
+        /// Smallest and first threshold.
+        nu_min: BelowOne,
+        /// Largest threshold, not below the smallest.
+        nu_max: BelowOne,
+        /// mu_1, mu_2, mu_3, each not negative.
+        mu: [NonNegative; 3],
+    },
     /// The published update, bounded from below only.
-    UnclampedAsPublished(UnclampedThresholdFile),
-}
-
-/// A constant threshold.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FixedThresholdFile {
-    /// nu.
-    pub nu: BelowOne,
-}
-
-/// The published update between two bounds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ClampedThresholdFile {
-    /// Smallest and first threshold.
-    pub nu_min: BelowOne,
-    /// Largest threshold, not below the smallest.
-    pub nu_max: BelowOne,
-    /// mu_1, mu_2, mu_3, each not negative.
-    pub mu: [NonNegative; 3],
-}
-
-/// The published update, bounded from below only.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct UnclampedThresholdFile {
-    /// Smallest and first threshold.
-    pub nu_min: BelowOne,
-    /// mu_1, mu_2, mu_3, each not negative.
-    pub mu: [NonNegative; 3],
+    UnclampedAsPublished {
+        /// Smallest and first threshold.
+        nu_min: BelowOne,
+        /// mu_1, mu_2, mu_3, each not negative.
+        mu: [NonNegative; 3],
+    },
 }
 
 /// A claim of a paper.
@@ -108,44 +93,55 @@ pub struct ClaimFile {
 /// Most rules of a fuzzy controller.
 pub const MAX_RULES: usize = 8;
 
-/// Xu and Huang's controller with given gains.
-#[derive(Debug, Clone)]
-pub struct XuChoice {
-    /// Centre and gain of each rule.
-    pub rules: Vec<(Vector6<f64>, Matrix3x6<f64>)>,
-    /// Widths of the memberships.
-    pub widths: Vector6<f64>,
-    /// Upsilon.
-    pub trigger_weight: Matrix6<f64>,
-    /// Evolution of the threshold.
-    pub threshold: ThresholdUpdate,
-    /// Torque limit, N m.
-    pub torque_limit: Vector3<f64>,
-    /// Longest sampling interval of the design, s.
-    pub longest_interval_s: Option<f64>,
-    /// What the paper claims.
-    pub claim: Option<ClaimFile>,
-}
-
 impl LawFile for XuFile {
-    type Law = XuChoice;
+    type Law = XuFile;
 
-    fn check(&self, _: &RigidBodySystem) -> Result<XuChoice, ModelError> {
-        checked(self)
+    fn check(&self, _: &RigidBodySystem) -> Result<XuFile, ModelError> {
+        let count = self.rules.len();
+        if !(1..=MAX_RULES).contains(&count) {
+            let expected = format!("1 to {MAX_RULES} rules");
+            return Err(ModelError::shape(
+                "rules",
+                format!("{count} rules"),
+                expected,
+            ));
+        }
+        let field = "trigger_weight";
+        let rows = self.trigger_weight.map(|row| row.to_vec());
+        let weight = check_matrix(field, &rows, (Some(6), Some(6)))?;
+        check_positive_definite(field, &weight)?;
+        if let ThresholdFile::Clamped { nu_min, nu_max, .. } = &self.threshold {
+            let field = "threshold.clamped.nu_max";
+            require(nu_min <= nu_max, field, nu_max.get(), "nu_min or above")?;
+        }
+        Ok(self.clone())
     }
 }
 
-impl AttitudeLaw for XuChoice {
+impl AttitudeLaw for XuFile {
     fn name(&self) -> String {
         "Xu and Huang 2020, law (12) and trigger (10) with given gains".to_string()
     }
 
     fn torque_limit(&self) -> Vector3<f64> {
-        self.torque_limit
+        plain(&self.torque_limit_nm).into()
     }
 
-    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
-        fuzzy(self)
+    fn build<U: Use<AttitudeMeasurement, 3>>(
+        &self,
+        _: &Surroundings,
+        then: U,
+    ) -> Result<U::Output, ParameterError> {
+        match self.rules.len() {
+            1 => self.with_rules::<1, U>(then),
+            2 => self.with_rules::<2, U>(then),
+            3 => self.with_rules::<3, U>(then),
+            4 => self.with_rules::<4, U>(then),
+            5 => self.with_rules::<5, U>(then),
+            6 => self.with_rules::<6, U>(then),
+            7 => self.with_rules::<7, U>(then),
+            _ => self.with_rules::<MAX_RULES, U>(then),
+        }
     }
 
     fn notes(&self, flown: &Flown) -> Vec<String> {
@@ -153,45 +149,38 @@ impl AttitudeLaw for XuChoice {
     }
 }
 
-fn fuzzy(choice: &XuChoice) -> Result<AnyAttitudeController, ParameterError> {
-    match choice.rules.len() {
-        1 => fuzzy_of::<1>(choice),
-        2 => fuzzy_of::<2>(choice),
-        3 => fuzzy_of::<3>(choice),
-        4 => fuzzy_of::<4>(choice),
-        5 => fuzzy_of::<5>(choice),
-        6 => fuzzy_of::<6>(choice),
-        7 => fuzzy_of::<7>(choice),
-        _ => fuzzy_of::<8>(choice),
+impl XuFile {
+    /// Hands on the controller with exactly `R` rules; the caller has counted them.
+    fn with_rules<const R: usize, U: Use<AttitudeMeasurement, 3>>(
+        &self,
+        then: U,
+    ) -> Result<U::Output, ParameterError> {
+        let gain = |rule: &RuleFile| Matrix3x6::from_fn(|r, c| rule.gain[r][c].get());
+        let centres = std::array::from_fn(|rule| plain(&self.rules[rule].centre).into());
+        let controller = xu2020::Controller::new(xu2020::Parameters {
+            gains: std::array::from_fn::<_, R, _>(|rule| gain(&self.rules[rule])),
+            membership: GaussianRules::new(centres, plain(&self.widths).into())?,
+            trigger_weight: Matrix6::from_fn(|r, c| self.trigger_weight[r][c]),
+            threshold_update: self.threshold.update(),
+            torque_limit: self.torque_limit(),
+            longest_interval_s: self.longest_interval_s.map(Positive::get),
+        })?;
+        Ok(then.with(XuInLoop::new(controller, 6)))
     }
 }
 
-/// The controller with exactly `R` rules; the caller has counted them.
-fn fuzzy_of<const R: usize>(choice: &XuChoice) -> Result<AnyAttitudeController, ParameterError> {
-    let rule = |index: usize| choice.rules.get(index).copied().unwrap_or_default();
-    let controller = xu2020::Controller::new(xu2020::Parameters {
-        gains: std::array::from_fn::<_, R, _>(|index| rule(index).1),
-        membership: GaussianRules::new(std::array::from_fn(|index| rule(index).0), choice.widths)?,
-        trigger_weight: choice.trigger_weight,
-        threshold_update: choice.threshold,
-        torque_limit: choice.torque_limit,
-        longest_interval_s: choice.longest_interval_s,
-    })?;
-    Ok(Box::new(XuAttitude::new(controller)))
-}
-
 /// What is to be said of gains that come from a paper.
-fn notes(choice: &XuChoice, start_norm: f64, events: &EventCount) -> Vec<String> {
+fn notes(choice: &XuFile, start_norm: f64, events: &EventCount) -> Vec<String> {
     let mut notes = vec![
         "The gains and the trigger weight are given, not synthesized: nothing is proved for this run."
             .to_string(),
     ];
-    if choice.threshold.certifiable_maximum().is_none() {
+    if matches!(choice.threshold, ThresholdFile::UnclampedAsPublished { .. }) {
         notes.push(
             "The trigger's threshold is not clamped: no certificate can cover it.".to_string(),
         );
     }
-    let Some(claim) = &choice.claim else {
+    let Some(claim) = &choice.published_claim else {
         return notes;
     };
     // (20) with C = I: U >= I / (gamma phi), so |x|^2 <= gamma phi x'Ux.
@@ -226,58 +215,25 @@ fn notes(choice: &XuChoice, start_norm: f64, events: &EventCount) -> Vec<String>
     notes
 }
 
-fn checked(file: &XuFile) -> Result<XuChoice, ModelError> {
-    let count = file.rules.len();
-    if !(1..=MAX_RULES).contains(&count) {
-        return Err(ModelError::WrongShape {
-            field: "rules".to_string(),
-            found: format!("{count} rules"),
-            expected: format!("1 to {MAX_RULES} rules"),
-        });
-    }
-    let rules = file.rules.iter().map(|rule| {
-        let gain = Matrix3x6::from_fn(|row, column| rule.gain[row][column].get());
-        (Vector6::from(plain(&rule.centre)), gain)
-    });
-    Ok(XuChoice {
-        rules: rules.collect(),
-        widths: plain(&file.widths).into(),
-        trigger_weight: weight(&file.trigger_weight)?,
-        threshold: threshold(&file.threshold)?,
-        torque_limit: plain(&file.torque_limit_nm).into(),
-        longest_interval_s: file.longest_interval_s.map(Positive::get),
-        claim: file.published_claim.clone(),
-    })
-}
-
-fn weight(rows: &[[f64; 6]; 6]) -> Result<Matrix6<f64>, ModelError> {
-    let field = "trigger_weight";
-    let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
-    let matrix = check_matrix(field, &rows_as_lists, (Some(6), Some(6)))?;
-    check_positive_definite(field, &matrix)?;
-    Ok(Matrix6::from_fn(|r, c| rows[r][c]))
-}
-
-fn threshold(file: &ThresholdFile) -> Result<ThresholdUpdate, ModelError> {
-    Ok(match file {
-        ThresholdFile::Fixed(fixed) => ThresholdUpdate::Fixed {
-            threshold: fixed.nu.get(),
-        },
-        ThresholdFile::Clamped(clamped) => {
-            let (minimum, maximum) = (clamped.nu_min.get(), clamped.nu_max.get());
-            let field = "threshold.clamped.nu_max";
-            require(minimum <= maximum, field, maximum, "nu_min or above")?;
-            ThresholdUpdate::Clamped {
-                adaptation: adaptation(&clamped.mu),
-                minimum,
-                maximum,
+impl ThresholdFile {
+    fn update(&self) -> ThresholdUpdate {
+        match self {
+            ThresholdFile::Fixed { nu } => ThresholdUpdate::Fixed {
+                threshold: nu.get(),
+            },
+            ThresholdFile::Clamped { nu_min, nu_max, mu } => ThresholdUpdate::Clamped {
+                adaptation: adaptation(mu),
+                minimum: nu_min.get(),
+                maximum: nu_max.get(),
+            },
+            ThresholdFile::UnclampedAsPublished { nu_min, mu } => {
+                ThresholdUpdate::UnclampedAsPublished {
+                    adaptation: adaptation(mu),
+                    minimum: nu_min.get(),
+                }
             }
         }
-        ThresholdFile::UnclampedAsPublished(printed) => ThresholdUpdate::UnclampedAsPublished {
-            adaptation: adaptation(&printed.mu),
-            minimum: printed.nu_min.get(),
-        },
-    })
+    }
 }
 
 fn adaptation(mu: &[NonNegative; 3]) -> Adaptation {
@@ -289,61 +245,36 @@ fn adaptation(mu: &[NonNegative; 3]) -> Adaptation {
     }
 }
 
-/// Xu and Huang's controller on attitude measurements.
-#[derive(Clone, Copy, Debug)]
-pub struct XuAttitude<S, const R: usize> {
-    /// The flight code.
-    pub controller: xu2020::Controller<S, 6, 3, R>,
-    sent_weights: Option<[f64; R]>,
+/// A measurement as a state of `N` numbers.
+pub trait StateOf<const N: usize> {
+    /// The state.
+    fn state(&self) -> SVector<f64, N>;
 }
 
-impl<S: Membership<6, R>, const R: usize> XuAttitude<S, R> {
-    /// The controller before its first sample.
-    pub fn new(controller: xu2020::Controller<S, 6, 3, R>) -> Self {
-        Self {
-            controller,
-            sent_weights: None,
-        }
-    }
-}
-
-impl<S: Membership<6, R> + Copy, const R: usize> Controller<AttitudeMeasurement, 3>
-    for XuAttitude<S, R>
-{
+impl StateOf<6> for AttitudeMeasurement {
     #[inline]
-    fn step(&mut self, time_s: f64, measurement: &AttitudeMeasurement) -> Command<3> {
-        let state = measurement.rigid_body_state();
-        let command = self.controller.step(time_s, &state);
-        if command.sent && R > 1 {
-            self.sent_weights = Some(self.controller.law().membership().weights(&state));
-        }
-        command
-    }
-
-    fn would_send(&self, time_s: f64, measurement: &AttitudeMeasurement) -> bool {
-        let mut trial = *self;
-        trial.step(time_s, measurement).sent
-    }
-
-    fn membership_mismatch(&self, measurement: &AttitudeMeasurement) -> Option<f64> {
-        let sent = self.sent_weights?;
-        let state = measurement.rigid_body_state();
-        let now = self.controller.law().membership().weights(&state);
-        let differences = now.iter().zip(&sent).map(|(a, b)| (a - b).abs());
-        Some(differences.fold(0.0, f64::max))
+    fn state(&self) -> Vector6<f64> {
+        self.rigid_body_state()
     }
 }
 
-/// Xu and Huang's controller on a padded state of any size.
+impl<const N: usize> StateOf<N> for SVector<f64, N> {
+    #[inline]
+    fn state(&self) -> SVector<f64, N> {
+        *self
+    }
+}
+
+/// Xu and Huang's controller in the closed loop, on a state padded to `N` numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct XuState<S, const N: usize, const M: usize, const R: usize> {
+pub struct XuInLoop<S, const N: usize, const M: usize, const R: usize> {
     controller: xu2020::Controller<S, N, M, R>,
     message_bits: usize,
     sent_weights: Option<[f64; R]>,
 }
 
-impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> XuState<S, N, M, R> {
-    /// The controller for `states` states, padded to `N`.
+impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> XuInLoop<S, N, M, R> {
+    /// The controller before its first sample, for `states` states.
     pub fn new(controller: xu2020::Controller<S, N, M, R>, states: usize) -> Self {
         Self {
             controller,
@@ -351,31 +282,38 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> XuStat
             sent_weights: None,
         }
     }
+
+    fn weights(&self, state: &SVector<f64, N>) -> [f64; R] {
+        self.controller.law().membership().weights(state)
+    }
 }
 
-impl<S: Membership<N, R> + Copy, const N: usize, const M: usize, const R: usize>
-    Controller<SVector<f64, N>, M> for XuState<S, N, M, R>
+impl<T, S, const N: usize, const M: usize, const R: usize> Controller<T, M> for XuInLoop<S, N, M, R>
+where
+    T: StateOf<N>,
+    S: Membership<N, R> + Copy,
 {
-    fn step(&mut self, time_s: f64, measurement: &SVector<f64, N>) -> Command<M> {
-        let mut command = self.controller.step(time_s, measurement);
+    #[inline]
+    fn step(&mut self, time_s: f64, measurement: &T) -> Command<M> {
+        let state = measurement.state();
+        let mut command = self.controller.step(time_s, &state);
         if command.sent {
             command.bits = self.message_bits;
             if R > 1 {
-                let membership = self.controller.law().membership();
-                self.sent_weights = Some(membership.weights(measurement));
+                self.sent_weights = Some(self.weights(&state));
             }
         }
         command
     }
 
-    fn would_send(&self, time_s: f64, measurement: &SVector<f64, N>) -> bool {
+    fn would_send(&self, time_s: f64, measurement: &T) -> bool {
         let mut trial = *self;
         trial.step(time_s, measurement).sent
     }
 
-    fn membership_mismatch(&self, measurement: &SVector<f64, N>) -> Option<f64> {
+    fn membership_mismatch(&self, measurement: &T) -> Option<f64> {
         let sent = self.sent_weights?;
-        let now = self.controller.law().membership().weights(measurement);
+        let now = self.weights(&measurement.state());
         let differences = now.iter().zip(&sent).map(|(a, b)| (a - b).abs());
         Some(differences.fold(0.0, f64::max))
     }

@@ -4,6 +4,6 @@ pub mod registry;
 pub mod rigid_body;
 pub mod takagi_sugeno;
 
-pub use registry::{System, SystemFile};
+pub use registry::{System, SystemFile, SystemKind};
 pub use rigid_body::{RigidBody, RigidBodySystem};
 pub use takagi_sugeno::{Mixing, TakagiSugenoPlant, TakagiSugenoSystem};

@@ -1,43 +1,74 @@
-//! The plants that a scenario file may name.
+//! The plants that a scenario file may name: a new one is a folder and a row here.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use super::rigid_body::{RigidBodyFile, RigidBodySystem};
-use super::takagi_sugeno::{TakagiSugenoFile, TakagiSugenoSystem};
-use crate::plants::rigid_body::check::rigid_body;
-use crate::plants::takagi_sugeno::check::takagi_sugeno;
+use super::rigid_body::RigidBodyFile;
+use super::takagi_sugeno::TakagiSugenoFile;
+use crate::sim::plant::PlantFile;
 
-/// The kinds of systems.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SystemFile {
+/// Makes the file's and the checked list of plants, their kinds and what is the same for all. A row: the
+/// words for the schema, the key in the file, the name in the lists and the file's type.
+macro_rules! plants {
+    ($($(#[doc = $doc:literal])+ $key:literal $name:ident ($type:ty);)+) => {
+        /// The kinds of systems.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        pub enum SystemFile {
+            $($(#[doc = $doc])+ #[serde(rename = $key)] $name(Box<$type>),)+
+        }
+
+        /// The plant with its initial state, disturbance, sensors and actuators.
+        #[derive(Debug, Clone)]
+        pub enum System {
+            $($(#[doc = $doc])+ $name(Box<<$type as PlantFile>::System>),)+
+        }
+
+        /// A kind of system.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum SystemKind {
+            $($(#[doc = $doc])+ #[serde(rename = $key)] $name,)+
+        }
+
+        impl SystemKind {
+            /// Its key in files.
+            pub fn key(self) -> &'static str {
+                match self {
+                    $(SystemKind::$name => $key,)+
+                }
+            }
+        }
+
+        impl System {
+            /// The quantities of a profile, with units.
+            pub fn profile_quantities(&self) -> &'static [&'static str] {
+                match self {
+                    $(System::$name(_) => <$type as PlantFile>::QUANTITIES,)+
+                }
+            }
+        }
+
+        impl SystemFile {
+            /// Checks the system.
+            ///
+            /// # Errors
+            /// See [`PlantFile::check`].
+            pub(crate) fn check(&self, seed: u64) -> Result<System, ModelError> {
+                match self {
+                    $(SystemFile::$name(file) => {
+                        let system = file.check(seed);
+                        let system = system.map_err(|error| error.within(concat!("system.", $key)));
+                        Ok(System::$name(Box::new(system?)))
+                    })+
+                }
+            }
+        }
+    };
+}
+
+plants! {
     /// A rigid spacecraft.
-    RigidBody(Box<RigidBodyFile>),
+    "rigid_body" RigidBody(RigidBodyFile);
     /// A Takagi-Sugeno model of any size.
-    TakagiSugeno(Box<TakagiSugenoFile>),
-}
-
-/// The plant with its initial state, disturbance, sensors and actuators.
-#[derive(Debug, Clone)]
-pub enum System {
-    /// A rigid spacecraft.
-    RigidBody(Box<RigidBodySystem>),
-    /// A Takagi-Sugeno model.
-    TakagiSugeno(Box<TakagiSugenoSystem>),
-}
-
-/// Checks the system of a file.
-pub(crate) fn check_system(file: &SystemFile, seed: u64) -> Result<System, ModelError> {
-    match file {
-        SystemFile::RigidBody(body) => {
-            let body = rigid_body(body, seed).map_err(|error| error.within("system.rigid_body"))?;
-            Ok(System::RigidBody(Box::new(body)))
-        }
-        SystemFile::TakagiSugeno(model) => {
-            let model = takagi_sugeno(model).map_err(|e| e.within("system.takagi_sugeno"))?;
-            Ok(System::TakagiSugeno(Box::new(model)))
-        }
-    }
+    "takagi_sugeno" TakagiSugeno(TakagiSugenoFile);
 }

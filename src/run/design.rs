@@ -5,7 +5,7 @@ use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
-use synth::design::{DesignFile, LargeSetCertificate};
+use synth::design::{prove, DesignFile, LargeSetCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
@@ -16,7 +16,6 @@ use crate::plants::{Mixing, RigidBody, System};
 use crate::scenario::Scenario;
 use crate::sim::embedding;
 use crate::sim::lyapunov::Claims;
-use crate::sim::reference::Reference;
 use crate::sim::sampling::Instants;
 
 /// A design file, checked.
@@ -109,7 +108,7 @@ impl Design {
         let (file, model) = DesignFile::from_json(text)?;
         let certificate = file.certificate(&model)?;
         let outer = file.large_set_certificate(&model)?;
-        let report = file.verify(&model)?;
+        let report = prove(&model, &certificate, outer.as_ref());
         Ok(Self {
             file,
             model,
@@ -138,20 +137,32 @@ impl Design {
         }
     }
 
+    /// The name of the law, and its torque limits, N m (inputs of another plant).
+    pub fn law(&self) -> (String, Vec<f64>) {
+        let name = format!(
+            "design '{}': Xu and Huang 2020, law (12) and trigger (10)",
+            self.file.name
+        );
+        let limit = self.model.plant.takagi_sugeno().input_limit;
+        (name, limit.as_slice().to_vec())
+    }
+
     /// Refuses a design that is made for another plant.
     ///
     /// # Errors
     /// The difference, with its numbers.
     pub fn check_fit(&self, system: &System) -> Result<(), FitError> {
         let (design_states, design_inputs, _, _) = self.model.plant.sizes();
+        let spacecraft = || "a rigid spacecraft (6 states, 3 inputs)".to_string();
+        let fuzzy = |states: usize, inputs: usize| {
+            format!("a Takagi-Sugeno model ({states} states, {inputs} inputs)")
+        };
         match (self.model.plant.inertia(), system) {
             (Some(inertia), System::RigidBody(body)) => {
                 let [smallest, largest] = inertia_ratios(&body.body, inertia);
                 let [allowed_smallest, allowed_largest] = INERTIA_RATIOS;
-                if smallest >= allowed_smallest && largest <= allowed_largest {
-                    return Ok(());
-                }
-                Err(FitError::Inertia {
+                let fits = smallest >= allowed_smallest && largest <= allowed_largest;
+                fits.then_some(()).ok_or(FitError::Inertia {
                     smallest,
                     largest,
                     allowed_smallest,
@@ -160,29 +171,24 @@ impl Design {
             }
             (None, System::TakagiSugeno(model)) => {
                 let (states, inputs) = model.system.input_matrix.shape();
-                if (states, inputs) == (design_states, design_inputs) {
-                    return Ok(());
-                }
-                Err(FitError::Size {
+                let fits = (states, inputs) == (design_states, design_inputs);
+                fits.then_some(()).ok_or(FitError::Size {
                     design_states,
                     design_inputs,
                     states,
                     inputs,
                 })
             }
-            (Some(_), System::TakagiSugeno(model)) => Err(FitError::Kind {
-                design: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
-                scenario: format!(
-                    "a Takagi-Sugeno model ({} states, {} inputs)",
-                    model.system.input_matrix.nrows(),
-                    model.system.input_matrix.ncols()
-                ),
-            }),
+            (Some(_), System::TakagiSugeno(model)) => {
+                let (states, inputs) = model.system.input_matrix.shape();
+                Err(FitError::Kind {
+                    design: spacecraft(),
+                    scenario: fuzzy(states, inputs),
+                })
+            }
             (None, System::RigidBody(_)) => Err(FitError::Kind {
-                design: format!(
-                    "a Takagi-Sugeno model ({design_states} states, {design_inputs} inputs)"
-                ),
-                scenario: "a rigid spacecraft (6 states, 3 inputs)".to_string(),
+                design: fuzzy(design_states, design_inputs),
+                scenario: spacecraft(),
             }),
         }
     }
@@ -278,17 +284,14 @@ fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N>
     let mut vector_part_bound = None;
     for condition in &plant.region {
         let bound = condition.bound_squared.sqrt();
-        if condition.rows.nrows() == 1 {
-            let row: Vec<f64> = condition.rows.iter().copied().collect();
-            match unit_component(&row) {
-                Some(component) => {
-                    let least: &mut f64 = &mut component_bounds[component];
-                    *least = least.min(bound);
-                }
-                None => bounds.push((embedding::vector(&row), bound)),
+        let row: Vec<f64> = condition.rows.iter().copied().collect();
+        match (condition.rows.nrows(), unit_component(&row)) {
+            (1, Some(component)) => {
+                let least: &mut f64 = &mut component_bounds[component];
+                *least = least.min(bound);
             }
-        } else {
-            vector_part_bound = Some(bound);
+            (1, None) => bounds.push((embedding::vector(&row), bound)),
+            _ => vector_part_bound = Some(bound),
         }
     }
     Claims {
@@ -394,30 +397,22 @@ fn rigid_body_not_covered(
             ));
         }
     }
-    if actuators.dead_band.amax() > 0.0 {
-        out.push(format!(
-            "a dead band of up to {} N m",
-            actuators.dead_band.amax()
-        ));
-    }
-    if actuators.delay_s > 0.0 {
-        out.push(format!(
-            "a delay of {} s from command to torque",
-            actuators.delay_s
-        ));
-    }
-    if actuators.matrix != Matrix3::identity() {
-        out.push("the actuators' matrix is not the identity".to_string());
-    }
-    if !actuators.faults.is_empty() {
-        out.push(format!("{} actuator faults", actuators.faults.len()));
-    }
-    if !matches!(system.reference, Reference::Fixed(_)) {
-        out.push("a reference that moves".to_string());
-    }
-    if !system.sensors.is_perfect() {
-        out.push("sensors with noise or quantisation".to_string());
-    }
+    let mut when = |holds: bool, reason: String| out.extend(holds.then_some(reason));
+    let dead_band = actuators.dead_band.amax();
+    let text = format!("a dead band of up to {dead_band} N m");
+    when(dead_band > 0.0, text);
+    let text = format!("a delay of {} s from command to torque", actuators.delay_s);
+    when(actuators.delay_s > 0.0, text);
+    let text = "the actuators' matrix is not the identity";
+    when(actuators.matrix != Matrix3::identity(), text.into());
+    let faults = actuators.effects.len();
+    when(faults > 0, format!("{faults} actuator faults"));
+    when(
+        !system.reference.is_fixed(),
+        "a reference that moves".into(),
+    );
+    let text = "sensors with noise or quantisation";
+    when(!system.sensors.is_perfect(), text.into());
 }
 
 fn vertices_not_covered(

@@ -1,6 +1,7 @@
 //! The flight controller of a design: constant or scheduled gains, on the memberships of its model.
 
 use nalgebra::{SMatrix, SVector};
+use runtime::attitude::AttitudeMeasurement;
 use runtime::error::ParameterError;
 use runtime::local_rules::{FuzzySet, LocalRules};
 use runtime::membership::{Membership, RigidBodyBox, RIGID_BODY_VERTICES};
@@ -10,34 +11,49 @@ use synth::model::Plant;
 
 use super::design::{threshold_update, Design};
 use super::outcome::SimulateError;
+use crate::controllers::xu2020::{StateOf, XuInLoop};
+use crate::sim::controller::Use;
 use crate::sim::embedding;
-
-/// What is done with a controller of some membership and number of rules.
-pub(crate) trait Use<const N: usize, const M: usize> {
-    /// The outcome.
-    type Output;
-
-    /// Takes the controller.
-    fn with<S, const R: usize>(self, controller: xu2020::Controller<S, N, M, R>) -> Self::Output
-    where
-        S: Membership<N, R> + Copy + std::fmt::Debug + 'static;
-}
 
 /// The limit of an input that only pads, which never receives a command.
 const PADDED_LIMIT: f64 = 1.0;
 
 /// Makes the controller of a design, its state padded to `N` and its input to `M`, and hands it on.
 /// Rules are padded to the next of 1, 2, 4, 8, 16 by rules that are never used.
-pub(crate) fn designed<const N: usize, const M: usize, U: Use<N, M>>(
+pub(crate) fn designed<T, const N: usize, const M: usize, U>(
+    design: &Design,
+    then: U,
+) -> Result<U::Output, SimulateError>
+where
+    T: StateOf<N>,
+    U: Use<T, M>,
+{
+    let states = design.model.plant.sizes().0;
+    Ok(match design.law_gains()? {
+        1 => then.with(XuInLoop::new(local::<N, M, 1>(design)?, states)),
+        2 => then.with(XuInLoop::new(local::<N, M, 2>(design)?, states)),
+        3..=4 => then.with(XuInLoop::new(local::<N, M, 4>(design)?, states)),
+        5..=8 => then.with(XuInLoop::new(local::<N, M, 8>(design)?, states)),
+        _ => then.with(XuInLoop::new(local::<N, M, 16>(design)?, states)),
+    })
+}
+
+/// Makes the controller of a spacecraft's design and hands it on. That of an exact spacecraft has the
+/// memberships of its box, with one gain or one for each vertex.
+pub(crate) fn designed_attitude<U: Use<AttitudeMeasurement, 3>>(
     design: &Design,
     then: U,
 ) -> Result<U::Output, SimulateError> {
+    let Plant::Spacecraft(craft) = &design.model.plant else {
+        return designed(design, then);
+    };
+    let region = RigidBodyBox::new(craft.rate_bound.into(), craft.scalar_part_min)?;
     Ok(match design.law_gains()? {
-        1 => then.with(local::<N, M, 1>(design)?),
-        2 => then.with(local::<N, M, 2>(design)?),
-        3..=4 => then.with(local::<N, M, 4>(design)?),
-        5..=8 => then.with(local::<N, M, 8>(design)?),
-        _ => then.with(local::<N, M, 16>(design)?),
+        1 => then.with(XuInLoop::new(controller::<_, 6, 3, 1>(design, region)?, 6)),
+        _ => then.with(XuInLoop::new(
+            controller::<_, 6, 3, RIGID_BODY_VERTICES>(design, region)?,
+            6,
+        )),
     })
 }
 
@@ -70,19 +86,6 @@ fn sets<const N: usize, const R: usize>(rules: &RuleModel) -> [[FuzzySet; N]; R]
     out
 }
 
-/// The controller of an exact spacecraft's design: its box, with one gain or one for each vertex.
-pub(crate) fn on_the_box<U: Use<6, 3>>(
-    design: &Design,
-    craft: &synth::fuzzy::ExactSpacecraft,
-    then: U,
-) -> Result<U::Output, SimulateError> {
-    let region = RigidBodyBox::new(craft.rate_bound.into(), craft.scalar_part_min)?;
-    Ok(match design.law_gains()? {
-        1 => then.with::<_, 1>(controller(design, region)?),
-        _ => then.with::<_, RIGID_BODY_VERTICES>(controller(design, region)?),
-    })
-}
-
 fn controller<S, const N: usize, const M: usize, const R: usize>(
     design: &Design,
     membership: S,
@@ -93,8 +96,7 @@ where
     let certificate = &design.certificate;
     let specs = &design.model.file.specs;
     let gains: Vec<SMatrix<f64, M, N>> = certificate.gains().map(embedding::matrix).collect();
-    let limit = design.model.plant.takagi_sugeno().input_limit;
-    let limit: SVector<f64, M> = embedding::filled(limit.as_slice(), PADDED_LIMIT);
+    let limit: SVector<f64, M> = embedding::filled(&design.law().1, PADDED_LIMIT);
     xu2020::Controller::new(xu2020::Parameters {
         gains: std::array::from_fn(|rule| gains.get(rule).copied().unwrap_or_else(SMatrix::zeros)),
         membership,

@@ -4,14 +4,15 @@ use synth::model::Mismatch;
 
 use super::design::Design;
 use super::inner::InnerMonitor;
+use super::log::Log;
 use super::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
 };
 use crate::base::provenance::GENERATOR;
-use crate::plants::System;
+use crate::plants::{System, SystemKind};
 use crate::scenario::Scenario;
-use crate::sim::bound_utilisation::BoundUtilisation;
+use crate::sim::bench::Gauge;
 use crate::sim::closed_loop::End;
 use crate::sim::events::EventCount;
 use crate::sim::integrator::Method;
@@ -19,31 +20,33 @@ use crate::sim::lyapunov::{exceeds, LyapunovMonitor, ROUNDING};
 use crate::sim::metrics::Measured;
 use crate::sim::transmissions::TransmissionBound;
 
-/// What every kind of plant measures.
-pub(crate) struct RunParts<'a> {
-    pub system: &'static str,
+/// What the summary says of a plant and its controller.
+pub(crate) struct About {
+    pub system: SystemKind,
     pub controller: String,
-    pub events: &'a EventCount,
-    pub measured: Measured,
-    pub steps: u64,
+    /// Torque limits of the controller, N m (inputs of another plant).
     pub torque_limit: Vec<f64>,
+    /// Settling tolerance, deg (norm of the state for another plant).
     pub settle_tolerance: f64,
     pub notes: Vec<String>,
-    pub funnel: Option<BoundUtilisation>,
-    pub threshold: Option<BoundUtilisation>,
-    pub end: End,
+    /// Whether the messages of the link count, where there is one.
+    pub sends_by_link: bool,
 }
 
 /// The summary, not judged yet.
-pub(crate) fn summary(
+pub(crate) fn summary<G, const N: usize, const M: usize, const D: usize, const L: usize>(
     scenario: &Scenario,
     design: Option<&Design>,
-    parts: RunParts,
+    log: &Log<G, N, M, D, L>,
+    (about, end): (About, End),
     certificate: Option<CertificateOutcome>,
-) -> Summary {
-    let events = parts.events;
-    let mut notes = parts.notes;
-    if let End::Diverged { time_s } = parts.end {
+) -> Summary
+where
+    G: Gauge<N, M, D, L>,
+{
+    let events = &log.events;
+    let mut notes = about.notes;
+    if let End::Diverged { time_s } = end {
         notes.push(format!(
             "The state was no longer finite at {time_s} s; the run stopped there."
         ));
@@ -51,23 +54,23 @@ pub(crate) fn summary(
     let broken = certificate
         .as_ref()
         .map_or(0, CertificateOutcome::violations);
-    let left = parts.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
+    let left = log.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
     let bound = TransmissionBound::of_instants(&scenario.instants);
     notes.extend(closer_samples(design, bound));
     Summary {
         schema_version: SUMMARY_SCHEMA_VERSION,
         scenario: scenario.name.clone(),
         source: scenario.source.clone(),
-        system: parts.system.to_string(),
-        controller: parts.controller,
+        system: about.system,
+        controller: about.controller,
         verdict: RunVerdict::RequirementsMissed,
         measured: Measured {
             violations: broken.max(left),
-            ..parts.measured
+            ..log.measured(scenario.duration_s)
         },
         requirements: Vec::new(),
         samples: events.samples,
-        steps: parts.steps,
+        steps: log.steps,
         shortest_interval_s: events.shortest_interval_s,
         mean_interval_s: events.mean_interval_s(),
         triggers_per_s: 0.0,
@@ -79,14 +82,14 @@ pub(crate) fn summary(
         late_samples: events.late,
         largest_membership_mismatch: events.largest_mismatch,
         certificate,
-        link: None,
-        funnel: parts.funnel,
-        threshold: parts.threshold,
+        link: log.link.clone(),
+        funnel: log.funnel.clone(),
+        threshold: log.threshold.clone(),
         notes,
         scales: Scales {
             duration_s: scenario.duration_s,
-            torque_limit: parts.torque_limit,
-            settle_tolerance: parts.settle_tolerance,
+            torque_limit: about.torque_limit,
+            settle_tolerance: about.settle_tolerance,
             settle_tolerance_component: scenario.settle_tolerance_component,
             tail_s: scenario.tail_s,
         },

@@ -13,7 +13,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// Its trajectory, when requested.
     pub trajectory: Option<Table>,
-    /// Its profile, one quantity of [`profile_quantities`](super::profile_quantities) after the other.
+    /// Its profile, one of the plant's
+    /// [`profile_quantities`](crate::plants::System::profile_quantities) after the other.
     pub profile: Vec<f32>,
 }
 

@@ -1,21 +1,19 @@
 //! From a scenario file to checked numbers.
 
-use synth::model::{check_line, check_positive, finite, parse, FileError, Kind, ModelError};
+use synth::model::{check_line, finite, parse, FileError, Kind, ModelError};
 
 use super::dispersions::{check_dispersions, Dispersions};
-use super::file::{
-    InstantsFile, IntegratorFile, MetricsFile, RequirementFile, SamplingFile, ScenarioFile,
-    SCENARIO_SCHEMA_VERSION,
-};
-use super::links::check_link;
+use super::file::{MetricsFile, RequirementFile, ScenarioFile, SCENARIO_SCHEMA_VERSION};
+use super::link::check_link;
+use crate::base::bounded::{HalfTurn, InsideUnit, Positive};
 use crate::base::provenance::sha256_of;
 use crate::base::ranges::require;
 use crate::controllers::registry::check_controller;
-use crate::controllers::ControllerChoice;
-use crate::plants::registry::check_system;
+use crate::controllers::{ControllerChoice, DesignCheck};
 use crate::plants::System;
 use crate::sim::integrator::Method;
 use crate::sim::link::LinkData;
+use crate::sim::metrics::Metric;
 use crate::sim::sampling::Instants;
 
 /// Most samples or integration steps of one run; more is a typing error.
@@ -103,11 +101,13 @@ impl Scenario {
             });
         }
         check_line("name", &file.name)?;
-        check_positive("duration_s", file.duration_s)?;
-        let system = check_system(&file.system, file.random.seed)?;
+        let system = file.system.check(file.random.seed)?;
         let controller = check_controller(&file.controller, &system)?;
-        let instants = check_sampling(&file.sampling, file.duration_s)?;
-        let method = check_integrator(&file.integrator, file.duration_s)?;
+        let (instants, method) = (file.sampling.instants, file.integrator);
+        check_sampling(&instants, file.duration_s)?;
+        if let Method::RungeKutta4 { step_s } = method {
+            check_step_count("integrator.runge_kutta4.step_s", step_s, file.duration_s)?;
+        }
         let link = file.link.as_ref();
         let link = link.map(|link| check_link(link, &system, &instants));
         check_continuous(&instants, &method, &system, &controller)?;
@@ -116,7 +116,12 @@ impl Scenario {
         let dispersions = file.dispersions.as_ref();
         let dispersions = dispersions.map(|all| check_dispersions(all, &file.system));
         let dispersions = dispersions.transpose();
-        let tolerance_deg = file.metrics.settle_tolerance_deg;
+        let metrics = &file.metrics;
+        let (angle_deg, component) = (
+            metrics.settle_tolerance_deg,
+            metrics.settle_tolerance_component,
+        );
+        let (state, tail_s) = (metrics.settle_tolerance_state, metrics.tail_s);
         Ok(Self {
             name: file.name.clone(),
             source: file.source.clone(),
@@ -129,18 +134,12 @@ impl Scenario {
             controller,
             link: link.transpose()?,
             method,
-            settle_tolerance_rad: tolerance_deg
-                .unwrap_or(DEFAULT_SETTLE_TOLERANCE_DEG)
+            settle_tolerance_rad: angle_deg
+                .map_or(DEFAULT_SETTLE_TOLERANCE_DEG, HalfTurn::get)
                 .to_radians(),
-            settle_tolerance_component: file.metrics.settle_tolerance_component,
-            settle_tolerance_state: file
-                .metrics
-                .settle_tolerance_state
-                .unwrap_or(DEFAULT_SETTLE_TOLERANCE_STATE),
-            tail_s: file
-                .metrics
-                .tail_s
-                .unwrap_or(DEFAULT_TAIL * file.duration_s),
+            settle_tolerance_component: component.map(InsideUnit::get),
+            settle_tolerance_state: state.map_or(DEFAULT_SETTLE_TOLERANCE_STATE, Positive::get),
+            tail_s: tail_s.map_or(DEFAULT_TAIL * file.duration_s, Positive::get),
             requirements: file.requirements.clone(),
             output_interval_s: check_output(file)?,
             dispersions: dispersions.map_err(|error| error.within("dispersions"))?,
@@ -149,77 +148,32 @@ impl Scenario {
 }
 
 fn check_step_count(field: &str, step: f64, duration: f64) -> Result<(), ModelError> {
-    check_positive(field, step)?;
-    let least = duration / MAX_STEPS;
-    require(
-        step >= least,
-        field,
-        step,
-        &format!("at least duration_s / {MAX_STEPS:e}"),
-    )
+    let allowed = format!("at least duration_s / {MAX_STEPS:e}");
+    require(step >= duration / MAX_STEPS, field, step, &allowed)
 }
 
-fn check_sampling(file: &SamplingFile, duration: f64) -> Result<Instants, ModelError> {
-    let lost = file.dropout_probability;
-    let ok = (0.0..1.0).contains(&lost);
-    require(ok, "sampling.dropout_probability", lost, "in [0, 1)")?;
-    match &file.instants {
-        InstantsFile::Periodic(periodic) => {
-            let field = "sampling.instants.periodic";
-            check_step_count(
-                &format!("{field}.interval_s"),
-                periodic.interval_s,
-                duration,
-            )?;
-            let ok = (0.0..0.5 * periodic.interval_s).contains(&periodic.jitter_s);
+fn check_sampling(instants: &Instants, duration: f64) -> Result<(), ModelError> {
+    match *instants {
+        Instants::Periodic {
+            interval_s,
+            jitter_s,
+        } => {
+            let field = |name: &str| format!("sampling.instants.periodic.{name}");
+            check_step_count(&field("interval_s"), interval_s, duration)?;
+            let ok = jitter_s < 0.5 * interval_s;
             let allowed = "0 or above and below half of interval_s";
-            require(ok, &format!("{field}.jitter_s"), periodic.jitter_s, allowed)?;
-            Ok(Instants::Periodic {
-                interval_s: periodic.interval_s,
-                jitter_s: periodic.jitter_s,
-            })
+            require(ok, &field("jitter_s"), jitter_s, allowed)
         }
-        InstantsFile::Aperiodic(aperiodic) => {
-            let field = "sampling.instants.aperiodic";
-            let (shortest, longest) = (aperiodic.shortest_s, aperiodic.longest_s);
-            check_positive(&format!("{field}.shortest_s"), shortest)?;
-            check_step_count(&format!("{field}.longest_s"), longest, duration)?;
-            let ok = shortest <= longest;
-            require(
-                ok,
-                &format!("{field}.longest_s"),
-                longest,
-                "shortest_s or above",
-            )?;
-            Ok(Instants::Aperiodic {
-                shortest_s: shortest,
-                longest_s: longest,
-            })
+        Instants::Aperiodic {
+            shortest_s,
+            longest_s,
+        } => {
+            let field = "sampling.instants.aperiodic.longest_s";
+            check_step_count(field, longest_s, duration)?;
+            let ok = shortest_s <= longest_s;
+            require(ok, field, longest_s, "shortest_s or above")
         }
-        InstantsFile::Continuous(continuous) => {
-            let field = "sampling.instants.continuous.resolution_s";
-            let resolution_s = continuous.resolution_s;
-            require(resolution_s >= 1e-9, field, resolution_s, "at least 1e-9")?;
-            Ok(Instants::Continuous { resolution_s })
-        }
-    }
-}
-
-fn check_integrator(file: &IntegratorFile, duration: f64) -> Result<Method, ModelError> {
-    match file {
-        IntegratorFile::RungeKutta4(fixed) => {
-            check_step_count("integrator.runge_kutta4.step_s", fixed.step_s, duration)?;
-            Ok(Method::RungeKutta4 {
-                step_s: fixed.step_s,
-            })
-        }
-        IntegratorFile::DormandPrince853(adaptive) => {
-            let tolerance = adaptive.tolerance;
-            let ok = (1e-14..=1e-3).contains(&tolerance);
-            let field = "integrator.dormand_prince853.tolerance";
-            require(ok, field, tolerance, "in [1e-14, 0.001]")?;
-            Ok(Method::DormandPrince853 { tolerance })
-        }
+        Instants::Continuous { .. } => Ok(()),
     }
 }
 
@@ -268,31 +222,15 @@ fn check_continuous(
 }
 
 fn check_metrics(file: &MetricsFile, duration: f64) -> Result<(), ModelError> {
-    if let Some(tolerance) = file.settle_tolerance_deg {
-        let ok = tolerance > 0.0 && tolerance <= 180.0;
-        require(
-            ok,
-            "metrics.settle_tolerance_deg",
-            tolerance,
-            "above 0 and at most 180",
-        )?;
-    }
     if let Some(tolerance) = file.settle_tolerance_component {
         let field = "metrics.settle_tolerance_component";
-        let ok = tolerance > 0.0 && tolerance < 1.0;
-        require(ok, field, tolerance, "above 0 and below 1")?;
         let alone = file.settle_tolerance_deg.is_none();
         let allowed = "left out when settle_tolerance_deg is given";
-        require(alone, field, tolerance, allowed)?;
+        require(alone, field, tolerance.get(), allowed)?;
     }
-    if let Some(tolerance) = file.settle_tolerance_state {
-        check_positive("metrics.settle_tolerance_state", tolerance)?;
-    }
-    if let Some(tail) = file.tail_s {
-        let ok = tail > 0.0 && tail <= duration;
-        require(ok, "metrics.tail_s", tail, "above 0 and at most duration_s")?;
-    }
-    Ok(())
+    let tail = file.tail_s.map_or(duration, Positive::get);
+    let allowed = "above 0 and at most duration_s";
+    require(tail <= duration, "metrics.tail_s", tail, allowed)
 }
 
 fn check_requirements(requirements: &[RequirementFile]) -> Result<(), ModelError> {
@@ -314,12 +252,22 @@ fn check_requirements(requirements: &[RequirementFile]) -> Result<(), ModelError
 }
 
 fn check_output(file: &ScenarioFile) -> Result<f64, ModelError> {
-    let Some(interval) = file.output.interval_s else {
-        return Ok(file.duration_s / DEFAULT_ROWS);
-    };
-    check_positive("output.interval_s", interval)?;
-    let ok = interval >= file.duration_s / MAX_ROWS;
+    let default = file.duration_s / DEFAULT_ROWS;
+    let interval = file.output.interval_s.map_or(default, Positive::get);
     let allowed = format!("at least duration_s / {MAX_ROWS:e}");
+    let ok = interval >= file.duration_s / MAX_ROWS;
     require(ok, "output.interval_s", interval, &allowed)?;
     Ok(interval)
+}
+
+/// The conditions of the scenario's controller; `None` when its paper has none that are evaluated
+/// here, as for a controller without the trigger that they are about.
+pub fn design_check(scenario: &Scenario) -> Option<DesignCheck> {
+    let System::RigidBody(system) = &scenario.system else {
+        return None;
+    };
+    let mut requirements = scenario.requirements.iter();
+    let of_rate = requirements.find(|requirement| requirement.metric == Metric::MaxRate);
+    let rate_limit = of_rate.and_then(|requirement| requirement.at_most);
+    scenario.controller.law()?.conditions(system, rate_limit)
 }

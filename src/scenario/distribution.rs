@@ -4,67 +4,99 @@
 //! Sobol sequence can take the place of independent random numbers.
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use statrs::distribution::{ContinuousCDF, Normal};
-use synth::model::{finite, ModelError};
+use synth::model::readable;
 
-use super::dispersions_file::{DistributionFile, NormalFile};
+use crate::base::bounded::{As, Finite, NonNegative};
 
 /// Least fraction of a normal distribution that its bounds may leave.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// A checked distribution.
-#[derive(Debug, Clone, PartialEq)]
+/// The distribution of a number.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
 pub enum Distribution {
-    /// Normal, cut off.
+    /// Normal, cut off where bounds are given.
     Normal {
         /// Mean before it is cut off.
+        #[serde(default, with = "As::<Finite>")]
         mean: f64,
-        /// Standard deviation before it is cut off.
-        deviation: f64,
-        /// Probabilities of being below the lower and below the upper bound before it is cut off.
-        fraction: [f64; 2],
-        /// The bounds; infinite for none.
-        bounds: [f64; 2],
+        /// Standard deviation before it is cut off, not negative.
+        #[serde(with = "As::<NonNegative>")]
+        standard_deviation: f64,
+        /// No value is below this.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at_least: Option<f64>,
+        /// No value is above this.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at_most: Option<f64>,
     },
     /// Uniform between two bounds.
     Uniform {
         /// Lower bound.
+        #[serde(with = "As::<Finite>")]
         from: f64,
-        /// Upper bound.
+        /// Upper bound, not below the lower.
+        #[serde(with = "As::<Finite>")]
         to: f64,
     },
-    /// One of a list.
-    Choice(Vec<f64>),
+    /// One of these values, each as probable as any other.
+    Choice(#[serde(with = "As::<Vec<Finite>>")] Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for Distribution {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let distribution = Self::deserialize(from)?;
+        distribution.check().map_err(D::Error::custom)?;
+        Ok(distribution)
+    }
+}
+
+impl Serialize for Distribution {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
 }
 
 impl Distribution {
-    /// Checks the distribution of a field.
-    ///
-    /// # Errors
-    /// A number that is out of its range.
-    pub fn new(field: &str, file: &DistributionFile) -> Result<Self, ModelError> {
-        match file {
-            DistributionFile::Normal(normal) => cut_normal(&format!("{field}.normal"), normal),
-            DistributionFile::Uniform(uniform) => {
-                let (from, to) = (uniform.from, uniform.to);
-                finite(&format!("{field}.uniform.from"), from)?;
-                finite(&format!("{field}.uniform.to"), to)?;
-                let field = format!("{field}.uniform.to");
-                require(to >= from, &field, to, "'from' or above")?;
-                Ok(Distribution::Uniform { from, to })
-            }
-            DistributionFile::Choice(values) => {
-                if values.is_empty() {
-                    return Err(ModelError::Choice {
-                        field: format!("{field}.choice"),
-                        reason: "the list is empty; it must have at least one value".to_string(),
-                    });
+    /// Refuses bounds that leave nothing and a list without values.
+    fn check(&self) -> Result<(), String> {
+        let refuse = |key: &str, value: f64, allowed: String| {
+            let value = readable(value);
+            Err(format!(
+                "{key}: the value {value} is not allowed; it must be {allowed}"
+            ))
+        };
+        match self {
+            Distribution::Normal {
+                at_least, at_most, ..
+            } => {
+                let [below, above] = self.cut_off();
+                if above - below >= LEAST_SHARE {
+                    return Ok(());
                 }
-                for (index, &value) in values.iter().enumerate() {
-                    finite(&format!("{field}.choice[{index}]"), value)?;
-                }
-                Ok(Distribution::Choice(values.clone()))
+                let side = if at_most.is_some() {
+                    "at_most"
+                } else {
+                    "at_least"
+                };
+                let bound = at_most.or(*at_least).unwrap_or(f64::NAN);
+                let allowed = format!(
+                    "so that at_least and at_most leave a share of {LEAST_SHARE} or more of the \
+                     distribution"
+                );
+                refuse(side, bound, allowed)
             }
+            Distribution::Uniform { from, to } if to < from => {
+                refuse("to", *to, "'from' or above".to_string())
+            }
+            Distribution::Choice(values) if values.is_empty() => {
+                Err("the list is empty; it must have at least one value".to_string())
+            }
+            _ => Ok(()),
         }
     }
 
@@ -73,12 +105,15 @@ impl Distribution {
         match self {
             Distribution::Normal {
                 mean,
-                deviation,
-                fraction: [below, above],
-                bounds: [least, most],
+                standard_deviation,
+                at_least,
+                at_most,
             } => {
-                let value = mean + deviation * standard_normal(below + uniform * (above - below));
-                value.clamp(*least, *most)
+                let [below, above] = self.cut_off();
+                let normal = standard_normal(below + uniform * (above - below));
+                let value = mean + standard_deviation * normal;
+                let least = at_least.unwrap_or(f64::NEG_INFINITY);
+                value.clamp(least, at_most.unwrap_or(f64::INFINITY))
             }
             Distribution::Uniform { from, to } => from * (1.0 - uniform) + to * uniform,
             Distribution::Choice(values) => {
@@ -92,9 +127,16 @@ impl Distribution {
     pub fn range(&self) -> [f64; 2] {
         match self {
             Distribution::Normal {
-                mean, deviation, ..
-            } if *deviation == 0.0 => [*mean; 2],
-            Distribution::Normal { bounds, .. } => *bounds,
+                mean,
+                standard_deviation,
+                ..
+            } if *standard_deviation == 0.0 => [*mean; 2],
+            Distribution::Normal {
+                at_least, at_most, ..
+            } => [
+                at_least.unwrap_or(f64::NEG_INFINITY),
+                at_most.unwrap_or(f64::INFINITY),
+            ],
             Distribution::Uniform { from, to } => [*from, *to],
             Distribution::Choice(values) => values
                 .iter()
@@ -103,47 +145,25 @@ impl Distribution {
                 }),
         }
     }
-}
 
-fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
-    if ok {
-        return Ok(());
+    /// Probabilities of a normal number below its lower and below its upper bound, before it is cut off.
+    fn cut_off(&self) -> [f64; 2] {
+        let Distribution::Normal {
+            mean,
+            standard_deviation,
+            at_least,
+            at_most,
+        } = self
+        else {
+            return [0.0, 1.0];
+        };
+        let least = at_least.unwrap_or(f64::NEG_INFINITY);
+        let most = at_most.unwrap_or(f64::INFINITY);
+        match *standard_deviation > 0.0 {
+            true => [least, most].map(|bound| below((bound - mean) / standard_deviation)),
+            false => [0.0, f64::from(u8::from(least <= *mean && *mean <= most))],
+        }
     }
-    Err(ModelError::OutOfRange {
-        field: field.to_string(),
-        value,
-        allowed: allowed.to_string(),
-    })
-}
-
-fn cut_normal(field: &str, file: &NormalFile) -> Result<Distribution, ModelError> {
-    let (mean, deviation) = (file.mean, file.standard_deviation);
-    finite(&format!("{field}.mean"), mean)?;
-    let named = format!("{field}.standard_deviation");
-    require(deviation >= 0.0, &named, deviation, "0 or above")?;
-    finite(&named, deviation)?;
-    let least = file.at_least.unwrap_or(f64::NEG_INFINITY);
-    let most = file.at_most.unwrap_or(f64::INFINITY);
-    let side = if file.at_most.is_some() {
-        ("at_most", most)
-    } else {
-        ("at_least", least)
-    };
-    let fraction = match deviation > 0.0 {
-        true => [least, most].map(|bound| below((bound - mean) / deviation)),
-        false => [0.0, f64::from(u8::from(least <= mean && mean <= most))],
-    };
-    let allowed = format!(
-        "so that at_least and at_most leave a share of {LEAST_SHARE} or more of the distribution"
-    );
-    let ok = fraction[1] - fraction[0] >= LEAST_SHARE;
-    require(ok, &format!("{field}.{}", side.0), side.1, &allowed)?;
-    Ok(Distribution::Normal {
-        mean,
-        deviation,
-        fraction,
-        bounds: [least, most],
-    })
 }
 
 /// The probability of a standard normal number below `bound`.

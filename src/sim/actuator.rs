@@ -4,18 +4,42 @@ use std::collections::VecDeque;
 
 use nalgebra::{SMatrix, SVector};
 
-/// A fault of one axis in a window of time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fault {
-    /// Axis, from zero.
-    pub axis: usize,
-    /// Start of the window, s.
-    pub from_s: f64,
-    /// End of the window, s.
-    pub until_s: f64,
-    /// Fraction of the commanded torque that acts: 1 is healthy, 0 is dead. A torque that acts on top is
-    /// part of the disturbance.
-    pub effectiveness: f64,
+use super::effect::{Effect, Fault};
+
+/// Makes the list of effects from the types that implement [`Effect`].
+macro_rules! effects {
+    ($($(#[doc = $doc:literal])+ $name:ident;)+) => {
+        /// The effects.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum AnyEffect {
+            $($(#[doc = $doc])+ $name($name),)+
+        }
+
+        impl<const M: usize> Effect<M> for AnyEffect {
+            fn change(&mut self, time_s: f64, torque: &mut SVector<f64, M>) {
+                match self {
+                    $(AnyEffect::$name(effect) => effect.change(time_s, torque),)+
+                }
+            }
+
+            fn acted(&mut self, span_s: f64, torque: &SVector<f64, M>) {
+                match self {
+                    $(AnyEffect::$name(effect) => effect.acted(span_s, torque),)+
+                }
+            }
+
+            fn discontinuities_s(&self) -> Vec<f64> {
+                match self {
+                    $(AnyEffect::$name(effect) => Effect::<M>::discontinuities_s(effect),)+
+                }
+            }
+        }
+    };
+}
+
+effects! {
+    /// A fault of one axis.
+    Fault;
 }
 
 /// Actuators of `M` axes.
@@ -29,8 +53,8 @@ pub struct ActuatorData<const M: usize> {
     pub delay_s: f64,
     /// Torque about each axis per unit torque of each actuator.
     pub matrix: SMatrix<f64, M, M>,
-    /// Faults.
-    pub faults: Vec<Fault>,
+    /// What changes the torque before the matrix, in this order.
+    pub effects: Vec<AnyEffect>,
 }
 
 impl<const M: usize> ActuatorData<M> {
@@ -41,16 +65,14 @@ impl<const M: usize> ActuatorData<M> {
             dead_band: SVector::zeros(),
             delay_s: 0.0,
             matrix: SMatrix::identity(),
-            faults: Vec::new(),
+            effects: Vec::new(),
         }
     }
 
-    /// Times at which a fault begins or ends, s.
-    pub fn fault_edges_s(&self) -> Vec<f64> {
-        let edges = self.faults.iter();
-        edges
-            .flat_map(|fault| [fault.from_s, fault.until_s])
-            .collect()
+    /// Times at which an effect begins or ends, s.
+    pub fn discontinuities_s(&self) -> Vec<f64> {
+        let effects = self.effects.iter();
+        effects.flat_map(Effect::<M>::discontinuities_s).collect()
     }
 }
 
@@ -58,6 +80,9 @@ impl<const M: usize> ActuatorData<M> {
 #[derive(Clone, Debug)]
 pub struct Actuators<'a, const M: usize> {
     data: &'a ActuatorData<M>,
+    effects: Vec<AnyEffect>,
+    /// What the actuators give now, before the matrix.
+    given: SVector<f64, M>,
     ideal: bool,
     pending: VecDeque<(f64, SVector<f64, M>)>,
     commanded: SVector<f64, M>,
@@ -69,6 +94,8 @@ impl<'a, const M: usize> Actuators<'a, M> {
     pub fn new(data: &'a ActuatorData<M>) -> Self {
         Self {
             data,
+            effects: data.effects.clone(),
+            given: SVector::zeros(),
             ideal: *data == ActuatorData::ideal(),
             pending: VecDeque::new(),
             commanded: SVector::zeros(),
@@ -120,12 +147,19 @@ impl<'a, const M: usize> Actuators<'a, M> {
                 value.clamp(-data.limit[axis], data.limit[axis])
             }
         });
-        for fault in &data.faults {
-            if (fault.from_s..fault.until_s).contains(&time_s) {
-                torque[fault.axis] *= fault.effectiveness;
-            }
+        for effect in &mut self.effects {
+            effect.change(time_s, &mut torque);
         }
+        self.given = torque;
         data.matrix * torque
+    }
+
+    /// The torque acted for `span_s` seconds.
+    #[inline]
+    pub fn acted(&mut self, span_s: f64) {
+        for effect in &mut self.effects {
+            effect.acted(span_s, &self.given);
+        }
     }
 
     /// What the actuators have been commanded last.
@@ -173,12 +207,12 @@ mod tests {
     #[test]
     fn a_fault_acts_inside_its_window_only() {
         let data = ActuatorData {
-            faults: vec![Fault {
+            effects: vec![AnyEffect::Fault(Fault {
                 axis: 1,
                 from_s: 1.0,
                 until_s: 2.0,
                 effectiveness: 0.5,
-            }],
+            })],
             ..ActuatorData::ideal()
         };
         let mut actuators = Actuators::new(&data);

@@ -7,10 +7,9 @@ use super::actuator::{ActuatorData, Actuators};
 use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, DisturbanceCursor};
 use super::dormand_prince::DormandPrince;
-use super::integrator::Method;
+use super::integrator::{runge_kutta_step, Method};
 use super::link::Link;
 use super::plant::Plant;
-use super::runge_kutta;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
 
@@ -64,7 +63,7 @@ pub enum End {
 
 /// Everything that makes a run, except what watches it.
 #[derive(Debug)]
-pub struct ClosedLoop<'a, P, S, C, const M: usize, const D: usize> {
+pub struct ClosedLoop<'a, P, S, C, const N: usize, const M: usize, const D: usize> {
     /// The plant.
     pub plant: &'a P,
     /// Its disturbance.
@@ -98,13 +97,15 @@ struct Progress<'a, const N: usize, const D: usize> {
     cursor: DisturbanceCursor<'a, D>,
 }
 
-impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> {
+impl<'a, P, S, C, const N: usize, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, N, M, D>
+where
+    P: Plant<N, M, D>,
+    S: Sensor<N>,
+    C: Controller<S::Measurement, M>,
+{
     /// Runs from `initial`.
-    pub fn run<O, const N: usize>(mut self, initial: &SVector<f64, N>, observer: &mut O) -> End
+    pub fn run<O>(mut self, initial: &SVector<f64, N>, observer: &mut O) -> End
     where
-        P: Plant<N, M, D>,
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
         O: Observer<C, N, M, D>,
     {
         let mut at = Progress {
@@ -146,6 +147,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
                     }
                 }
             }
+            actuators.acted(at.time - from);
             observer.held(at.time - from, &torque);
             if !at.state.iter().all(|value| value.is_finite()) {
                 return End::Diverged { time_s: at.time };
@@ -154,7 +156,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         End::Completed
     }
 
-    fn reference_integrator(&self) -> Option<DormandPrince<'a, P, D>> {
+    fn reference_integrator(&self) -> Option<DormandPrince<'a, P, N, M, D>> {
         match self.method {
             Method::RungeKutta4 { .. } => None,
             Method::DormandPrince853 { tolerance } => Some(DormandPrince {
@@ -167,14 +169,12 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
     }
 
     #[inline]
-    fn take_sample<O, const N: usize>(
+    fn take_sample<O>(
         &mut self,
         at: &mut Progress<'a, N, D>,
         actuators: &mut Actuators<'a, M>,
         observer: &mut O,
     ) where
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
         O: Observer<C, N, M, D>,
     {
         at.next_sample = self.sampling.after(at.time);
@@ -208,16 +208,13 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
 
     /// Steps of equal length to `event`, or to where a trigger that is watched continuously fires.
     #[inline]
-    fn advance<O, const N: usize>(
+    fn advance<O>(
         &mut self,
         at: &mut Progress<'a, N, D>,
         event: f64,
         torque: &SVector<f64, M>,
         observer: &mut O,
     ) where
-        P: Plant<N, M, D>,
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
         O: Observer<C, N, M, D>,
     {
         let Method::RungeKutta4 { step_s } = self.method else {
@@ -231,7 +228,7 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         for index in 1..=count {
             let (start, start_state) = (at.time, at.state);
             let values = at.cursor.step(start, step);
-            at.state = runge_kutta::step(self.plant, start, &start_state, step, torque, &values);
+            at.state = runge_kutta_step(self.plant, start, &start_state, step, torque, &values);
             at.time = if index == count {
                 event
             } else {
@@ -257,34 +254,26 @@ impl<'a, P, S, C, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, M, D> 
         }
     }
 
-    fn fires<const N: usize>(&mut self, time: f64, state: &SVector<f64, N>) -> bool
-    where
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
-    {
+    fn fires(&mut self, time: f64, state: &SVector<f64, N>) -> bool {
         let measurement = self.sensor.measure(time, state);
         self.controller.would_send(time, &measurement)
     }
 
     /// Bisects the step in which the trigger fires, down to `resolution`, and puts `at` on the end of
     /// the remaining interval, where it fires.
-    fn find_event<const N: usize>(
+    fn find_event(
         &mut self,
         at: &mut Progress<'a, N, D>,
         (start, start_state, step): (f64, SVector<f64, N>, f64),
         resolution: f64,
         torque: &SVector<f64, M>,
-    ) where
-        P: Plant<N, M, D>,
-        S: Sensor<N>,
-        C: Controller<S::Measurement, M>,
-    {
+    ) {
         let (mut silent, mut firing) = (0.0, step);
         while firing - silent > resolution {
             let middle = 0.5 * (silent + firing);
             let times = [start, start + 0.5 * middle, start + middle];
             let values = times.map(|time| self.disturbance.at(time));
-            let state = runge_kutta::step(self.plant, start, &start_state, middle, torque, &values);
+            let state = runge_kutta_step(self.plant, start, &start_state, middle, torque, &values);
             if self.fires(start + middle, &state) {
                 firing = middle;
                 (at.time, at.state) = (start + middle, state);

@@ -64,43 +64,12 @@ pub trait Controller<T, const M: usize> {
     }
 }
 
-/// A controller chosen at run time.
-pub type AnyController<T, const M: usize> = Box<dyn Controller<T, M>>;
+/// What is done with a controller whose type is chosen at run time: the rest of the program is compiled once
+/// for each type, so that the closed loop calls it without indirection.
+pub trait Use<T, const M: usize> {
+    /// The outcome.
+    type Output;
 
-impl<T, const M: usize> Controller<T, M> for AnyController<T, M> {
-    fn step(&mut self, time_s: f64, measurement: &T) -> Command<M> {
-        self.as_mut().step(time_s, measurement)
-    }
-
-    fn observe_truth(&mut self, truth: &Truth<M>) {
-        self.as_mut().observe_truth(truth);
-    }
-
-    fn would_send(&self, time_s: f64, measurement: &T) -> bool {
-        self.as_ref().would_send(time_s, measurement)
-    }
-
-    fn membership_mismatch(&self, measurement: &T) -> Option<f64> {
-        self.as_ref().membership_mismatch(measurement)
-    }
-
-    fn signal_names(&self) -> &'static [&'static str] {
-        self.as_ref().signal_names()
-    }
-
-    fn signals(&self, time_s: f64, truth: &T, values: &mut [f64]) {
-        self.as_ref().signals(time_s, truth, values);
-    }
-
-    fn funnel_ratio(&self, time_s: f64, truth: &T) -> Option<f64> {
-        self.as_ref().funnel_ratio(time_s, truth)
-    }
-
-    fn threshold_ratio(&self, time_s: f64, truth: &T) -> Option<f64> {
-        self.as_ref().threshold_ratio(time_s, truth)
-    }
-
-    fn switch_count(&self) -> Option<SwitchCount> {
-        self.as_ref().switch_count()
-    }
+    /// Takes the controller.
+    fn with<C: Controller<T, M>>(self, controller: C) -> Self::Output;
 }

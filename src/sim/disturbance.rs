@@ -111,44 +111,13 @@ impl<const D: usize> Disturbance<D> {
         values.fold(SVector::zeros(), |sum, value| sum + value)
     }
 
-    /// The same disturbance with more or fewer components; what is new is zero.
-    pub fn resized<const E: usize>(&self) -> Disturbance<E> {
-        let resize = |value: &SVector<f64, D>| super::embedding::vector(value.as_slice());
-        let harmonics = self.harmonics.iter().map(|harmonic| Harmonic {
-            frequency_rad_s: harmonic.frequency_rad_s,
-            sine: resize(&harmonic.sine),
-            cosine: resize(&harmonic.cosine),
-        });
-        Disturbance {
-            bias: resize(&self.bias),
-            harmonics: harmonics.collect(),
-            table: self.table.as_ref().map(|table| DisturbanceTable {
-                times_s: table.times_s.clone(),
-                values: table.values.iter().map(resize).collect(),
-            }),
-            pulses: self.pulses.iter().map(resized).collect(),
-        }
-    }
-
     /// Times at which the value or its slope jumps.
-    pub fn kinks_s(&self) -> Vec<f64> {
+    pub fn discontinuities_s(&self) -> Vec<f64> {
         let table = self.table.iter().flat_map(|table| table.times_s.clone());
         let pulses = self.pulses.iter();
         table
             .chain(pulses.flat_map(|pulse| [pulse.from_s, pulse.until_s]))
             .collect()
-    }
-}
-
-fn resized<const D: usize, const E: usize>(pulse: &Pulse<D>) -> Pulse<E> {
-    Pulse {
-        from_s: pulse.from_s,
-        until_s: pulse.until_s,
-        constant: super::embedding::vector(pulse.constant.as_slice()),
-        wave: super::embedding::vector(pulse.wave.as_slice()),
-        frequency_rad_s: pulse.frequency_rad_s,
-        phase_rad: pulse.phase_rad,
-        decay_per_s: pulse.decay_per_s,
     }
 }
 
@@ -393,7 +362,7 @@ mod tests {
         };
         let open =
             |time: f64| Vector2::new(0.5, 2.0 * (3.0 * time + 0.4).sin() * (-0.25 * time).exp());
-        assert_eq!(disturbance.kinks_s(), vec![1.0, 2.0]);
+        assert_eq!(disturbance.discontinuities_s(), vec![1.0, 2.0]);
         assert_eq!(disturbance.at(0.99), Vector2::zeros());
         assert!((disturbance.at(1.0) - open(1.0)).amax() < 1e-15);
         assert_eq!(disturbance.at(2.0), Vector2::zeros());

@@ -16,7 +16,7 @@ const SHORTEST_STEP_IN_ROUNDINGS: f64 = 16.0;
 
 /// Adaptive integration of one plant under one disturbance.
 #[derive(Clone, Debug)]
-pub struct DormandPrince<'a, P, const D: usize> {
+pub struct DormandPrince<'a, P, const N: usize, const M: usize, const D: usize> {
     /// The plant.
     pub plant: &'a P,
     /// Its disturbance.
@@ -27,19 +27,19 @@ pub struct DormandPrince<'a, P, const D: usize> {
     pub trial_s: f64,
 }
 
-impl<P, const D: usize> DormandPrince<'_, P, D> {
+impl<P, const N: usize, const M: usize, const D: usize> DormandPrince<'_, P, N, M, D>
+where
+    P: Plant<N, M, D>,
+{
     /// One accepted step from `time_s`, at most to `until_s`, with the input held: the time reached
     /// and the state there.
-    pub fn step<const N: usize, const M: usize>(
+    pub fn step(
         &mut self,
         time_s: f64,
         until_s: f64,
         state: &SVector<f64, N>,
         input: &SVector<f64, M>,
-    ) -> (f64, SVector<f64, N>)
-    where
-        P: Plant<N, M, D>,
-    {
+    ) -> (f64, SVector<f64, N>) {
         let shortest = SHORTEST_STEP_IN_ROUNDINGS * f64::EPSILON * until_s.abs();
         loop {
             let left = until_s - time_s;
@@ -64,20 +64,16 @@ impl<P, const D: usize> DormandPrince<'_, P, D> {
     }
 
     /// One step and its error in units of the tolerance.
-    fn attempt<const N: usize, const M: usize>(
+    fn attempt(
         &self,
         time_s: f64,
         step: f64,
         state: &SVector<f64, N>,
         input: &SVector<f64, M>,
-    ) -> (SVector<f64, N>, f64)
-    where
-        P: Plant<N, M, D>,
-    {
+    ) -> (SVector<f64, N>, f64) {
         let mut slopes = [SVector::<f64, N>::zeros(); STAGES];
         for stage in 0..STAGES {
-            let weights = &STAGE_WEIGHTS[stage][..stage];
-            let at = state + combination(&slopes, weights) * step;
+            let at = state + combination(&slopes, STAGE_WEIGHTS[stage]) * step;
             let time = time_s + NODES[stage] * step;
             slopes[stage] = self
                 .plant
@@ -113,8 +109,8 @@ mod tests {
     use super::*;
     use crate::plants::RigidBody;
     use crate::sim::disturbance::{DisturbanceCursor, Harmonic};
+    use crate::sim::integrator::runge_kutta_step;
     use crate::sim::rigid_body_state::{rigid_body_state, RigidBodyState};
-    use crate::sim::runge_kutta;
     use nalgebra::{Matrix3, Vector3};
     use runtime::attitude::Quaternion;
 
@@ -155,7 +151,7 @@ mod tests {
         for index in 0..steps {
             let time = f64::from(index) * step;
             let values = cursor.step(time, step);
-            state = runge_kutta::step(&body, time, &state, step, &Vector3::zeros(), &values);
+            state = runge_kutta_step(&body, time, &state, step, &Vector3::zeros(), &values);
         }
         state
     }

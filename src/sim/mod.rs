@@ -4,12 +4,14 @@
 //! an observer measures it.
 
 pub mod actuator;
+pub mod bench;
 pub mod bound_utilisation;
 pub mod closed_loop;
 pub mod controller;
 pub mod disturbance;
 pub mod dormand_prince;
 mod dormand_prince_coefficients;
+pub mod effect;
 pub mod effort;
 pub mod embedding;
 pub mod events;
@@ -24,7 +26,6 @@ pub mod random;
 pub mod recorder;
 pub mod reference;
 pub mod rigid_body_state;
-pub mod runge_kutta;
 pub mod sampling;
 pub mod sensor;
 pub mod transmissions;

@@ -43,7 +43,7 @@ impl Reference {
     }
 
     /// Times at which its rate jumps, s.
-    pub fn kinks_s(&self) -> Vec<f64> {
+    pub fn discontinuities_s(&self) -> Vec<f64> {
         match *self {
             Reference::Slew {
                 from_s, until_s, ..
@@ -82,7 +82,7 @@ impl Reference {
     }
 
     /// Time derivative of the desired rate, rad/s^2, in the desired frame; not the jumps at
-    /// [`Self::kinks_s`].
+    /// [`Self::discontinuities_s`].
     pub fn acceleration(&self, time_s: f64) -> Vector3<f64> {
         match *self {
             Reference::Fixed(_) | Reference::Slew { .. } => Vector3::zeros(),

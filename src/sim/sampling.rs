@@ -1,28 +1,38 @@
 //! When the sensor is sampled.
 
-use super::random::{Purpose, Random};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// The rule that gives the sampling instants. The first is at time zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
+use super::random::{Purpose, Random};
+use crate::base::bounded::{As, NonNegative, Positive, Resolution};
+
+/// When the sensor is sampled: the first time at time zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Instants {
     /// At multiples of an interval, each shifted by a uniform jitter.
     Periodic {
-        /// Interval, s.
+        /// Interval, above 0 (s).
+        #[serde(with = "As::<Positive>")]
         interval_s: f64,
-        /// Largest shift either way, s, less than half of the interval.
+        /// Largest shift of an instant either way, below half of the interval (s).
+        #[serde(default, with = "As::<NonNegative>")]
         jitter_s: f64,
     },
-    /// At intervals uniform between two bounds: Xu and Huang 2020, (9).
+    /// At random intervals, uniform between two bounds: Xu and Huang 2020, (9).
     Aperiodic {
-        /// Shortest interval, s.
+        /// Shortest interval, above 0 (s).
+        #[serde(with = "As::<Positive>")]
         shortest_s: f64,
-        /// Longest interval, s.
+        /// Longest interval, not below the shortest (s).
+        #[serde(with = "As::<Positive>")]
         longest_s: f64,
     },
-    /// No sampling: the trigger is watched continuously, and the sample is taken where it fires, found
-    /// to `resolution_s` seconds.
+    /// No sampling: the trigger is watched continuously, and a sample is taken where it fires, found as a
+    /// root. Needs exact sensors and the fixed-step integrator.
     Continuous {
-        /// Width of the time interval in which the event is known to lie, s.
+        /// Width of the interval of time in which an event is known to lie, at least 1e-9 (s).
+        #[serde(with = "As::<Resolution>")]
         resolution_s: f64,
     },
 }

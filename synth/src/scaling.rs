@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::conditions::xu2020::Containment;
-use crate::conditions::Task;
+use crate::conditions::{BoundedSignal, Task};
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
 /// Units of the scaled problem; every entry is a power of two.
@@ -94,7 +94,13 @@ impl Scaling {
                 scaled: scaled(&containment.scaled),
             }
         });
+        let further = task.further_signals.iter().map(|signal| BoundedSignal {
+            name: signal.name,
+            coefficient: &d_inverse * &signal.coefficient * c,
+            bound: signal.bound / c,
+        });
         Task {
+            further_signals: further.collect(),
             containment,
             gains,
             system: TakagiSugeno {

@@ -1,24 +1,6 @@
 //! Which conditions block, and by how much all conditions fail.
 
-use serde::Serialize;
-
-/// A condition that carries the dual solution.
-#[derive(Debug, Serialize)]
-pub struct Blocking<'a> {
-    /// Its name.
-    name: &'a str,
-    /// Its share of the dual solution, of 1.
-    share: f64,
-}
-
-/// Conditions with their shares, the largest first.
-pub fn blocking(shares: &[(String, f64)]) -> Vec<Blocking<'_>> {
-    let one = shares.iter().map(|(name, share)| Blocking {
-        name,
-        share: *share,
-    });
-    one.collect()
-}
+use synth::programs::Blocking;
 
 /// Conditions named at most where nothing is feasible.
 const MOST: usize = 12;

@@ -5,10 +5,10 @@ use synth::certify::Report;
 use synth::design::{DesignFile, SearchRecord};
 use synth::model::Model;
 use synth::optimality::Optimality;
-use synth::synthesis::Synthesized;
+use synth::synthesis::{CrossCheck, Synthesized};
 
 use super::claims::DesignClaims;
-use super::cross_check::CrossCheckReport;
+use super::cross_check;
 use super::solver::{SolverReport, SolverStatus};
 use super::verdict::ProofReport;
 
@@ -59,7 +59,7 @@ pub struct SynthesisReport<'a> {
     /// The search that chose the model's numbers; null without one.
     search: Option<&'a SearchRecord>,
     /// What both solvers say of the smallest gamma; null where they were not asked.
-    cross_check: Option<CrossCheckReport<'a>>,
+    cross_check: Option<CrossCheck>,
 }
 
 impl<'a> SynthesisReport<'a> {
@@ -68,7 +68,7 @@ impl<'a> SynthesisReport<'a> {
         found: &'a Synthesized,
         model: &Model,
         report: &'a Report,
-        cross_check: Option<CrossCheckReport<'a>>,
+        cross_check: Option<CrossCheck>,
     ) -> Self {
         let provenance = &found.file.provenance;
         let design = DesignReport::new(&found.file, model, report);
@@ -92,7 +92,7 @@ impl<'a> SynthesisReport<'a> {
         let mut lines = vec![format!("model: {name} ({} vertices)", self.vertices)];
         lines.extend(self.solver.lines());
         let check = self.cross_check.as_ref();
-        lines.extend(check.map_or(Vec::new(), CrossCheckReport::lines));
+        lines.extend(check.map_or(Vec::new(), cross_check::lines));
         lines.extend(self.design.claims.gain_lines());
         lines.extend(self.design.claims.further_lines());
         let remark = self.optimality.and_then(|optimality| optimality.remark());

@@ -5,8 +5,9 @@ use std::path::Path;
 use serde::Serialize;
 use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision, Relaxation, RelaxedValue};
+use synth::programs::Blocking;
 
-use super::blocking::{blocking, blocking_lines, slack_line, Blocking};
+use super::blocking::{blocking_lines, slack_line};
 use super::infeasibility;
 use crate::cli::answer::Exit;
 
@@ -19,7 +20,7 @@ pub struct FeasibilityReport<'a> {
     /// the solver found none.
     slack: Option<f64>,
     /// The conditions that carry the dual solution; empty where a design exists.
-    blocking: Vec<Blocking<'a>>,
+    blocking: &'a [Blocking],
     /// No design exists whose multiplier entries (SI units) are at most this; null where none is excluded.
     bound: Option<f64>,
     /// What was proved about a part of the designs; null where the answer is about all.
@@ -59,14 +60,14 @@ pub struct RelaxationReport {
 impl<'a> FeasibilityReport<'a> {
     /// From the answer, found in this time (s).
     pub fn new(decision: &'a Decision, seconds: f64) -> Self {
-        let shares: &[_] = match decision.answer {
+        let blocking: &[_] = match decision.answer {
             Answer::Feasible(_) => &[],
             _ => &decision.blocking,
         };
         FeasibilityReport {
             verdict: infeasibility::verdict(&decision.answer),
             slack: decision.slack,
-            blocking: blocking(shares),
+            blocking,
             bound: infeasibility::bound(&decision.answer),
             shown: infeasibility::shown(&decision.answer),
             relaxations: None,
@@ -91,7 +92,7 @@ impl<'a> FeasibilityReport<'a> {
     pub fn lines(&self, model: &Path, written: Option<String>) -> Vec<String> {
         let mut lines = vec![self.headline(model)];
         lines.extend(slack_line(self.slack));
-        lines.extend(blocking_lines(&self.blocking));
+        lines.extend(blocking_lines(self.blocking));
         lines.extend(written);
         if let Some(relaxations) = &self.relaxations {
             let title = "one requirement relaxed, all others kept:";
@@ -107,7 +108,7 @@ impl RelaxationReport {
     pub fn new(relaxation: &Relaxation) -> Self {
         let feasible = relaxation.feasible;
         RelaxationReport {
-            requirement: relaxation.requirement.symbol(),
+            requirement: relaxation.requirement,
             value: feasible.map(|found| found.value),
             factor: feasible.map(|found| found.factor),
             not_at_factor: feasible.map(|found| found.not_at),

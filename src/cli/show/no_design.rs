@@ -4,16 +4,14 @@ use std::path::Path;
 
 use serde::Serialize;
 use synth::certify::Verdict;
-use synth::design::SolverRun;
 use synth::feasibility::Decision;
 use synth::model::Model;
+use synth::programs::{Blocking, LimitingFactors};
 use synth::synthesis::Form;
 
-use super::blocking::{
-    blocking, blocking_lines, search_lines, slack_line, slack_or_none, Blocking,
-};
+use super::blocking::{blocking_lines, search_lines, slack_line, slack_or_none};
 use super::infeasibility;
-use super::shortfall::ShortfallReport;
+use super::shortfall::limiting_lines;
 use super::solver::{SolverReport, SolverStatus};
 
 /// What is known where nothing is proved of any candidate, alike for models and problems.
@@ -27,17 +25,17 @@ pub struct FailureReport<'a> {
     /// Always empty.
     conditions: [(); 0],
     /// The conditions that carry the dual solution.
-    pub blocking: Vec<Blocking<'a>>,
+    pub blocking: &'a [Blocking],
 }
 
 impl<'a> FailureReport<'a> {
-    /// From what the solvers did, and the shares of the dual solution.
-    pub fn new(solver: SolverReport<'a>, shares: &'a [(String, f64)]) -> Self {
+    /// From what the solvers did, and the conditions that carry the dual solution.
+    pub fn new(solver: SolverReport<'a>, blocking: &'a [Blocking]) -> Self {
         FailureReport {
             solver,
             verdict: Verdict::NotProved,
             conditions: [],
-            blocking: blocking(shares),
+            blocking,
         }
     }
 }
@@ -76,7 +74,7 @@ enum Detail<'a> {
         #[serde(skip)]
         known: Option<String>,
         /// How far a search came; null without one.
-        shortfall: Option<ShortfallReport<'a>>,
+        shortfall: Option<&'a LimitingFactors>,
         /// What was proved about a part of the designs; null where the answer is about all.
         shown: Option<String>,
         /// The bound of proved weights; null without.
@@ -96,66 +94,37 @@ enum Detail<'a> {
 }
 
 impl<'a> NoDesignReport<'a> {
-    /// For one certificate.
-    pub fn one(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
+    /// From the decision that the synthesis ended with.
+    pub fn new(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
         let solver = SolverReport {
             status,
             solve_seconds: decision.solve_seconds,
             solver_runs: &decision.runs,
         };
         let answer = &decision.answer;
-        let detail = Detail::One {
-            known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
-            shortfall: decision
-                .limiting_factors
-                .as_deref()
-                .map(ShortfallReport::new),
-            shown: infeasibility::shown(answer),
-            bound: infeasibility::bound(answer),
-            blocking_gains: infeasibility::blocking_gains(answer),
-            slack: decision.slack,
+        let detail = match decision.couplings {
+            0 => Detail::One {
+                known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
+                shortfall: decision.limiting_factors.as_deref(),
+                shown: infeasibility::shown(answer),
+                bound: infeasibility::bound(answer),
+                blocking_gains: infeasibility::blocking_gains(answer),
+                slack: decision.slack,
+            },
+            attempts => Detail::Two {
+                outer: (),
+                attempts,
+            },
         };
-        let failure = FailureReport::new(solver, &decision.blocking);
-        let feasibility = infeasibility::verdict(answer);
-        Self::new(model, form, failure, (feasibility, detail))
-    }
-
-    /// For two certificates.
-    pub fn two(
-        (model, form): (&Model, Form),
-        status: SolverStatus,
-        attempts: usize,
-        shares: &'a [(String, f64)],
-        runs: &'a [SolverRun],
-    ) -> Self {
-        let solver = SolverReport {
-            status,
-            solve_seconds: runs.iter().map(|run| run.seconds).sum(),
-            solver_runs: runs,
-        };
-        let detail = Detail::Two {
-            outer: (),
-            attempts,
-        };
-        let failure = FailureReport::new(solver, shares);
-        Self::new(model, form, failure, ("undecided", detail))
-    }
-
-    fn new(
-        model: &Model,
-        form: Form,
-        failure: FailureReport<'a>,
-        (feasibility, detail): (&'static str, Detail<'a>),
-    ) -> Self {
         NoDesignReport {
-            failure,
+            failure: FailureReport::new(solver, &decision.blocking),
             gamma: (),
             guaranteed_gain: (),
             xi: (),
             certified_angle_deg: (),
             form: form.name(),
             vertices: model.task().system.vertices.len(),
-            feasibility,
+            feasibility: infeasibility::verdict(answer),
             detail,
         }
     }
@@ -163,7 +132,7 @@ impl<'a> NoDesignReport<'a> {
     /// In words: what was not found for the model of this file.
     pub fn lines(&self, path: &Path, what: &str) -> Vec<String> {
         let path = path.display();
-        let blocking = &self.failure.blocking;
+        let blocking = self.failure.blocking;
         let solver = &self.failure.solver;
         let unknown = match solver.status {
             SolverStatus::Undecided => {
@@ -178,7 +147,7 @@ impl<'a> NoDesignReport<'a> {
                 ..
             } => {
                 lines.push(format!("{path}: UNDECIDED: {}", shortfall.reason));
-                lines.extend(shortfall.lines());
+                lines.extend(limiting_lines(shortfall));
                 lines.extend(search_lines(blocking));
             }
             Detail::One { known, slack, .. } => {

@@ -1,5 +1,6 @@
 //! A run as text.
 
+use crate::plants::SystemKind;
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{listed, MetricKind};
@@ -33,7 +34,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
         Some(seconds) => format!("settled: from {seconds:.3} s on"),
         None => "settled: no".to_string(),
     });
-    let spacecraft = summary.system == "rigid_body";
+    let spacecraft = summary.system == SystemKind::RigidBody;
     for entry in listed(spacecraft).filter(|entry| entry.kind != MetricKind::Effort) {
         if let Some(value) = summary.metric(entry.metric) {
             let line = format!("{}: {value:.5} {}", entry.label, entry.unit);

@@ -68,8 +68,8 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         reason: error.to_string(),
     })?;
     let mut subject = subject(args, &text)?;
-    let grid = Grid::new(subject.file(), &axes)
-        .map_err(|error| CliError::unsuitable(&args.file, error))?;
+    let grid =
+        Grid::new(&subject.file, &axes).map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
     let identity = SweepIdentity::new(&text, &subject, &grid);
     let store = PointStore::open(&args.output, &identity, &grid, args.restart)?;
@@ -109,7 +109,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Clarabel);
             let model = files::model_of(&args.file, text)?;
-            Ok(Subject::model(&model, solver.choice()))
+            Ok(Subject::model(&model, solver.backend(), solver.form()))
         }
         Some(_) => Err(CliError::Argument {
             argument: "--design",

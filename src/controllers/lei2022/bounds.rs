@@ -1,9 +1,29 @@
 //! The constants of the paper's proofs. The paper says of several that they exist; here each is
 //! computed from the parameters, for as long as V2 < S2 and every |eps_i| < [`FUNNEL_USE`].
 
+use nalgebra::Vector3;
+use runtime::attitude::Quaternion;
+use runtime::lei2022::{CompositeTrigger, ControlLaw};
 use serde::Serialize;
 
-use super::case::Case;
+/// What the conditions are evaluated for.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// Control law with its inertia.
+    pub law: ControlLaw,
+    /// Composite trigger.
+    pub trigger: CompositeTrigger,
+    /// Torque limit of each axis, N m.
+    pub torque_limit: Vector3<f64>,
+    /// Error quaternion at the start, scalar part not negative.
+    pub error: Quaternion,
+    /// Body rate at the start, rad/s.
+    pub rate_rad_s: Vector3<f64>,
+    /// Bound of each component of the disturbance torque, N m.
+    pub disturbance_nm: Vector3<f64>,
+    /// Largest body rate that is required, rad/s, where it is.
+    pub rate_limit_rad_s: Option<f64>,
+}
 
 /// k_u: the bound of |eps_i| that section VI-A sets.
 pub const FUNNEL_USE: f64 = 1.5;

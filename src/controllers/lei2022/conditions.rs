@@ -1,7 +1,7 @@
-//! Every condition, one function each, in the order of the paper.
+//! The conditions of Lei, Meng, Wang, Wang and Jin 2022, one function each, in the order of the paper:
+//! section V-C, those of its proofs, and the bounds (69) and (80) on the times between events.
 
-use super::bounds::{Bounds, FUNNEL_USE};
-use super::case::Case;
+use super::bounds::{Bounds, Case, FUNNEL_USE};
 use crate::base::condition::Condition;
 use crate::base::condition::Origin::{Found, Paper, PaperCorrected};
 use crate::base::condition::Relation::{Above, AtLeast};

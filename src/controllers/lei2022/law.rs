@@ -1,14 +1,15 @@
-//! The law of Lei et al. 2022 for the rest of the program.
+//! The law of Lei et al. 2022 for the rest of the program, and in the closed loop.
 
 use nalgebra::Vector3;
+use runtime::attitude::AttitudeMeasurement;
+use runtime::command::Command;
 use runtime::error::ParameterError;
-use runtime::lei2022::{self, Parameters, TriggerRule};
+use runtime::lei2022::{self, Parameters, SwitchCount, TriggerRule};
 
 use super::{conditions, Bounds, Case};
-use crate::controllers::law::{
-    AnyAttitudeController, AttitudeLaw, DesignCheck, Flown, Surroundings,
-};
+use crate::controllers::law::{AttitudeLaw, DesignCheck, Flown, Surroundings};
 use crate::plants::RigidBodySystem;
+use crate::sim::controller::{Controller, Use};
 use crate::sim::disturbance::Disturbance;
 use crate::sim::reference::Reference;
 use crate::sim::rigid_body_state::rigid_body_state;
@@ -27,8 +28,12 @@ impl AttitudeLaw for Parameters {
         self.torque_limit
     }
 
-    fn build(&self, _: &Surroundings) -> Result<AnyAttitudeController, ParameterError> {
-        Ok(Box::new(lei2022::Controller::new(*self)?))
+    fn build<U: Use<AttitudeMeasurement, 3>>(
+        &self,
+        _: &Surroundings,
+        then: U,
+    ) -> Result<U::Output, ParameterError> {
+        Ok(then.with(lei2022::Controller::new(*self)?))
     }
 
     fn sends_every_sample(&self) -> bool {
@@ -36,7 +41,37 @@ impl AttitudeLaw for Parameters {
     }
 
     fn notes(&self, flown: &Flown) -> Vec<String> {
-        notes(self, flown)
+        let mut notes = Vec::new();
+        if !matches!(flown.system.reference, Reference::Fixed(_)) {
+            notes.push(
+                "The reference moves; the law is made for a fixed one and does not feed its rate forward."
+                    .to_string(),
+            );
+        }
+        let Some(trigger) = self.trigger.composite() else {
+            return notes;
+        };
+        let continuous = matches!(flown.instants, Instants::Continuous { .. });
+        if !continuous && trigger.relative_buffer == 0.0 {
+            notes.push(
+                "The trigger is evaluated at samples without a relative_buffer: V2 may exceed its envelope \
+                 S2 before the next sample."
+                    .to_string(),
+            );
+        }
+        let law = &self.law;
+        let error = flown.start.error.shortest();
+        let energy = law
+            .evaluate(0.0, &error, &flown.start.rate_rad_s)
+            .rate_error_energy;
+        if energy >= trigger.envelope_initial_j {
+            notes.push(format!(
+                "The start is above the envelope: V2 is {energy:.3e} J and S2(0) is {:.3e} J; the paper \
+                 needs S2(0) above V2(0).",
+                trigger.envelope_initial_j
+            ));
+        }
+        notes
     }
 
     fn conditions(
@@ -83,36 +118,66 @@ fn largest(disturbance: &Disturbance<3>) -> Vector3<f64> {
     waves.fold(disturbance.bias.abs() + table, |sum, wave| sum + wave)
 }
 
-fn notes(parameters: &Parameters, flown: &Flown) -> Vec<String> {
-    let mut notes = Vec::new();
-    if !matches!(flown.system.reference, Reference::Fixed(_)) {
-        notes.push(
-            "The reference moves; the law is made for a fixed one and does not feed its rate forward."
-                .to_string(),
-        );
+/// Signals of Lei et al. 2022; the last needs an envelope.
+const LEI_SIGNALS: [&str; 7] = [
+    "funnel_1",
+    "funnel_2",
+    "funnel_3",
+    "on",
+    "barrier_v1_j",
+    "rate_error_v2_j",
+    "envelope_s2_j",
+];
+
+impl Controller<AttitudeMeasurement, 3> for lei2022::Controller {
+    #[inline]
+    fn step(&mut self, time_s: f64, measurement: &AttitudeMeasurement) -> Command<3> {
+        self.step(time_s, measurement)
     }
-    let Some(trigger) = parameters.trigger.composite() else {
-        return notes;
-    };
-    let continuous = matches!(flown.instants, Instants::Continuous { .. });
-    if !continuous && trigger.relative_buffer == 0.0 {
-        notes.push(
-            "The trigger is evaluated at samples without a relative_buffer: V2 may exceed its envelope \
-             S2 before the next sample."
-                .to_string(),
-        );
+
+    /// Whether anything would be switched, on or off.
+    fn would_send(&self, time_s: f64, measurement: &AttitudeMeasurement) -> bool {
+        let mut trial = *self;
+        trial.step(time_s, measurement).sent
     }
-    let law = &parameters.law;
-    let error = flown.start.error.shortest();
-    let energy = law
-        .evaluate(0.0, &error, &flown.start.rate_rad_s)
-        .rate_error_energy;
-    if energy >= trigger.envelope_initial_j {
-        notes.push(format!(
-            "The start is above the envelope: V2 is {energy:.3e} J and S2(0) is {:.3e} J; the paper \
-             needs S2(0) above V2(0).",
-            trigger.envelope_initial_j
-        ));
+
+    fn signal_names(&self) -> &'static [&'static str] {
+        match self.rule() {
+            lei2022::TriggerRule::Composite(_) => &LEI_SIGNALS,
+            lei2022::TriggerRule::EverySample => &LEI_SIGNALS[..6],
+        }
     }
-    notes
+
+    fn signals(&self, time_s: f64, truth: &AttitudeMeasurement, values: &mut [f64]) {
+        let elapsed_s = self.elapsed_s(time_s);
+        let [funnel_1, funnel_2, funnel_3] = self.law().performance.value(elapsed_s).into();
+        let on = f64::from(u8::from(self.is_on()));
+        let (barrier, energy) = match self.evaluate(time_s, truth) {
+            Ok(now) => (now.barrier_value, now.rate_error_energy),
+            Err(_) => (f64::NAN, f64::NAN),
+        };
+        let trigger = self.rule().composite();
+        let envelope = trigger.map_or(f64::NAN, |trigger| trigger.envelope(elapsed_s));
+        let all = [funnel_1, funnel_2, funnel_3, on, barrier, energy, envelope];
+        for (value, now) in values.iter_mut().zip(all) {
+            *value = now;
+        }
+    }
+
+    /// Largest |q_i| / rho_i.
+    fn funnel_ratio(&self, time_s: f64, truth: &AttitudeMeasurement) -> Option<f64> {
+        let performance = &self.law().performance;
+        Some(performance.occupancy(self.elapsed_s(time_s), &truth.error.vector))
+    }
+
+    /// V2 / S2.
+    fn threshold_ratio(&self, time_s: f64, truth: &AttitudeMeasurement) -> Option<f64> {
+        let trigger = self.rule().composite()?;
+        let energy = self.evaluate(time_s, truth).ok()?.rate_error_energy;
+        Some(energy / trigger.envelope(self.elapsed_s(time_s)))
+    }
+
+    fn switch_count(&self) -> Option<SwitchCount> {
+        self.rule().composite().map(|_| self.switch_count())
+    }
 }

@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::InertiaUncertaintyFile;
 
+use crate::base::bounded::{As, Finite, NonNegative, Positive, Unit};
+
 /// A rigid spacecraft: the true one, which may differ from the model of the design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -17,7 +19,7 @@ pub struct RigidBodyFile {
     /// Attitude at the start.
     pub initial_attitude: AttitudeFile,
     /// Body rate at the start [rad/s].
-    #[serde(default)]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub initial_rate_rad_s: [f64; 3],
     /// What the attitude should be; the zero attitude when left out.
     #[serde(default)]
@@ -41,12 +43,12 @@ pub struct RigidBodyFile {
 #[serde(rename_all = "snake_case")]
 pub enum AttitudeFile {
     /// [q0, q1, q2, q3], q0 the scalar.
-    QuaternionScalarFirst([f64; 4]),
+    QuaternionScalarFirst(#[serde(with = "As::<[Finite; 4]>")] [f64; 4]),
     /// [q1, q2, q3, q0], q0 the scalar.
-    QuaternionScalarLast([f64; 4]),
+    QuaternionScalarLast(#[serde(with = "As::<[Finite; 4]>")] [f64; 4]),
     /// [yaw, pitch, roll]: about axis 3, then 2, then 1 (deg).
     #[serde(rename = "euler_321_deg")]
-    Euler321Deg([f64; 3]),
+    Euler321Deg(#[serde(with = "As::<[Finite; 3]>")] [f64; 3]),
     /// A turn about an axis.
     AxisAngle(AxisAngleFile),
 }
@@ -56,21 +58,43 @@ pub enum AttitudeFile {
 #[serde(deny_unknown_fields)]
 pub struct AxisAngleFile {
     /// The axis, of any length above 0.
+    #[serde(with = "As::<[Finite; 3]>")]
     pub axis: [f64; 3],
     /// The angle (deg).
+    #[serde(with = "As::<Finite>")]
     pub angle_deg: f64,
 }
 
 /// What the attitude should be in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ReferenceFile {
     /// A constant attitude.
     Constant(AttitudeFile),
-    /// A turn at a constant rate.
-    Slew(SlewFile),
-    /// An oscillation.
-    Sine(SineFile),
+    /// A turn at a constant rate about an axis fixed in the body.
+    Slew {
+        /// Attitude before the slew.
+        start: AttitudeFile,
+        /// The axis, of any length above 0.
+        axis: [Finite; 3],
+        /// The rate [rad/s].
+        rate_rad_s: Finite,
+        /// Start of the slew, not negative (s).
+        from_s: NonNegative,
+        /// End of the slew, after its start (s).
+        until_s: Finite,
+    },
+    /// An oscillation `amplitude sin(frequency t)` about an axis fixed in the body.
+    Sine {
+        /// Attitude in the middle.
+        centre: AttitudeFile,
+        /// The axis, of any length above 0.
+        axis: [Finite; 3],
+        /// Amplitude (deg).
+        amplitude_deg: Finite,
+        /// Angular frequency, above 0 [rad/s].
+        frequency_rad_s: Positive,
+    },
 }
 
 impl Default for ReferenceFile {
@@ -79,42 +103,12 @@ impl Default for ReferenceFile {
     }
 }
 
-/// A turn at a constant rate about an axis fixed in the body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SlewFile {
-    /// Attitude before the slew.
-    pub start: AttitudeFile,
-    /// The axis, of any length above 0.
-    pub axis: [f64; 3],
-    /// The rate [rad/s].
-    pub rate_rad_s: f64,
-    /// Start of the slew, not negative (s).
-    pub from_s: f64,
-    /// End of the slew, after its start (s).
-    pub until_s: f64,
-}
-
-/// An oscillation `amplitude sin(frequency t)` about an axis fixed in the body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SineFile {
-    /// Attitude in the middle.
-    pub centre: AttitudeFile,
-    /// The axis, of any length above 0.
-    pub axis: [f64; 3],
-    /// Amplitude (deg).
-    pub amplitude_deg: f64,
-    /// Angular frequency, above 0 [rad/s].
-    pub frequency_rad_s: f64,
-}
-
 /// A disturbance torque: the sum of its parts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueFile {
     /// Constant part [N m].
-    #[serde(default)]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub bias_nm: [f64; 3],
     /// Periodic parts.
     #[serde(default)]
@@ -129,12 +123,13 @@ pub struct TorqueFile {
 #[serde(deny_unknown_fields)]
 pub struct TorqueSineFile {
     /// Angular frequency, above 0 [rad/s].
+    #[serde(with = "As::<Positive>")]
     pub frequency_rad_s: f64,
     /// Amplitude of the sine [N m].
-    #[serde(default)]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub sine_nm: [f64; 3],
     /// Amplitude of the cosine [N m].
-    #[serde(default)]
+    #[serde(default, with = "As::<[Finite; 3]>")]
     pub cosine_nm: [f64; 3],
 }
 
@@ -143,8 +138,10 @@ pub struct TorqueSineFile {
 #[serde(deny_unknown_fields)]
 pub struct TorqueRowFile {
     /// Time, later than in the row before (s).
+    #[serde(with = "As::<Finite>")]
     pub time_s: f64,
     /// Torque [N m].
+    #[serde(with = "As::<[Finite; 3]>")]
     pub torque_nm: [f64; 3],
 }
 
@@ -153,16 +150,16 @@ pub struct TorqueRowFile {
 #[serde(deny_unknown_fields)]
 pub struct SensorsFile {
     /// Standard deviation of the attitude about each axis, not negative (deg).
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub attitude_noise_deg: f64,
     /// Standard deviation of each rate, not negative [deg/s].
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub rate_noise_deg_s: f64,
     /// Resolution of the attitude, not negative; 0 for none (deg).
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub attitude_quantum_deg: f64,
     /// Resolution of each rate, not negative; 0 for none [deg/s].
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub rate_quantum_deg_s: f64,
 }
 
@@ -171,18 +168,22 @@ pub struct SensorsFile {
 #[serde(deny_unknown_fields)]
 pub struct ActuatorsFile {
     /// Largest torque of each axis, above 0; no limit but the controller's when left out [N m].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        with = "As::<Option<[Positive; 3]>>"
+    )]
     pub torque_limit_nm: Option<[f64; 3]>,
     /// Commands below this magnitude give no torque, not negative [N m].
-    #[serde(default)]
+    #[serde(default, with = "As::<[NonNegative; 3]>")]
     pub dead_band_nm: [f64; 3],
     /// Time from command to torque, not negative (s).
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub delay_s: f64,
     /// Torque about each body axis (rows) per unit torque of each actuator (columns); the identity
     /// when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub matrix: Option<[[f64; 3]; 3]>,
+    pub matrix: Option<[[Finite; 3]; 3]>,
 }
 
 /// A fault of one axis in a window of time.
@@ -190,16 +191,19 @@ pub struct ActuatorsFile {
 #[serde(deny_unknown_fields)]
 pub struct FaultFile {
     /// Axis: 1, 2 or 3.
+    #[schemars(range(min = 1, max = 3))]
     pub axis: u32,
     /// Start of the window, not negative (s).
+    #[serde(with = "As::<NonNegative>")]
     pub from_s: f64,
     /// End of the window, after its start (s).
+    #[serde(with = "As::<Finite>")]
     pub until_s: f64,
-    /// Share of the commanded torque that acts, in [0, 1]; 1 when left out.
-    #[serde(default = "one")]
+    /// Fraction of the commanded torque that acts, in [0, 1]; 1 when left out.
+    #[serde(default = "one", with = "As::<Unit>")]
     pub effectiveness: f64,
     /// Torque about the axis that acts on top, whatever is commanded [N m].
-    #[serde(default)]
+    #[serde(default, with = "As::<Finite>")]
     pub additive_nm: f64,
     /// The same, changing in time: added to `additive_nm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -211,15 +215,15 @@ pub struct FaultFile {
 #[serde(deny_unknown_fields)]
 pub struct FaultWaveFile {
     /// Amplitude at time zero [N m].
-    pub amplitude_nm: f64,
+    pub amplitude_nm: Finite,
     /// Angular frequency, not negative [rad/s].
-    pub frequency_rad_s: f64,
+    pub frequency_rad_s: NonNegative,
     /// Phase (deg).
     #[serde(default)]
-    pub phase_deg: f64,
+    pub phase_deg: Finite,
     /// Decay, not negative [1/s].
     #[serde(default)]
-    pub decay_per_s: f64,
+    pub decay_per_s: NonNegative,
 }
 
 fn one() -> f64 {

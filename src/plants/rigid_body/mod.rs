@@ -2,7 +2,7 @@
 
 pub mod check;
 pub mod file;
-pub mod inertia;
+pub mod gauge;
 
 use nalgebra::{Matrix3, Vector3};
 

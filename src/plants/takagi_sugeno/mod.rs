@@ -1,29 +1,13 @@
 //! Takagi-Sugeno models.
 
-pub mod check;
 pub mod file;
+pub mod gauge;
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::sim::plant::Plant;
 
-pub use check::TakagiSugenoSystem;
 pub use file::*;
-
-/// How the vertex systems of a Takagi-Sugeno plant are weighted in time.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Mixing {
-    /// Constant weights, not negative, with sum 1.
-    Constant(Vec<f64>),
-    /// From each vertex to the next and from the last back to the first, linearly, `dwell_s` seconds
-    /// each.
-    Cycle {
-        /// Time from one vertex to the next, s.
-        dwell_s: f64,
-    },
-    /// By the memberships of the design's model at the plant's state.
-    Model,
-}
 
 /// A Takagi-Sugeno plant x' = sum_i zeta_i(t) A_i x + B u + B_w tau of at most `N` states, `M` inputs
 /// and `N` disturbances. A smaller plant is padded with zeros, which changes none of its numbers.

@@ -12,9 +12,8 @@ use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SATURATED_INPUTS};
 use crate::conditions::state_feedback::VertexPlant;
 use crate::model::{
-    check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_state_matrices, parse, FileError, Kind, ModelError, MAX_BOUNDS,
-    MAX_COLUMNS,
+    check_bounds, check_count, check_line, check_matrix, check_positive_definite,
+    check_state_matrices, parse, FileError, Kind, ModelError, MAX_BOUNDS, MAX_COLUMNS,
 };
 
 /// A checked problem file.
@@ -36,8 +35,8 @@ impl Problem {
         Ok(Problem::new(parse(text, Kind::Problem)?)?)
     }
 
-    /// Checks every value of a problem file.
-    pub fn new(file: ProblemFile) -> Result<Self, ModelError> {
+    /// Checks what the ranges of single numbers leave open.
+    pub(super) fn new(file: ProblemFile) -> Result<Self, ModelError> {
         if file.schema_version != PROBLEM_SCHEMA_VERSION {
             return Err(ModelError::SchemaVersion {
                 found: file.schema_version,
@@ -49,8 +48,6 @@ impl Problem {
         let plant = check_plant(hull, file.gain.as_deref())?;
         let task = match &file.problem {
             ProblemKindFile::QuadraticStabilisation(requested) => {
-                let field = "problem.quadratic_stabilisation.decay_rate_per_s";
-                check_not_negative(field, requested.decay_rate_per_s)?;
                 DesignTask::QuadraticStabilisation(QuadraticStabilisation {
                     decay_rate: requested.decay_rate_per_s,
                 })
@@ -135,10 +132,6 @@ fn check_region(
             expected: format!("{m} entries, one for each input"),
         });
     }
-    for (s, &limit) in requested.input_limit.iter().enumerate() {
-        check_positive(&field(&format!("input_limit[{s}]")), limit)?;
-    }
-    check_not_negative(&field("decay_rate_per_s"), requested.decay_rate_per_s)?;
     let reference = match &requested.reference {
         None => ReferenceSet::Ellipsoid(DMatrix::identity(n, n)),
         Some(ReferenceFile::Ellipsoid(rows)) => {

@@ -10,10 +10,8 @@ use super::checked::Problem;
 use super::file::ProblemFile;
 use crate::certify::{judge_all, Report};
 use crate::conditions::state_feedback::StateFeedback;
-use crate::design::{rows, SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
-use crate::model::{
-    check_matrix, check_positive, check_symmetric, parse, FileError, Kind, ModelError,
-};
+use crate::design::{rows, symmetric, SolverRun, DESIGN_SCHEMA_VERSION};
+use crate::model::{check_matrix, check_positive, parse, FileError, Kind, ModelError};
 
 /// A state feedback with its proof. Every number stands once: what is asked is in the model, what flies
 /// in the controller, what only the proof needs in the certificate.
@@ -32,7 +30,7 @@ pub struct ProblemDesignFile {
     pub certificate: ProofFile,
     /// The outcome of the check when the file was written. A reader does not trust it: `verify`
     /// checks again.
-    pub verdict: VerdictFile,
+    pub verdict: Report,
     /// What made the file.
     pub provenance: ProblemProvenance,
 }
@@ -102,8 +100,7 @@ impl ProblemDesignFile {
         let gain = check_matrix("controller.gain", &self.controller.gain, flat)?;
         check_given_gain(problem, &gain)?;
         let part = &self.certificate;
-        let lyapunov = check_matrix("certificate.lyapunov", &part.lyapunov, (Some(n), Some(n)))?;
-        check_symmetric("certificate.lyapunov", &lyapunov)?;
+        let lyapunov = symmetric("certificate.lyapunov", &part.lyapunov, n)?;
         check_positive("certificate.guarantee", part.guarantee)?;
         let expected: Vec<&str> = problem.task.auxiliary_gains().to_vec();
         if !part.auxiliary.keys().eq(expected.iter()) {

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model::bounded::{As, NonNegative, Positive};
 use crate::model::LinearBound;
 
 /// The version this program reads and writes.
@@ -62,8 +63,8 @@ pub enum ProblemKindFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QuadraticStabilisationFile {
-    /// Decay rate alpha of the state, 0 or above [1/s].
-    #[serde(default)]
+    /// Decay rate alpha of the state [1/s].
+    #[serde(default, with = "As::<NonNegative>")]
     pub decay_rate_per_s: f64,
 }
 
@@ -87,10 +88,11 @@ pub struct HInfinityFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SaturatedRegionFile {
-    /// Saturation level of each input, above 0.
+    /// Saturation level of each input.
+    #[serde(with = "As::<Vec<Positive>>")]
     pub input_limit: Vec<f64>,
-    /// Decay rate alpha of the state inside the region, 0 or above [1/s].
-    #[serde(default)]
+    /// Decay rate alpha of the state inside the region [1/s].
+    #[serde(default, with = "As::<NonNegative>")]
     pub decay_rate_per_s: f64,
     /// What is blown up; the unit ball when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -11,7 +11,6 @@ use super::cross_check;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::cross_check::CrossCheckReport;
 use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::infeasibility::certificate;
 use crate::cli::show::no_design::NoDesignReport;
@@ -62,7 +61,6 @@ impl Conclusion<'_> {
             .cross_check
             .map(|solver| cross_check::run(solver, (self.model, self.form), design));
         let check = check.transpose()?;
-        let check = check.as_ref().map(CrossCheckReport::new);
         let report = SynthesisReport::new(design, self.model, &checked, check);
         let mut lines = report.lines(&design.file.name);
         lines.push(design_written(kept, checked.verdict));
@@ -76,7 +74,7 @@ impl Conclusion<'_> {
         if let Some((path, proof)) = kept {
             files::write(path, &proof.to_json())?;
         }
-        let report = NoDesignReport::one(self.model, self.form, decision, status);
+        let report = NoDesignReport::new(self.model, self.form, decision, status);
         let mut lines = report.lines(self.model_path, self.what);
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))

@@ -1,7 +1,7 @@
 //! The smallest gamma from both solvers.
 
 use synth::model::Model;
-use synth::synthesis::{cross_check, Candidate, CrossCheck, Form, SynthesisError, Synthesized};
+use synth::synthesis::{cross_check, CrossCheck, Form, SynthesisError, Synthesized};
 
 use crate::cli::error::CliError;
 use crate::cli::progress::SolverProgress;
@@ -18,14 +18,8 @@ pub fn run(
     let other = solver.other();
     let backends = [solver.backend_for(form), other.backend_for(other.form())];
     let candidates = [
-        Candidate {
-            backend: backends[0].as_ref(),
-            form,
-        },
-        Candidate {
-            backend: backends[1].as_ref(),
-            form: other.form(),
-        },
+        (backends[0].as_ref(), form),
+        (backends[1].as_ref(), other.form()),
     ];
     let units = design.file.provenance.problem;
     let checked = cross_check(model, units, candidates, Some(&observer));

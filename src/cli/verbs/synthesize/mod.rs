@@ -1,7 +1,6 @@
 //! `steadfast synthesize MODEL.json`
 
 pub mod args;
-pub mod both;
 pub mod conclude;
 pub mod cross_check;
 pub mod problem;
@@ -33,18 +32,25 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         files::check_output(output, &args.model)?;
     }
     let form = args.form();
+    let both = model.file.specs.objective == Objective::Both;
+    if both && args.cross_check {
+        let reason =
+            "--cross-check compares designs with one certificate; with --objective both it \
+                      has no meaning";
+        return Err(CliError::unsuitable(&args.model, reason));
+    }
     let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
         form,
         cross_check: args.cross_check.then_some(args.solver),
-        what: "design",
+        what: match both {
+            true => "design with both certificates",
+            false => "design",
+        },
         keeps_refutation: false,
     };
-    if model.file.specs.objective == Objective::Both {
-        return both::synthesize(args, &conclusion, &text);
-    }
     let backend = args.solver.backend_for(form);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
         synthesis::synthesize(&model, &text, form, backend.as_ref(), observer)

@@ -1,6 +1,7 @@
 //! The figures of a run.
 
 use crate::base::table::Table;
+use crate::plants::SystemKind;
 use crate::report::figure::Figure;
 use crate::report::series::Line;
 use crate::run::summary::Summary;
@@ -34,7 +35,7 @@ pub(crate) fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
         ..Figure::default()
     };
     let mut out = Vec::new();
-    if summary.system == "rigid_body" {
+    if summary.system == SystemKind::RigidBody {
         out.extend(attitude_figures(summary, &collect, &figure));
         out.extend(super::intermittent::figures(summary, trajectory));
     } else {

@@ -9,6 +9,7 @@ use figures::figures;
 
 use crate::base::number::{short, short_or_none};
 use crate::base::table::Table;
+use crate::plants::SystemKind;
 use crate::report::chart::FigureError;
 use crate::report::html::{
     cell, cell_of_class, list, paragraph, source, Header, HtmlTable, Page, Section,
@@ -92,7 +93,7 @@ fn metrics(summary: &Summary) -> Section {
         ("Samples".to_string(), summary.samples.to_string()),
     ];
     rows.extend(FIRST.map(line));
-    let spacecraft = summary.system == "rigid_body";
+    let spacecraft = summary.system == SystemKind::RigidBody;
     for entry in listed(spacecraft) {
         let (title, value) = line(entry.metric);
         // The inputs of another plant have units of their own.

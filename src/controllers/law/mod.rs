@@ -8,12 +8,9 @@ use synth::model::ModelError;
 
 use crate::base::condition::Condition;
 use crate::plants::RigidBodySystem;
-use crate::sim::controller::AnyController;
+use crate::sim::controller::Use;
 use crate::sim::events::EventCount;
 use crate::sim::sampling::Instants;
-
-/// A controller of a spacecraft, to be run.
-pub type AnyAttitudeController = AnyController<AttitudeMeasurement, 3>;
 
 /// A controller as written in a scenario file.
 pub trait LawFile {
@@ -39,11 +36,17 @@ pub trait AttitudeLaw {
     /// Torque limit of each axis, N m.
     fn torque_limit(&self) -> Vector3<f64>;
 
-    /// The controller before its first sample.
+    /// Hands on the controller before its first sample.
     ///
     /// # Errors
     /// A parameter that the flight code refuses.
-    fn build(&self, surroundings: &Surroundings) -> Result<AnyAttitudeController, ParameterError>;
+    fn build<U: Use<AttitudeMeasurement, 3>>(
+        &self,
+        surroundings: &Surroundings,
+        then: U,
+    ) -> Result<U::Output, ParameterError>
+    where
+        Self: Sized;
 
     /// Whether the torque changes at every sample, so that there is no trigger to watch.
     fn sends_every_sample(&self) -> bool {
