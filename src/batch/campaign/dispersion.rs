@@ -72,7 +72,7 @@ fn numbered(name: &str, unit: &str, count: usize) -> Vec<String> {
 
 fn attitude_columns() -> Vec<String> {
     let mut names = vec!["initial_q0_scalar".to_string()];
-    names.extend(numbered("initial_q", "", 3));
+    names.extend((1..=3).map(|number| format!("initial_q{number}")));
     names
 }
 

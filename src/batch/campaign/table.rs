@@ -109,9 +109,9 @@ impl CampaignColumns {
             number(&format!("{DRAWN}{name}"), &value)
         }));
         let times = self.profile.times_s.len();
-        for (first, quantity) in (0..).step_by(times).zip(&self.profile.quantities) {
+        for (index, quantity) in self.profile.quantities.iter().enumerate() {
             columns.extend((0..times).map(|time| {
-                let value = |row: &RunRow| row.profile.get(first + time).copied();
+                let value = |row: &RunRow| row.profile.get(index * times + time).copied();
                 let finite = rows
                     .iter()
                     .map(|row| value(row).filter(|value| value.is_finite()));

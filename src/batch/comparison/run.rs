@@ -41,8 +41,8 @@ pub struct ComparisonJob<'a> {
 }
 
 impl<'a> ComparisonJob<'a> {
-    /// The runs of candidates, at least one. All must have the same task but for `taken_from`, the scenario whose task
-    /// was imposed on them.
+    /// The runs of candidates, at least one. All must have the same task but for `taken_from`, the scenario
+    /// whose task was imposed on them.
     ///
     /// # Errors
     /// Torque limits that differ.
