@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::conditions::state_feedback::power_of_two;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::{BoundedSignal, Task};
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
@@ -18,11 +19,6 @@ pub struct Scaling {
     pub input: DVector<f64>,
     /// Unit of the disturbance.
     pub disturbance: f64,
-}
-
-/// The power of two nearest to a positive number in ratio.
-fn power_of_two(value: f64) -> f64 {
-    value.log2().round().clamp(-500.0, 500.0).exp2()
 }
 
 impl Scaling {

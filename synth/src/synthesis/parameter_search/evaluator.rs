@@ -11,7 +11,7 @@ use crate::programs::{
     assemble, blocking, has_point, Assembled, Blocking, Form, Goal, Parameter, SynthesisError,
 };
 use crate::scaling::Scaling;
-use sdp::lmi::{svec_index, Entry, Semidefinite};
+use sdp::lmi::{inner_product, Semidefinite};
 use sdp::solve::{Backend, Solution};
 
 /// Bounds on the gain.
@@ -303,16 +303,9 @@ fn weight_max(task: &Task) -> f64 {
 fn pairing(program: &Semidefinite, solution: &Solution) -> f64 {
     let mut total = 0.0;
     for (cone, dual) in program.cones.iter().zip(&solution.duals) {
-        let form = |entries: &[Entry]| -> f64 {
-            let terms = entries.iter().map(|entry| {
-                let twice = if entry.row == entry.column { 1.0 } else { 2.0 };
-                twice * entry.value * dual[svec_index(entry.row, entry.column)]
-            });
-            terms.sum()
-        };
-        total += form(&cone.constant);
+        total += inner_product(&cone.constant, dual);
         for (unknown, entries) in &cone.coefficients {
-            total += solution.values[*unknown] * form(entries);
+            total += solution.values[*unknown] * inner_product(entries, dual);
         }
     }
     total
