@@ -4,7 +4,7 @@ use std::path::Path;
 
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
-use synth::model::{read_text, Gains, Model};
+use synth::model::{read_text, GainsFile, Model};
 use synth::problem::{Problem, ProblemDesignFile};
 
 use super::error::CliError;
@@ -55,8 +55,8 @@ pub fn requirements_of(path: &Path, text: &str) -> Result<Requirements, CliError
 }
 
 /// The checked content of a gains file with this text.
-pub fn gains_of(path: &Path, text: &str) -> Result<Gains, CliError> {
-    Gains::from_json(text).map_err(|problem| CliError::file(path, problem))
+pub fn gains_of(path: &Path, text: &str) -> Result<GainsFile, CliError> {
+    GainsFile::from_json(text).map_err(|problem| CliError::file(path, problem))
 }
 
 /// Refuses an output path that cannot be written or that is the input, before any long work.

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use crate::certify::infeasible::{
-    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
-    RegionDual, VertexDual,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Moments, RegionDual,
+    VertexDual,
 };
 use crate::conditions::xu2020::{
     condition_name, gain_suffix, terms, Basis, SamplingEnd, Signal, DEAD_ZONE_UNIT,
@@ -124,14 +124,15 @@ impl Source<'_> {
             })
         });
         Some(GainDuals {
-            gain: *self.request.part.gains.get(rule)?,
+            gain: self.request.part.gains.get(rule)? + 1,
             integral: at(Integral, Integral)?,
-            integral_cross: match rule {
+            state_integral: match rule {
                 0 => None,
-                _ => Some(IntegralCross {
-                    state: at(State, Integral)?,
-                    sample: at(Sample, Integral)?,
-                }),
+                _ => Some(at(State, Integral)?),
+            },
+            sample_integral: match rule {
+                0 => None,
+                _ => Some(at(Sample, Integral)?),
             },
             inputs: inputs.collect::<Option<_>>()?,
             start,
@@ -149,6 +150,7 @@ impl Source<'_> {
                 Some(chosen) => *chosen.get(vertex)?,
                 None => vertex,
             };
+            let vertex = vertex + 1;
             Some(VertexDual { vertex, moments })
         });
         let dead_zone = match self.request.given {
@@ -218,7 +220,6 @@ impl Source<'_> {
 
     /// What turns each entry of a signal's solver coordinate into SI units.
     fn units(&self, signal: Signal) -> Vec<f64> {
-        let system = &self.solved.task.system;
         let state = self.solved.scaling.state.iter().map(|unit| 1.0 / unit);
         match signal {
             // The solver's coordinate is the root of this factor times the proof's.
@@ -231,8 +232,10 @@ impl Source<'_> {
                 let inputs = self.solved.scaling.input.iter();
                 inputs.map(|unit| DEAD_ZONE_UNIT / unit).collect()
             }
-            Disturbance => vec![self.solved.scaling.disturbance; system.disturbance.ncols()],
-            Further(_) => Vec::new(),
+            Disturbance | Further(_) => {
+                let size = signal.size(&self.solved.task, &self.solved.assembled.design);
+                vec![self.solved.scaling.disturbance; size]
+            }
             _ => state.collect(),
         }
     }

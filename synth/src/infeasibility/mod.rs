@@ -2,4 +2,4 @@
 
 mod file;
 
-pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
+pub use file::{InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};

@@ -26,6 +26,9 @@ pub struct OutOfRange {
     pub allowed: &'static str,
 }
 
+/// Files hold no numbers below this but 0.
+const SMALLEST: f64 = 1e-30;
+
 /// What [`finite`] allows, in words.
 const MAGNITUDE: &str = "0 or a number of magnitude 1e-30 to 1e30";
 
@@ -78,8 +81,12 @@ macro_rules! bounded {
                 self.0
             }
 
+            /// Numbers too small to be allowed in a file are written as 0.
             fn of(plain: &f64) -> Self {
-                Self(*plain)
+                match plain.abs() < SMALLEST {
+                    true => Self(0.0),
+                    false => Self(*plain),
+                }
             }
         }
 
@@ -186,7 +193,7 @@ impl<F: FileForm, const N: usize> FileForm for [F; N] {
     }
 }
 
-/// A matrix as a list of rows. Numbers too small to be allowed in a file are written as 0.
+/// A matrix as a list of rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<Vec<Finite>>", into = "Vec<Vec<Finite>>")]
 pub struct Rows(DMatrix<f64>);
@@ -224,13 +231,8 @@ impl TryFrom<Vec<Vec<Finite>>> for Rows {
 impl From<Rows> for Vec<Vec<Finite>> {
     fn from(Rows(matrix): Rows) -> Self {
         let rows = matrix.row_iter();
-        rows.map(|row| {
-            row.iter()
-                .map(Flushed::of)
-                .map(|Flushed(number)| number)
-                .collect()
-        })
-        .collect()
+        rows.map(|row| row.iter().map(Finite::of).collect())
+            .collect()
     }
 }
 
@@ -257,66 +259,6 @@ impl JsonSchema for Rows {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         Vec::<Vec<Finite>>::json_schema(generator)
-    }
-}
-
-/// Any number; those too small to be allowed in a file are written as 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub struct Flushed(Finite);
-
-/// Files hold no numbers below this but 0.
-const SMALLEST: f64 = 1e-30;
-
-impl FileForm for Flushed {
-    type Plain = f64;
-
-    fn plain(self) -> f64 {
-        self.0.get()
-    }
-
-    fn of(plain: &f64) -> Self {
-        match plain.abs() < SMALLEST {
-            true => Flushed(Finite(0.0)),
-            false => Flushed(Finite(*plain)),
-        }
-    }
-}
-
-/// The place of something in a list, which files number from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(try_from = "usize", into = "usize")]
-pub struct FromOne(#[schemars(range(min = 1))] usize);
-
-impl TryFrom<usize> for FromOne {
-    type Error = OutOfRange;
-
-    fn try_from(number: usize) -> Result<Self, OutOfRange> {
-        match number {
-            0 => Err(OutOfRange {
-                value: 0.0,
-                allowed: "1 or above",
-            }),
-            _ => Ok(FromOne(number)),
-        }
-    }
-}
-
-impl From<FromOne> for usize {
-    fn from(number: FromOne) -> usize {
-        number.0
-    }
-}
-
-impl FileForm for FromOne {
-    type Plain = usize;
-
-    fn plain(self) -> usize {
-        self.0 - 1
-    }
-
-    fn of(plain: &usize) -> Self {
-        FromOne(plain + 1)
     }
 }
 

@@ -209,6 +209,16 @@ impl ModelError {
         self
     }
 
+    /// A number outside its range.
+    pub fn range(field: impl Into<String>, value: f64, allowed: impl Into<String>) -> Self {
+        let (field, allowed) = (field.into(), allowed.into());
+        ModelError::OutOfRange {
+            field,
+            value,
+            allowed,
+        }
+    }
+
     /// A choice that does not go with another one.
     pub fn choice(field: impl Into<String>, reason: impl Into<String>) -> Self {
         let (field, reason) = (field.into(), reason.into());
@@ -221,10 +231,11 @@ impl ModelError {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> Self {
+        let (field, found, expected) = (field.into(), found.into(), expected.into());
         ModelError::WrongShape {
-            field: field.into(),
-            found: found.into(),
-            expected: expected.into(),
+            field,
+            found,
+            expected,
         }
     }
 }

@@ -262,21 +262,15 @@ pub struct Specs {
     #[serde(with = "As::<Positive>")]
     pub hbar_s: f64,
     /// Shortest sampling interval, above 0 and at most `hbar_s` (s); a hundredth of it when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Positive>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub hmin_s: Option<f64>,
     /// Largest trigger threshold nu, in [0, 1).
     #[serde(with = "As::<BelowOne>")]
     pub nu: f64,
     /// Smallest trigger threshold, at most nu; nu when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<BelowOne>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<BelowOne>>")]
     pub nu_min: Option<f64>,
     /// How the threshold moves between its bounds; it stays at nu when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -381,18 +375,12 @@ pub struct OuterSpecs {
     /// States x0 that the large set must contain, each of 6 entries; at least one.
     pub must_contain: Vec<Vec<f64>>,
     /// Size of the inner set over that of the large one, in (0, 1]; searched when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<UpToOne>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<UpToOne>>")]
     pub inner_scale: Option<f64>,
     /// Weight rho of the containment condition in scaled units, above 0; searched when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Positive>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub containment_weight: Option<f64>,
 }
 
@@ -402,74 +390,44 @@ pub struct OuterSpecs {
 #[serde(deny_unknown_fields)]
 pub struct SearchFile {
     /// Decay rate phi [1/s]; fixed when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[Positive; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub phi_per_s: Option<[f64; 2]>,
     /// Trigger threshold nu, in (0, 1); fixed when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[InsideUnit; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub nu: Option<[f64; 2]>,
     /// The box of a spacecraft: bound on the rate about each axis [rad/s].
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[Positive; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub rate_rad_s: Option<[f64; 2]>,
     /// The box of a spacecraft: smallest scalar part q0, in (0, 1).
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[InsideUnit; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub q0_min: Option<[f64; 2]>,
     /// Multiplier weight eps_1, above 0.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[Positive; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub eps_1: Option<[f64; 2]>,
     /// Multiplier weight eps_3, above 0.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[Positive; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub eps_3: Option<[f64; 2]>,
     /// Largest disturbance weight xi; up to the model's xi_max when left out.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[Positive; 2]>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub xi_max: Option<[f64; 2]>,
     /// Largest gain bound gamma that is accepted, above 0.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Positive>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub gamma_max: Option<f64>,
     /// Largest guaranteed gain that is accepted, above 0.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<Positive>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub guaranteed_gain_max: Option<f64>,
     /// Every attitude at rest up to this angle, in (0, 180), must be in the certified set (deg). Spacecraft only.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<AngleDeg>>"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<AngleDeg>>")]
     pub certified_angle_min_deg: Option<f64>,
     /// Most rounds, in 1 to 1000; each solves two programs.
     #[serde(default = "default_rounds")]

@@ -20,10 +20,11 @@ pub use file::{
     RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, VerticesPlant,
     MODEL_SCHEMA_VERSION,
 };
-pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
+pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
 pub use ranges::{
     check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_symmetric, finite, MAX_BOUNDS, MAX_COLUMNS,
+    check_positive_definite, check_shape, check_symmetric, check_version, finite, MAX_BOUNDS,
+    MAX_COLUMNS,
 };
 pub use read::{
     make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,

@@ -6,8 +6,9 @@ use runtime::local_rules::FuzzySet;
 use super::file::{
     FuzzySetFile, LocalRuleFile, RulesLinear, RulesPlant, RulesSpacecraft, RulesSystem,
 };
-use super::ranges::{check_inertia, check_matrix, require, MAX_STATES, MAX_VERTICES};
-use super::validate::SharedMatrices;
+use super::ranges::{
+    check_inertia, check_matrix, require, SharedMatrices, MAX_STATES, MAX_VERTICES,
+};
 use super::ModelError;
 use crate::fuzzy::{ExactSpacecraft, RuleModel, VertexSystem};
 
@@ -156,11 +157,12 @@ fn premises(field: &str, rule: &LocalRuleFile, states: usize) -> Result<Vec<Fuzz
         let number = premise.state;
         let known = number.checked_sub(1).and_then(|k| sets.get_mut(k));
         let Some(set) = known else {
-            return Err(ModelError::OutOfRange {
-                field: format!("{field}.state"),
-                value: number as f64,
-                allowed: format!("a state from 1 to {states}"),
-            });
+            let allowed = format!("a state from 1 to {states}");
+            return Err(ModelError::range(
+                format!("{field}.state"),
+                number as f64,
+                allowed,
+            ));
         };
         if *set != FuzzySet::Any {
             return Err(ModelError::choice(

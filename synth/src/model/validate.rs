@@ -10,8 +10,8 @@ use super::file::{
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::ranges::{
-    check_count, check_inertia, check_line, check_matrix, check_positive, require, MAX_BOUNDS,
-    MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
+    check_count, check_inertia, check_line, check_matrix, check_positive, check_version, require,
+    SharedMatrices, MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
 };
 use super::rules::rule_model;
 use super::search::check_search;
@@ -41,18 +41,9 @@ impl Model {
 
     /// Checks what the ranges of single numbers leave open.
     fn of_ranges(file: ModelFile) -> Result<Self, ModelError> {
-        if file.schema_version != MODEL_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: MODEL_SCHEMA_VERSION,
-            });
-        }
+        check_version(file.schema_version, MODEL_SCHEMA_VERSION)?;
         check_line("name", &file.name)?;
-        let plant = match &file.plant {
-            PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
-            PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
-            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
-        };
+        let plant = Plant::of_ranges(&file.plant)?;
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
         check_large_set(&file)?;
@@ -96,8 +87,8 @@ impl Model {
         task
     }
 
-    /// The model of the large-set certificate: the same plant on the outer box, with the outer decay rate,
-    /// weight bound and start states.
+    /// The model of the large-set certificate: the same plant on the box of the large set, with its decay rate, weight
+    /// bound and start states.
     ///
     /// # Errors
     /// No `specs.outer`, or a plant that is not `exact`.
@@ -109,6 +100,25 @@ impl Model {
             return Err(large_set::choice(reason));
         };
         Model::new(large_set::derived(&self.file, specs)?)
+    }
+}
+
+impl Plant {
+    /// Checks every value of a plant alone; errors are those of a model file.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    pub fn new(file: &PlantFile) -> Result<Self, ModelError> {
+        Plant::of_ranges(&within_ranges(file).map_err(|error| error.within("plant"))?)
+    }
+
+    /// Checks what the ranges of single numbers leave open.
+    fn of_ranges(file: &PlantFile) -> Result<Self, ModelError> {
+        Ok(match file {
+            PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
+            PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
+            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
+        })
     }
 }
 
@@ -217,44 +227,6 @@ fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
         box_rows,
         box_bounds,
     })
-}
-
-/// What all vertices, or all rules, have in common.
-pub(super) struct SharedMatrices<'a> {
-    pub input: &'a [Vec<f64>],
-    pub disturbance: Option<&'a [Vec<f64>]>,
-    pub output: Option<&'a [Vec<f64>]>,
-    pub input_limit: &'a [f64],
-}
-
-impl SharedMatrices<'_> {
-    /// B, B_w (B when left out) and C (the identity when left out), under the name of their parent.
-    pub fn checked(&self, parent: &str, states: usize) -> Result<[DMatrix<f64>; 3], ModelError> {
-        let field = |key: &str| format!("{parent}.{key}");
-        let tall = (Some(states), None);
-        let input = check_matrix(&field("input_matrix"), self.input, tall)?;
-        let disturbance = match self.disturbance {
-            Some(rows) => check_matrix(&field("disturbance_matrix"), rows, tall)?,
-            None => input.clone(),
-        };
-        let output = match self.output {
-            Some(rows) => check_matrix(&field("output_matrix"), rows, (None, Some(states)))?,
-            None => DMatrix::identity(states, states),
-        };
-        for (key, what, count) in [
-            ("input_matrix", "columns", input.ncols()),
-            ("disturbance_matrix", "columns", disturbance.ncols()),
-            ("output_matrix", "rows", output.nrows()),
-        ] {
-            check_count(&field(key), what, count, MAX_COLUMNS)?;
-        }
-        let (found, expected) = (self.input_limit.len(), input.ncols());
-        if found != expected {
-            let [found, expected] = [found, expected].map(|count| format!("{count} entries"));
-            return Err(ModelError::shape(field("input_limit"), found, expected));
-        }
-        Ok([input, disturbance, output])
-    }
 }
 
 /// The rows and bounds of a box, under the name of their field.

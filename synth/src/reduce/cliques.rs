@@ -6,7 +6,7 @@
 //! is a free symmetric matrix on its separator.
 
 use crate::conditions::xu2020::{Basis, Signal, Term};
-use sdp::lmi::{Affine, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks, Unknowns};
 
 /// Splits one block off: `residual` meets only the blocks of `separator`.
 #[derive(Debug, Clone)]
@@ -93,6 +93,25 @@ pub fn split(
     }
     out.push(("root", blocks.extract(&remaining)));
     Ok(out)
+}
+
+/// `lhs < 0`, a form with the given terms and a slack matrix, as one condition for each clique; `order`: the signals that
+/// are eliminated, `None` for one clique of all.
+pub fn split_conditions(
+    lhs: Affine,
+    (basis, terms, order): (&Basis, &[Term], Option<&[Signal]>),
+    strictness: &Strictness,
+    unknowns: &mut Unknowns,
+    place: &str,
+) -> Vec<Condition> {
+    let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
+    let splits = order.map_or(Vec::new(), |order| elimination(basis, terms, order));
+    let parts = split(strict.expression(), basis.sizes(), &splits, unknowns)
+        .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
+    let named = parts.into_iter().map(|(clique, part)| {
+        Condition::semidefinite(format!("decrease {place} clique {clique}"), part)
+    });
+    named.collect()
 }
 
 struct BlockView {

@@ -35,7 +35,7 @@ impl<S: Scalar> EndMoments<S> {
             let matrix = Matrix::exactly(&weight.moments);
             sum = sum.plus(&matrix);
             let xv = matrix.block(0, n, n, n);
-            driven = driven.plus(&xv.times(&vertices[weight.vertex]));
+            driven = driven.plus(&xv.times(&vertices[weight.vertex - 1]));
         }
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
         EndMoments {

@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 
 use super::moments::EndMoments;
-use super::multipliers::{DualMultipliers, GainDuals, IntegralCross, Moments};
+use super::multipliers::{DualMultipliers, GainDuals, Moments};
 use crate::certify::plant::DescriptorPlant;
 use crate::certify::signals::{bounded, reached_level};
 use crate::certify::theorem1::{gain_suffix, Statement};
@@ -148,16 +148,16 @@ fn parts<'a, S: Scalar>(
     let n = numbers.plant.states();
     let part = |part: &'a GainDuals| {
         let ends = [&part.start, &part.end];
-        let cross = |of: fn(&IntegralCross) -> &DMatrix<f64>| match &part.integral_cross {
-            Some(cross) => Matrix::exactly(of(cross)),
+        let cross = |of: &Option<DMatrix<f64>>| match of {
+            Some(cross) => Matrix::exactly(cross),
             None => Matrix::zeros(n, n),
         };
         GainMoments {
             weights: part,
             ends: ends.map(|moments| EndMoments::new(&numbers.plant.vertices, moments)),
-            gain: weights.given.get(part.gain).map(Matrix::exactly),
-            integral: [cross(|cross| &cross.state), cross(|cross| &cross.sample)],
-            suffix: gain_suffix(weights.given.len().max(1), part.gain),
+            gain: weights.given.get(part.gain - 1).map(Matrix::exactly),
+            integral: [cross(&part.state_integral), cross(&part.sample_integral)],
+            suffix: gain_suffix(weights.given.len().max(1), part.gain - 1),
         }
     };
     weights.gains.iter().map(part).collect()
@@ -244,7 +244,7 @@ impl<S: Scalar> GainMoments<'_, S> {
         let suffix = &self.suffix;
         for (r, moments) in [(1, &self.weights.start), (2, &self.weights.end)] {
             for weight in &moments.vertices {
-                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex + 1);
+                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex);
                 emit(name, Matrix::exactly(&weight.moments));
             }
         }

@@ -5,20 +5,16 @@
 //! Fh = F Qh', Nh = N Qh', S = M^-1.
 
 mod anti_windup;
-mod containment;
 mod decrease;
 mod mismatch;
 mod peak_gain;
-mod region;
+mod sets;
 mod signals;
-mod start;
 mod unknowns;
 
 pub use anti_windup::gain_suffix;
-pub use containment::containment;
-pub use decrease::{
-    condition_name, decrease, decrease_form, full_condition, full_matched_condition,
-};
+pub use decrease::{condition_name, decrease, full_condition, full_matched_condition};
+pub use sets::containment;
 pub use signals::{terms, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term};
 pub use unknowns::{
     DesignUnknowns, MismatchUnknowns, RuleUnknowns, SamplingEnd, Sector, SectorUnknowns,
@@ -90,7 +86,7 @@ fn weight_region_and_start(
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let mut out: Vec<Condition> = peak_gain::weight_bound(task, unknowns).collect();
-    out.extend(region::region(task, unknowns, strictness));
-    out.extend(start::must_contain(task, unknowns));
+    out.extend(sets::region(task, unknowns, strictness));
+    out.extend(sets::must_contain(task, unknowns));
     out
 }

@@ -54,7 +54,8 @@ impl Signal {
         }
     }
 
-    fn size(self, task: &Task, unknowns: &DesignUnknowns) -> usize {
+    /// Number of rows.
+    pub fn size(self, task: &Task, unknowns: &DesignUnknowns) -> usize {
         match self {
             DeadZone => match &unknowns.sector {
                 Some(sector) => sector.weight.nrows(),
@@ -345,12 +346,22 @@ impl Basis {
         let command = task.system.input.transpose() * self.map(Multiplied);
         let zone = self.map(DeadZone) / self.dead_zone_unit;
         let held = self.map(Held);
-        let parts = [command, zone, held];
+        self.stacked(&[command, zone, held])
+    }
+
+    /// The coordinates of those of some signals that are independent, block after block.
+    pub fn selected(&self, signals: &[Signal]) -> DMatrix<f64> {
+        let blocks = signals.iter().filter_map(|signal| self.block(*signal));
+        let parts: Vec<_> = blocks.map(|block| self.select(block)).collect();
+        self.stacked(&parts)
+    }
+
+    fn stacked(&self, parts: &[DMatrix<f64>]) -> DMatrix<f64> {
         let height = parts.iter().map(DMatrix::nrows).sum();
         let mut out = DMatrix::zeros(height, self.side());
         let mut row = 0;
         for part in parts {
-            out.rows_mut(row, part.nrows()).copy_from(&part);
+            out.rows_mut(row, part.nrows()).copy_from(part);
             row += part.nrows();
         }
         out
