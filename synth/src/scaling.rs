@@ -55,11 +55,16 @@ impl Scaling {
         }
     }
 
+    /// D^-1: from a state in SI units to one in these.
+    pub fn to_state(&self) -> DMatrix<f64> {
+        DMatrix::from_diagonal(&self.state.map(|unit| 1.0 / unit))
+    }
+
     /// The task in the scaled units.
     pub fn apply(&self, task: &Task) -> Task {
         let system = &task.system;
         let d = DMatrix::from_diagonal(&self.state);
-        let d_inverse = DMatrix::from_diagonal(&self.state.map(|unit| 1.0 / unit));
+        let d_inverse = self.to_state();
         let e = DMatrix::from_diagonal(&self.input);
         let c = self.disturbance;
         let region = system.region.iter().map(|bound| {

@@ -77,7 +77,7 @@ impl Source<'_> {
             let rows = bound.rows.nrows();
             let unit = (bound.bound_squared / scaled.bound_squared).sqrt();
             let state = self.state(&dual.view((0, 0), (n, n)).into_owned());
-            let cross = self.to_state() * dual.view((0, n), (n, rows));
+            let cross = self.solved.scaling.to_state() * dual.view((0, n), (n, rows));
             Some(RegionDual {
                 state: state / (unit * unit),
                 cross: cross / unit,
@@ -240,13 +240,9 @@ impl Source<'_> {
         }
     }
 
-    fn to_state(&self) -> DMatrix<f64> {
-        DMatrix::from_diagonal(&self.solved.scaling.state.map(|unit| 1.0 / unit))
-    }
-
     /// Moments of two quantities in units of the state.
     fn state(&self, moments: &DMatrix<f64>) -> DMatrix<f64> {
-        self.to_state() * moments * self.to_state()
+        self.solved.scaling.to_state() * moments * self.solved.scaling.to_state()
     }
 
     /// Moments of a pair of such quantities.

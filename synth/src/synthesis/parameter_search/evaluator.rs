@@ -158,12 +158,11 @@ impl Evaluator<'_> {
             return Ok(None);
         };
         let d = DMatrix::from_diagonal(&self.scaling.state);
-        let d_inverse = DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit));
         Ok(Some(SearchPoint {
             coordinates: point.to_vec(),
             objective: solved.objective,
             slope: self.slope(point, linearisation, &solved),
-            linearisation: d_inverse * inverse * multiplier * d,
+            linearisation: self.scaling.to_state() * inverse * multiplier * d,
             blocking: blocking(&solved.assembled.problem.conditions, &solved.solution),
         }))
     }
