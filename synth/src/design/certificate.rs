@@ -180,11 +180,8 @@ fn each(
 }
 
 fn wrong_count(field: &str, found: usize, expected: &str) -> ModelError {
-    ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{found} matrices"),
-        expected: format!("{expected} matrices"),
-    }
+    let found = format!("{found} matrices");
+    ModelError::shape(field, found, format!("{expected} matrices"))
 }
 
 /// Largest number of gains in a file.
@@ -222,11 +219,9 @@ fn mismatch_slack(
         false => 0,
     };
     if sides.len() != needed {
-        return Err(ModelError::WrongShape {
-            field: "certificate.mismatch".to_string(),
-            found: format!("{} entries", sides.len()),
-            expected: format!("{needed} entries"),
-        });
+        let (found, expected) = (sides.len(), format!("{needed} entries"));
+        let found = format!("{found} entries");
+        return Err(ModelError::shape("certificate.mismatch", found, expected));
     }
     let side = certificate.mismatch_side();
     let symmetric = |field: &str, rows: &[Vec<f64>]| symmetric(field, rows, side);
@@ -258,9 +253,6 @@ fn check_radius(model: &Model, radius: f64) -> Result<(), ModelError> {
     if spacecraft && (0.0..=1.0).contains(&radius) {
         return Ok(());
     }
-    Err(ModelError::OutOfRange {
-        field: "certificate.certified_vector_part".to_string(),
-        value: radius,
-        allowed: allowed.to_string(),
-    })
+    let field = "certificate.certified_vector_part";
+    Err(ModelError::range(field, radius, allowed))
 }
