@@ -26,8 +26,8 @@ pub struct DesignClaims {
     certified_angle_any_axis_deg: Option<f64>,
     /// The smallest angle along the must-contain states that are attitudes at rest (deg).
     certified_angle_along_deg: Option<f64>,
-    /// How far the set goes along each must-contain state.
-    must_contain: Vec<ContainedState>,
+    /// How far the set goes along each must-contain state: proved, rounded down.
+    must_contain: Vec<Along>,
     /// No two messages are closer than this (s).
     min_inter_event_s: Option<f64>,
     /// Its inverse.
@@ -37,15 +37,6 @@ pub struct DesignClaims {
     /// The bound that both numbers above come from.
     #[serde(skip)]
     transmissions: Option<TransmissionBound>,
-}
-
-/// How far the certified set goes along a must-contain state: proved, rounded down.
-#[derive(Debug, Serialize)]
-struct ContainedState {
-    /// How many times the state is in the set.
-    scale: f64,
-    /// The angle there, where the state is an attitude at rest (deg).
-    angle_deg: Option<f64>,
 }
 
 /// The claims of the outer certificate of a design with two.
@@ -86,7 +77,7 @@ impl DesignClaims {
                 .iter()
                 .filter_map(|one| one.angle_deg)
                 .reduce(f64::min),
-            must_contain: along.into_iter().map(ContainedState::from).collect(),
+            must_contain: along,
             min_inter_event_s: Some(transmissions.min_inter_event_s),
             max_transmissions_per_s: Some(transmissions.max_transmissions_per_s),
             outer: outer.as_ref().map(OuterClaims::of),
@@ -118,15 +109,6 @@ impl DesignClaims {
         }));
         lines.extend(self.transmissions.iter().map(TransmissionBound::describe));
         lines
-    }
-}
-
-impl From<Along> for ContainedState {
-    fn from(along: Along) -> Self {
-        ContainedState {
-            scale: along.scale,
-            angle_deg: along.angle_deg,
-        }
     }
 }
 

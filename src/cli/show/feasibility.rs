@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use synth::design::SolverRun;
-use synth::feasibility::{Answer, Decision, Relaxation, RelaxedValue};
+use synth::feasibility::{Answer, Decision, Relaxation};
 use synth::programs::Blocking;
 
 use super::blocking::{blocking_lines, slack_line};
@@ -26,7 +26,7 @@ pub struct FeasibilityReport<'a> {
     /// What was proved about a part of the designs; null where the answer is about all.
     shown: Option<String>,
     /// What relaxing one requirement alone does; null where it was not asked.
-    pub relaxations: Option<Vec<RelaxationReport>>,
+    pub relaxations: Option<Vec<Relaxation>>,
     /// Time of the verdict (s).
     seconds: f64,
     /// Time in solvers (s).
@@ -36,25 +36,6 @@ pub struct FeasibilityReport<'a> {
     /// The verdict in words.
     #[serde(skip)]
     headline: String,
-}
-
-/// What relaxing one requirement alone does.
-#[derive(Debug, Serialize)]
-pub struct RelaxationReport {
-    /// The requirement's symbol.
-    requirement: &'static str,
-    /// The first value at which a design is proved; of several limits the first. Null, as the next two, where it
-    /// does not help alone.
-    value: Option<f64>,
-    /// The same relative to the model's.
-    factor: Option<f64>,
-    /// The nearest factor tried at which no design was found.
-    not_at_factor: Option<f64>,
-    /// Solver calls it took.
-    solves: usize,
-    /// The three numbers.
-    #[serde(skip)]
-    feasible: Option<RelaxedValue>,
 }
 
 impl<'a> FeasibilityReport<'a> {
@@ -97,34 +78,19 @@ impl<'a> FeasibilityReport<'a> {
         if let Some(relaxations) = &self.relaxations {
             let title = "one requirement relaxed, all others kept:";
             lines.push(title.to_string());
-            lines.extend(relaxations.iter().map(RelaxationReport::line));
+            lines.extend(relaxations.iter().map(relaxation_line));
         }
         lines
     }
 }
 
-impl RelaxationReport {
-    /// From what was found.
-    pub fn new(relaxation: &Relaxation) -> Self {
-        let feasible = relaxation.feasible;
-        RelaxationReport {
-            requirement: relaxation.requirement,
-            value: feasible.map(|found| found.value),
-            factor: feasible.map(|found| found.factor),
-            not_at_factor: feasible.map(|found| found.not_at),
-            solves: relaxation.solves,
-            feasible,
-        }
-    }
-
-    fn line(&self) -> String {
-        let symbol = self.requirement;
-        match self.feasible {
-            Some(found) => format!(
-                "  {symbol}: feasible (proved) at {:.5}, {:.4} times the model's; not found at {:.4} times",
-                found.value, found.factor, found.not_at
-            ),
-            None => format!("  {symbol}: does not help alone"),
-        }
+fn relaxation_line(relaxation: &Relaxation) -> String {
+    let symbol = relaxation.requirement;
+    let factors = relaxation.factor.zip(relaxation.not_at_factor);
+    match relaxation.value.zip(factors) {
+        Some((value, (factor, not_at))) => format!(
+            "  {symbol}: feasible (proved) at {value:.5}, {factor:.4} times the model's; not found at {not_at:.4} times"
+        ),
+        None => format!("  {symbol}: does not help alone"),
     }
 }

@@ -117,16 +117,11 @@ impl CertificateFile {
         let symmetric = |field: &str, rows| symmetric(field, rows, n);
         let gains = each("controller.gains", &controller.gains, gain)?;
         let anti_windups = each("certificate.anti_windup", &self.anti_windup, gain)?;
-        let [(gain, anti_windup), further @ ..] = &paired(gains, anti_windups)?[..] else {
-            return Err(wrong_count("controller.gains", 0, "1 or more"));
-        };
-        let further = further.iter().map(|(gain, anti_windup)| RuleGains {
-            gain: gain.clone(),
-            anti_windup: anti_windup.clone(),
-        });
+        let mut rules = paired(gains, anti_windups)?;
+        let first = rules.remove(0);
         let mut certificate = Certificate {
-            gain: gain.clone(),
-            further: further.collect(),
+            gain: first.gain,
+            further: rules,
             mismatch: Vec::new(),
             trigger_weight: symmetric("controller.trigger_weight", &controller.trigger_weight)?,
             trigger_multiple: 1.0,
@@ -135,7 +130,7 @@ impl CertificateFile {
             multiplier: check_matrix("certificate.multiplier", &self.multiplier, square)?,
             free_state: check_matrix("certificate.free_state", &self.free_state, square)?,
             free_sample: check_matrix("certificate.free_sample", &self.free_sample, square)?,
-            anti_windup: anti_windup.clone(),
+            anti_windup: first.anti_windup,
             sector_weight: DVector::from_column_slice(weights),
             disturbance_weight: self.xi,
             gain_bound: self.gamma,
@@ -185,24 +180,18 @@ fn each(
 }
 
 fn wrong_count(field: &str, found: usize, expected: &str) -> ModelError {
-    ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{found} matrices"),
-        expected: format!("{expected} matrices"),
-    }
+    let found = format!("{found} matrices");
+    ModelError::shape(field, found, format!("{expected} matrices"))
 }
 
 /// Largest number of gains in a file.
 const MAX_GAINS: usize = 64;
 
-/// A gain and its anti-windup gain.
-type GainPair = (DMatrix<f64>, DMatrix<f64>);
-
-/// Each gain with its anti-windup gain.
+/// Each gain with its anti-windup gain, at least one.
 fn paired(
     gains: Vec<DMatrix<f64>>,
     anti_windups: Vec<DMatrix<f64>>,
-) -> Result<Vec<GainPair>, ModelError> {
+) -> Result<Vec<RuleGains>, ModelError> {
     if gains.is_empty() || gains.len() > MAX_GAINS {
         let expected = format!("1 to {MAX_GAINS}");
         return Err(wrong_count("controller.gains", gains.len(), &expected));
@@ -212,7 +201,10 @@ fn paired(
         let found = anti_windups.len();
         return Err(wrong_count("certificate.anti_windup", found, &expected));
     }
-    Ok(gains.into_iter().zip(anti_windups).collect())
+    let pairs = gains.into_iter().zip(anti_windups);
+    Ok(pairs
+        .map(|(gain, anti_windup)| RuleGains { gain, anti_windup })
+        .collect())
 }
 
 /// The slack of the mismatch bound: two of it where kappa > 0 is assumed, none elsewhere.
@@ -227,11 +219,9 @@ fn mismatch_slack(
         false => 0,
     };
     if sides.len() != needed {
-        return Err(ModelError::WrongShape {
-            field: "certificate.mismatch".to_string(),
-            found: format!("{} entries", sides.len()),
-            expected: format!("{needed} entries"),
-        });
+        let (found, expected) = (sides.len(), format!("{needed} entries"));
+        let found = format!("{found} entries");
+        return Err(ModelError::shape("certificate.mismatch", found, expected));
     }
     let side = certificate.mismatch_side();
     let symmetric = |field: &str, rows: &[Vec<f64>]| symmetric(field, rows, side);
@@ -263,9 +253,6 @@ fn check_radius(model: &Model, radius: f64) -> Result<(), ModelError> {
     if spacecraft && (0.0..=1.0).contains(&radius) {
         return Ok(());
     }
-    Err(ModelError::OutOfRange {
-        field: "certificate.certified_vector_part".to_string(),
-        value: radius,
-        allowed: allowed.to_string(),
-    })
+    let field = "certificate.certified_vector_part";
+    Err(ModelError::range(field, radius, allowed))
 }

@@ -7,7 +7,7 @@ use super::certificate::{CertificateFile, ControllerFile};
 use crate::certify::theorem1::Certificate;
 use crate::certify::{check, Report, Verdict};
 use crate::model::{
-    check_positive, parse, FileError, Kind, Model, ModelError, ModelFile, Objective,
+    check_positive, check_version, parse, FileError, Kind, Model, ModelError, ModelFile, Objective,
 };
 
 /// The version this program reads and writes.
@@ -165,23 +165,13 @@ impl DesignFile {
     /// Reads the text of a design file; shapes and ranges are checked, nothing is proved.
     pub fn from_json(text: &str) -> Result<(Self, Model), FileError> {
         let file: DesignFile = parse(text, Kind::Design)?;
-        if file.schema_version != DESIGN_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: DESIGN_SCHEMA_VERSION,
-            }
-            .into());
-        }
+        check_version(file.schema_version, DESIGN_SCHEMA_VERSION)?;
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.certificate(&model)?;
         let outer = file.large_set_certificate(&model)?;
         if outer.is_none() && model.file.specs.objective == Objective::Both {
-            return Err(ModelError::Choice {
-                field: "outer".to_string(),
-                reason: "is missing; the model's objective \"both\" needs a second certificate"
-                    .to_string(),
-            }
-            .into());
+            let reason = "is missing; the model's objective \"both\" needs a second certificate";
+            return Err(ModelError::choice("outer", reason).into());
         }
         Ok((file, model))
     }

@@ -19,7 +19,7 @@ pub fn recover(
     scaling: &Scaling,
 ) -> Option<Certificate> {
     let multiplier = unknowns.multiplier.value(values).try_inverse()?;
-    let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
+    let to_state = scaling.to_state();
     let to_input = DMatrix::from_diagonal(&scaling.input);
     let weight = |transformed: DMatrix<f64>| {
         &to_state * &multiplier * transformed * multiplier.transpose() * &to_state
@@ -102,7 +102,7 @@ fn slack_coordinates(
     for k in 0..zone {
         out[(m + k, m + k)] = scaling.input[k] / DEAD_ZONE_UNIT;
     }
-    let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
+    let to_state = scaling.to_state();
     out.view_mut((m + zone, m + zone), (n, n))
         .copy_from(&(multiplier.transpose() * to_state));
     out

@@ -14,7 +14,7 @@ use crate::conditions::xu2020::{
 use crate::programs::{Assembled, DesignRequest, Solved};
 use crate::reduce::cliques::{elimination, members};
 use crate::reduce::vertex_slack::ELIMINATED;
-use sdp::lmi::svec_index;
+use sdp::lmi::dual_matrix;
 
 /// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not computed from the stationarity in the multiplier,
 /// which divides by it.
@@ -28,15 +28,14 @@ struct Duals<'a> {
 impl<'a> Duals<'a> {
     fn new(assembled: &'a Assembled, duals: &[Vec<f64>], factor: f64) -> Self {
         let pairs = assembled.problem.conditions.iter().zip(duals);
-        let full = pairs.map(|(condition, dual)| {
-            let side = condition.side();
-            let matrix = DMatrix::from_fn(side, side, |r, c| {
-                factor * dual[svec_index(r.min(c), r.max(c))]
-            });
-            (condition.name(), matrix)
+        let matrices = pairs.map(|(condition, dual)| {
+            (
+                condition.name(),
+                dual_matrix(condition.side(), dual) * factor,
+            )
         });
         Duals {
-            by_name: full.collect(),
+            by_name: matrices.collect(),
         }
     }
 
@@ -78,7 +77,7 @@ impl Source<'_> {
             let rows = bound.rows.nrows();
             let unit = (bound.bound_squared / scaled.bound_squared).sqrt();
             let state = self.state(&dual.view((0, 0), (n, n)).into_owned());
-            let cross = self.to_state() * dual.view((0, n), (n, rows));
+            let cross = self.solved.scaling.to_state() * dual.view((0, n), (n, rows));
             Some(RegionDual {
                 state: state / (unit * unit),
                 cross: cross / unit,
@@ -241,13 +240,9 @@ impl Source<'_> {
         }
     }
 
-    fn to_state(&self) -> DMatrix<f64> {
-        DMatrix::from_diagonal(&self.solved.scaling.state.map(|unit| 1.0 / unit))
-    }
-
     /// Moments of two quantities in units of the state.
     fn state(&self, moments: &DMatrix<f64>) -> DMatrix<f64> {
-        self.to_state() * moments * self.to_state()
+        self.solved.scaling.to_state() * moments * self.solved.scaling.to_state()
     }
 
     /// Moments of a pair of such quantities.

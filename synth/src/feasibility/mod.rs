@@ -12,7 +12,7 @@ mod relax;
 mod size;
 
 pub use decide::decide;
-pub use relax::{relaxations, Relaxation, RelaxedValue};
+pub use relax::{relaxations, Relaxation};
 
 pub use crate::infeasibility::{InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
 pub use crate::programs::{Answer, Decision, Infeasible};

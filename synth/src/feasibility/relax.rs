@@ -1,5 +1,7 @@
 //! Which requirement, relaxed alone, first makes a model feasible, and at what value.
 
+use serde::Serialize;
+
 use super::decide::look_for_a_design;
 use crate::model::Model;
 use crate::programs::{Answer, Parameter, SynthesisError};
@@ -39,25 +41,27 @@ const REQUIREMENTS: [Requirement; 6] = [
 ];
 
 /// The effect of relaxing one requirement alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Relaxation {
     /// The requirement's symbol in the conditions.
     pub requirement: &'static str,
-    /// Where it first makes the model feasible, proved; `None` when no factor that was tried does.
-    pub feasible: Option<RelaxedValue>,
+    /// The value that first makes the model feasible, proved, in the file's unit; of several limits the first. `None`,
+    /// as the next two, when no factor that was tried does.
+    pub value: Option<f64>,
+    /// The value relative to the model's.
+    pub factor: Option<f64>,
+    /// The nearest factor tried at which a design was not found.
+    pub not_at_factor: Option<f64>,
     /// Solver calls it took.
     pub solves: usize,
 }
 
-/// A value of a requirement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RelaxedValue {
-    /// The value, in the file's unit; of several limits the first.
-    pub value: f64,
-    /// The value relative to the model's.
-    pub factor: f64,
-    /// The nearest factor tried at which a design was not found.
-    pub not_at: f64,
+/// A value of a requirement that makes the model feasible.
+#[derive(Clone, Copy)]
+struct RelaxedValue {
+    value: Option<f64>,
+    factor: f64,
+    not_at: f64,
 }
 
 /// Logarithms of the factors tried in one direction, until one is feasible.
@@ -97,13 +101,15 @@ pub fn relaxations(
         }
         out.push(Relaxation {
             requirement: requirement.symbol,
-            feasible: best,
+            value: best.and_then(|best| best.value),
+            factor: best.map(|best| best.factor),
+            not_at_factor: best.map(|best| best.not_at),
             solves: search.solves,
         });
     }
     let change = |relaxation: &Relaxation| {
-        let factor = relaxation.feasible.map(|value| value.factor.ln().abs());
-        factor.unwrap_or(f64::INFINITY)
+        let change = relaxation.factor.map(|factor| factor.ln().abs());
+        change.unwrap_or(f64::INFINITY)
     };
     out.sort_by(|a, b| change(a).total_cmp(&change(b)));
     Ok(out)
@@ -177,7 +183,7 @@ impl Relaxing<'_> {
         let model = self.parameter.scaled(self.model, factor);
         let value = model.and_then(|model| self.parameter.of(&model.file));
         Ok(RelaxedValue {
-            value: value.unwrap_or(f64::NAN),
+            value,
             factor,
             not_at: (direction * below.at).exp(),
         })

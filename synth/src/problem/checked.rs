@@ -13,7 +13,8 @@ use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SAT
 use crate::conditions::state_feedback::VertexPlant;
 use crate::model::{
     check_bounds, check_count, check_line, check_matrix, check_positive_definite,
-    check_state_matrices, parse, FileError, Kind, ModelError, MAX_BOUNDS, MAX_COLUMNS,
+    check_state_matrices, check_version, parse, FileError, Kind, ModelError, Size, MAX_BOUNDS,
+    MAX_COLUMNS,
 };
 
 /// A checked problem file.
@@ -27,8 +28,6 @@ pub struct Problem {
     pub task: DesignTask,
 }
 
-type Size = (Option<usize>, Option<usize>);
-
 impl Problem {
     /// Reads and checks the text of a problem file.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
@@ -37,12 +36,7 @@ impl Problem {
 
     /// Checks what the ranges of single numbers leave open.
     pub(super) fn new(file: ProblemFile) -> Result<Self, ModelError> {
-        if file.schema_version != PROBLEM_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: PROBLEM_SCHEMA_VERSION,
-            });
-        }
+        check_version(file.schema_version, PROBLEM_SCHEMA_VERSION)?;
         check_line("name", &file.name)?;
         let ProblemPlantFile::Vertices(hull) = &file.plant;
         let plant = check_plant(hull, file.gain.as_deref())?;
@@ -126,11 +120,9 @@ fn check_region(
         MAX_SATURATED_INPUTS,
     )?;
     if requested.input_limit.len() != m {
-        return Err(ModelError::WrongShape {
-            field: field("input_limit"),
-            found: format!("{} entries", requested.input_limit.len()),
-            expected: format!("{m} entries, one for each input"),
-        });
+        let found = format!("{} entries", requested.input_limit.len());
+        let expected = format!("{m} entries, one for each input");
+        return Err(ModelError::shape(field("input_limit"), found, expected));
     }
     let reference = match &requested.reference {
         None => ReferenceSet::Ellipsoid(DMatrix::identity(n, n)),
@@ -161,11 +153,8 @@ fn check_points(field: &str, points: &[Vec<f64>], n: usize) -> Result<ReferenceS
         .row_iter()
         .position(|row| row.iter().all(|&x| x == 0.0))
     {
-        return Err(ModelError::OutOfRange {
-            field: format!("{field}[{zero}]"),
-            value: 0.0,
-            allowed: "a point with an entry that is not 0".to_string(),
-        });
+        let allowed = "a point with an entry that is not 0";
+        return Err(ModelError::range(format!("{field}[{zero}]"), 0.0, allowed));
     }
     let points = matrix
         .row_iter()

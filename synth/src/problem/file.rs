@@ -63,7 +63,7 @@ pub enum ProblemKindFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QuadraticStabilisationFile {
-    /// Decay rate alpha of the state [1/s].
+    /// Decay rate alpha of the state, 0 or above [1/s].
     #[serde(default, with = "As::<NonNegative>")]
     pub decay_rate_per_s: f64,
 }
@@ -88,10 +88,10 @@ pub struct HInfinityFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SaturatedRegionFile {
-    /// Saturation level of each input.
+    /// Saturation level of each input, above 0.
     #[serde(with = "As::<Vec<Positive>>")]
     pub input_limit: Vec<f64>,
-    /// Decay rate alpha of the state inside the region [1/s].
+    /// Decay rate alpha of the state inside the region, 0 or above [1/s].
     #[serde(default, with = "As::<NonNegative>")]
     pub decay_rate_per_s: f64,
     /// What is blown up; the unit ball when left out.

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use time::format_description::well_known::Rfc3339;
 use time::OffsetDateTime;
 
-use sdp::lmi::{svec_index, Condition};
+use sdp::lmi::{dual_trace, Condition};
 use sdp::solve::Solution;
 
 /// A condition that carries the dual solution.
@@ -24,8 +24,7 @@ pub struct Blocking {
 pub(crate) fn blocking(conditions: &[Condition], solution: &Solution) -> Vec<Blocking> {
     let mut traces = BTreeMap::<String, f64>::new();
     for (condition, dual) in conditions.iter().zip(&solution.duals) {
-        let diagonal = (0..condition.side()).map(|k| dual[svec_index(k, k)]);
-        let trace: f64 = diagonal.sum();
+        let trace = dual_trace(condition.side(), dual);
         let whole = match condition.name().split_once(" clique ") {
             Some((whole, _)) => format!("{whole} all vertices"),
             None => condition.name().to_string(),

@@ -77,16 +77,13 @@ pub fn analyse(
     task.gains = GainPlan::given(gains, mismatch);
     let all: Vec<usize> = (0..gains.len()).collect();
     let request = DesignRequest {
-        model,
-        model_text,
-        task: &task,
         given: gains,
         part: ConditionSubset {
             gains: &all,
             vertices: None,
         },
         gains_text: Some(gains_text),
-        form,
+        ..DesignRequest::of_model(model, model_text, &task, form)
     };
     if let Some(decision) = feasibility::refute_given(request, observer.clone())? {
         return Ok(Outcome::Infeasible(decision));

@@ -10,7 +10,7 @@ use super::coupled::{assemble, Coupled, UNBOUNDED_GAIN};
 use crate::certify::theorem1::Certificate;
 use crate::conditions::Task;
 use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits};
-use crate::model::{Model, ModelError, OuterSpecs};
+use crate::model::{Model, ModelError};
 use crate::optimality::Optimality;
 use crate::programs::{
     blocking, Answer, Blocking, Decision, DesignRequest, Form, Goal, Outcome, Session,
@@ -63,9 +63,12 @@ impl CouplingChoice {
     }
 
     /// What is tried first for a model.
-    fn first(outer: &OuterSpecs) -> Self {
-        let weight = outer.containment_weight.unwrap_or(CONTAINMENT_WEIGHTS[0]);
-        CouplingChoice::new(weight, outer.inner_scale.unwrap_or(FIRST_SCALE))
+    fn first(model: &Model) -> Self {
+        let outer = model.file.specs.outer.as_ref();
+        let weight = outer.and_then(|outer| outer.containment_weight);
+        let scale = outer.and_then(|outer| outer.inner_scale);
+        let weight = weight.unwrap_or(CONTAINMENT_WEIGHTS[0]);
+        CouplingChoice::new(weight, scale.unwrap_or(FIRST_SCALE))
     }
 
     /// Both tasks in units of their own.
@@ -98,10 +101,7 @@ pub fn coupled_problem(
     choice: Option<CouplingChoice>,
 ) -> Result<LmiProblem, ModelError> {
     let outer = model.large_set()?;
-    let first = model.file.specs.outer.as_ref().map(CouplingChoice::first);
-    let choice = choice
-        .or(first)
-        .unwrap_or(CouplingChoice::new(CONTAINMENT_WEIGHTS[0], FIRST_SCALE));
+    let choice = choice.unwrap_or(CouplingChoice::first(model));
     let scaled = choice.scaled(model, &outer);
     Ok(assemble(&scaled, choice.coupling, form, Goal::SmallestGain).problem)
 }

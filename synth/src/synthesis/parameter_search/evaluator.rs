@@ -11,7 +11,7 @@ use crate::programs::{
     assemble, blocking, has_point, Assembled, Blocking, Form, Goal, Parameter, SynthesisError,
 };
 use crate::scaling::Scaling;
-use sdp::lmi::{svec_index, Entry, Semidefinite};
+use sdp::lmi::{inner_product, Semidefinite};
 use sdp::solve::{Backend, Solution};
 
 /// Bounds on the gain.
@@ -158,12 +158,11 @@ impl Evaluator<'_> {
             return Ok(None);
         };
         let d = DMatrix::from_diagonal(&self.scaling.state);
-        let d_inverse = DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit));
         Ok(Some(SearchPoint {
             coordinates: point.to_vec(),
             objective: solved.objective,
             slope: self.slope(point, linearisation, &solved),
-            linearisation: d_inverse * inverse * multiplier * d,
+            linearisation: self.scaling.to_state() * inverse * multiplier * d,
             blocking: blocking(&solved.assembled.problem.conditions, &solved.solution),
         }))
     }
@@ -172,7 +171,7 @@ impl Evaluator<'_> {
         &self,
         point: &[f64],
         linearisation: &DMatrix<f64>,
-    ) -> Result<Option<Solved>, SynthesisError> {
+    ) -> Result<Option<SolvedProgram>, SynthesisError> {
         let file = self.space.at(point);
         let xi_max = file.specs.xi_max;
         let Some(task) = self.task(file, linearisation) else {
@@ -199,7 +198,7 @@ impl Evaluator<'_> {
                 (-0.5 * (peak * weight_max(&task)).ln(), -0.5 / peak)
             }
         };
-        Ok(objective.is_finite().then_some(Solved {
+        Ok(objective.is_finite().then_some(SolvedProgram {
             assembled,
             program,
             solution,
@@ -210,7 +209,12 @@ impl Evaluator<'_> {
     }
 
     /// The gradient at a solved point.
-    fn slope(&self, point: &[f64], linearisation: &DMatrix<f64>, solved: &Solved) -> Vec<f64> {
+    fn slope(
+        &self,
+        point: &[f64],
+        linearisation: &DMatrix<f64>,
+        solved: &SolvedProgram,
+    ) -> Vec<f64> {
         let along = |(coordinate, range): (usize, &Range)| {
             let [low, high] = range.coordinates();
             let step = match point[coordinate] > 0.5 * (low + high) {
@@ -250,7 +254,7 @@ impl Evaluator<'_> {
     /// model.
     fn derivative(
         &self,
-        solved: &Solved,
+        solved: &SolvedProgram,
         file: ModelFile,
         linearisation: &DMatrix<f64>,
         step: f64,
@@ -277,7 +281,7 @@ impl Evaluator<'_> {
 }
 
 /// A program with its solution.
-struct Solved {
+struct SolvedProgram {
     assembled: Assembled,
     program: Semidefinite,
     solution: Solution,
@@ -287,7 +291,7 @@ struct Solved {
     xi_max: f64,
 }
 
-impl Solved {
+impl SolvedProgram {
     /// <Z, S(y)> of another program with the same cones, less that of this one.
     fn change(&self, other: &Semidefinite) -> f64 {
         pairing(other, &self.solution) - pairing(&self.program, &self.solution)
@@ -303,16 +307,9 @@ fn weight_max(task: &Task) -> f64 {
 fn pairing(program: &Semidefinite, solution: &Solution) -> f64 {
     let mut total = 0.0;
     for (cone, dual) in program.cones.iter().zip(&solution.duals) {
-        let form = |entries: &[Entry]| -> f64 {
-            let terms = entries.iter().map(|entry| {
-                let twice = if entry.row == entry.column { 1.0 } else { 2.0 };
-                twice * entry.value * dual[svec_index(entry.row, entry.column)]
-            });
-            terms.sum()
-        };
-        total += form(&cone.constant);
+        total += inner_product(&cone.constant, dual);
         for (unknown, entries) in &cone.coefficients {
-            total += solution.values[*unknown] * form(entries);
+            total += solution.values[*unknown] * inner_product(entries, dual);
         }
     }
     total

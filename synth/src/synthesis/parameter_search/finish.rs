@@ -12,10 +12,11 @@ use crate::design::{add_claims, matrix, rows, ProblemUnits, SearchRecord, Varied
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
-    has_point, scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Session,
-    SynthesisError, Synthesized,
+    scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Session, SynthesisError,
+    Synthesized,
 };
 use crate::scaling::Scaling;
+use crate::synthesis::attempts::Smallest;
 
 /// Settings of one attempt at a design; they are tried in order until a design is proved.
 #[derive(Debug, Clone, Copy)]
@@ -223,20 +224,22 @@ impl Finish<'_> {
         // The design of a solver's point, checked.
         let mut design = |goal: Goal, peak: Option<f64>| {
             let solved = session.solve(scaled(&task, units), goal)?;
-            let least = solved.solution.objective;
-            let failed = !(has_point(&solved.solution) && least.is_finite() && least > 0.0);
-            if peak.is_none() && failed {
+            let least = match Smallest::of(&solved.solution) {
+                Smallest::Bound(least) => Some(least),
+                _ => None,
+            };
+            let Some(peak) = peak.or(least) else {
                 return Ok((None, None));
-            }
+            };
             let design = solved.recover(&model).and_then(|mut certificate| {
-                let above = peak.unwrap_or(least).max(certificate.disturbance_weight);
+                let above = peak.max(certificate.disturbance_weight);
                 certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
                 add_claims(&model, &mut certificate)?;
                 let mut design = request.design(&certificate, None, units)?;
                 design.file.provenance.search = Some(self.record(point, &model.file));
                 Some(design)
             });
-            Ok::<_, SynthesisError>((Some(least), design))
+            Ok::<_, SynthesisError>((least, design))
         };
         let (Some(least), first) = design(Goal::SmallestPeak, None)? else {
             return Ok(None);
