@@ -78,20 +78,18 @@ impl Distribution {
                 if above - below >= LEAST_SHARE {
                     return Ok(());
                 }
-                let side = if at_most.is_some() {
-                    "at_most"
-                } else {
-                    "at_least"
+                let (key, bound) = match (at_most, at_least) {
+                    (Some(most), _) => ("normal.at_most", *most),
+                    (None, least) => ("normal.at_least", least.unwrap_or(f64::NAN)),
                 };
-                let bound = at_most.or(*at_least).unwrap_or(f64::NAN);
                 let allowed = format!(
                     "so that at_least and at_most leave a share of {LEAST_SHARE} or more of the \
                      distribution"
                 );
-                refuse(side, bound, allowed)
+                refuse(key, bound, allowed)
             }
             Distribution::Uniform { from, to } if to < from => {
-                refuse("to", *to, "'from' or above".to_string())
+                refuse("uniform.to", *to, "'from' or above".to_string())
             }
             Distribution::Choice(values) if values.is_empty() => {
                 Err("the list is empty; it must have at least one value".to_string())
