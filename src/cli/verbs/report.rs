@@ -12,8 +12,7 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::show::written::written;
 use crate::report::pages::campaign;
-use crate::report::pages::campaign::error::CampaignPageError;
-use crate::report::pages::files::rebuild_report;
+use crate::report::pages::files::{rebuild_report, ReportError};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// Arguments of `report`.
@@ -34,7 +33,7 @@ pub fn run(args: &ReportArgs) -> Result<Answer, CliError> {
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
-            CampaignPageError::Campaign(error) => CliError::campaign(&args.folder, error),
+            ReportError::Campaign(error) => CliError::campaign(&args.folder, error),
             other => CliError::unsuitable(&args.folder, other),
         })?
     } else {
