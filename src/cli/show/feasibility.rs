@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::Serialize;
 use synth::design::SolverRun;
-use synth::feasibility::{Answer, Decision, Relaxation, RelaxedValue};
+use synth::feasibility::{Answer, Decision, Relaxation};
 
-use super::blocking::{blocking, blocking_lines, slack_line, Blocking};
+use super::facts::{blocking, blocking_lines, slack_line, Blocking};
 use super::infeasibility;
 use crate::cli::answer::Exit;
 
@@ -32,9 +32,9 @@ pub struct FeasibilityReport<'a> {
     solve_seconds: f64,
     /// Each run; its status is the solver's and proves nothing.
     solver_runs: &'a [SolverRun],
-    /// The verdict in words.
+    /// The answer.
     #[serde(skip)]
-    headline: String,
+    answer: &'a Answer,
 }
 
 /// What relaxing one requirement alone does.
@@ -51,9 +51,6 @@ pub struct RelaxationReport {
     not_at_factor: Option<f64>,
     /// Solver calls it took.
     solves: usize,
-    /// The three numbers.
-    #[serde(skip)]
-    feasible: Option<RelaxedValue>,
 }
 
 impl<'a> FeasibilityReport<'a> {
@@ -73,7 +70,7 @@ impl<'a> FeasibilityReport<'a> {
             seconds,
             solve_seconds: decision.solve_seconds,
             solver_runs: &decision.runs,
-            headline: infeasibility::headline(&decision.answer),
+            answer: &decision.answer,
         }
     }
 
@@ -84,7 +81,8 @@ impl<'a> FeasibilityReport<'a> {
 
     /// The verdict on the model of this file.
     pub fn headline(&self, model: &Path) -> String {
-        format!("{}: {}", model.display(), self.headline)
+        let headline = infeasibility::headline(self.answer);
+        format!("{}: {headline}", model.display())
     }
 
     /// In words; with what became of the file.
@@ -112,18 +110,16 @@ impl RelaxationReport {
             factor: feasible.map(|found| found.factor),
             not_at_factor: feasible.map(|found| found.not_at),
             solves: relaxation.solves,
-            feasible,
         }
     }
 
     fn line(&self) -> String {
         let symbol = self.requirement;
-        match self.feasible {
-            Some(found) => format!(
-                "  {symbol}: feasible (proved) at {:.5}, {:.4} times the model's; not found at {:.4} times",
-                found.value, found.factor, found.not_at
+        match (self.value, self.factor, self.not_at_factor) {
+            (Some(value), Some(factor), Some(not_at)) => format!(
+                "  {symbol}: feasible (proved) at {value:.5}, {factor:.4} times the model's; not found at {not_at:.4} times"
             ),
-            None => format!("  {symbol}: does not help alone"),
+            _ => format!("  {symbol}: does not help alone"),
         }
     }
 }

@@ -7,7 +7,7 @@ use synth::certify::infeasible::{Limit, Refutation};
 use synth::certify::ConditionMargin;
 use synth::feasibility::{Answer, InfeasibilityFile};
 
-use super::verdict::not_proved;
+use super::facts::not_proved;
 use crate::cli::answer::Exit;
 
 /// The answer's name in reports.
@@ -173,7 +173,7 @@ impl<'a> RefutationReport<'a> {
         let mut lines = vec![title];
         lines.extend(checked.iter().enumerate().map(|(index, one)| {
             format!(
-                "weights {}: constant {:.6e} (must be below 0), {} matrices checked",
+                "dual multipliers {}: constant {:.6e} (must be below 0), {} matrices checked",
                 index + 1,
                 one.constant,
                 one.conditions.len()

@@ -7,14 +7,13 @@ use synth::certify::Verdict;
 use synth::design::SolverRun;
 use synth::feasibility::Decision;
 use synth::model::Model;
-use synth::synthesis::Form;
+use synth::synthesis::{Form, LimitingFactors};
 
-use super::blocking::{
-    blocking, blocking_lines, search_lines, slack_line, slack_or_none, Blocking,
+use super::facts::{
+    blocking, blocking_lines, search_lines, slack_line, slack_or_none, titled, Blocking,
+    SolverReport, SolverStatus,
 };
 use super::infeasibility;
-use super::shortfall::ShortfallReport;
-use super::solver::{SolverReport, SolverStatus};
 
 /// What is known where nothing is proved of any candidate, alike for models and problems.
 #[derive(Debug, Serialize)]
@@ -75,8 +74,8 @@ enum Detail<'a> {
         /// What was proved about their existence, in words.
         #[serde(skip)]
         known: Option<String>,
-        /// How far a search came; null without one.
-        shortfall: Option<ShortfallReport<'a>>,
+        /// What a search reached, and the limiting factors; null without one.
+        shortfall: Option<&'a LimitingFactors>,
         /// What was proved about a part of the designs; null where the answer is about all.
         shown: Option<String>,
         /// The bound of proved weights; null without.
@@ -106,10 +105,7 @@ impl<'a> NoDesignReport<'a> {
         let answer = &decision.answer;
         let detail = Detail::One {
             known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
-            shortfall: decision
-                .limiting_factors
-                .as_deref()
-                .map(ShortfallReport::new),
+            shortfall: decision.limiting_factors.as_deref(),
             shown: infeasibility::shown(answer),
             bound: infeasibility::bound(answer),
             blocking_gains: infeasibility::blocking_gains(answer),
@@ -165,12 +161,7 @@ impl<'a> NoDesignReport<'a> {
         let path = path.display();
         let blocking = &self.failure.blocking;
         let solver = &self.failure.solver;
-        let unknown = match solver.status {
-            SolverStatus::Undecided => {
-                format!("UNDECIDED: no {what} was found, and none was proved not to exist")
-            }
-            _ => "the solvers failed numerically".to_string(),
-        };
+        let unknown = solver.status.nothing_found(what);
         let mut lines = Vec::new();
         match &self.detail {
             Detail::One {
@@ -178,7 +169,7 @@ impl<'a> NoDesignReport<'a> {
                 ..
             } => {
                 lines.push(format!("{path}: UNDECIDED: {}", shortfall.reason));
-                lines.extend(shortfall.lines());
+                lines.extend(limiting_lines(shortfall));
                 lines.extend(search_lines(blocking));
             }
             Detail::One { known, slack, .. } => {
@@ -198,4 +189,14 @@ impl<'a> NoDesignReport<'a> {
         }
         lines
     }
+}
+
+/// The limiting factors in words.
+fn limiting_lines(factors: &LimitingFactors) -> Vec<String> {
+    let title = "limiting factors (1 % more of the number changes the outcome by so much):";
+    let limits = factors.limits.iter().map(|limit| {
+        let (what, value) = (&limit.what, limit.value);
+        format!("  {:+.3} %  {what}, now {value}", limit.per_cent)
+    });
+    titled(title, limits)
 }

@@ -172,8 +172,8 @@ fn residual_lines(residuals: &Residuals) -> Vec<String> {
 
 fn no_point_lines(solved: &Solved) -> Vec<String> {
     let what = match solved.solution.status {
-        Status::Infeasible => "no point satisfies the conditions, says the solver",
-        _ => "the objective has no lower bound, says the solver",
+        Status::Infeasible => "no point satisfies the conditions (solver status, unverified)",
+        _ => "the objective has no lower bound (solver status, unverified)",
     };
     let proved = solved.exclusion.as_ref().map(|exclusion| {
         match exclusion.radius > 0.0 {

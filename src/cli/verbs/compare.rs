@@ -10,7 +10,7 @@ use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
-use crate::cli::show::written::written;
+use crate::cli::show::facts::written;
 use crate::controllers::ControllerChoice;
 use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
 use crate::run::design::Design;
@@ -57,9 +57,7 @@ impl Read {
 
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
 pub fn run(args: &CompareArgs) -> Result<Answer, CliError> {
-    if let Some(folder) = &args.output {
-        crate::cli::files::check_folder(folder)?;
-    }
+    files::check_folder(args.output.as_deref())?;
     let mut files = Vec::new();
     for path in &args.scenarios {
         files.push(read(path)?);

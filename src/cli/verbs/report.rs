@@ -10,7 +10,7 @@ use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::written::written;
+use crate::cli::show::facts::written;
 use crate::report::pages::campaign;
 use crate::report::pages::files::{rebuild_report, ReportError};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
@@ -63,10 +63,9 @@ fn check_paths(folder: &Path, page: &Path) -> Result<(), CliError> {
         };
         return Err(CliError::unsuitable(folder, reason));
     }
-    for name in KEPT_FILES {
-        files::check_output(page, &folder.join(name))?;
-    }
-    Ok(())
+    let kept = KEPT_FILES.map(|name| folder.join(name));
+    let kept: Vec<&Path> = kept.iter().map(PathBuf::as_path).collect();
+    files::check_output(Some(page), &kept)
 }
 
 /// Kept runs that get a page of their own: the worst.

@@ -44,7 +44,7 @@ pub struct ConditionMargin {
 }
 
 /// The outcome of the check.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// The answer.
     pub verdict: Verdict,

@@ -1,11 +1,12 @@
 //! What the certified set x'Ux <= 1 contains, as numbers that are proved: rounded down in verified arithmetic.
 
 use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
 
 use verified::interval::{half_angle_sine_squared, Interval};
 
 /// A start and how far the certified set goes along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Along {
     /// A scale s: every state from the origin to s times the start is in the set.
     pub scale: f64,

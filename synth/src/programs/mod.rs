@@ -17,10 +17,11 @@ pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,
     Synthesized,
 };
+pub use solver::sha256_of;
 pub use units::{scaled_task, FIRST_UNITS};
 
 pub(crate) use assemble::{bounded_trigger_weight, full_decrease};
 pub(crate) use request::{ConditionSubset, DesignRequest};
 pub(crate) use session::Session;
-pub(crate) use solver::{blocking, generator, now, run_solver, sha256_of, SolveRequest};
+pub(crate) use solver::{blocking, generator, now, run_solver, SolveRequest};
 pub(crate) use units::{containment_weights, scaled, CONTAINMENT_WEIGHTS, STATE_UNITS};

@@ -1,5 +1,7 @@
 //! The outcomes of synthesis and of the feasibility check.
 
+use serde::Serialize;
+
 use crate::certify::infeasible::Limit;
 use crate::certify::{Report, Verdict};
 use crate::design::{DesignFile, SolverRun};
@@ -143,7 +145,7 @@ pub struct Decision {
 }
 
 /// What a parameter search reached where it missed a requirement, and what limits it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitingFactors {
     /// Why, in one sentence with its numbers.
     pub reason: String,
@@ -156,12 +158,13 @@ pub struct LimitingFactors {
 }
 
 /// How the outcome depends on a number: by how much per cent it gets better when the number grows by 1 %.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The number, with its unit.
     pub what: String,
     /// Its value.
     pub value: f64,
     /// Per cent per per cent: of the scale for a region, of 1/gain for a gain. Below 0: it gets worse.
+    #[serde(rename = "percent_per_percent")]
     pub per_cent: f64,
 }

@@ -102,7 +102,7 @@ pub(crate) fn now() -> String {
 }
 
 /// SHA-256 of a text, in hexadecimal.
-pub(crate) fn sha256_of(text: &str) -> String {
+pub fn sha256_of(text: &str) -> String {
     let digest = Sha256::digest(text.as_bytes());
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,5 +1,7 @@
 //! The same optimum from two solvers.
 
+use serde::Serialize;
+
 use crate::design::ProblemUnits;
 use crate::model::Model;
 use crate::programs::{assemble, scaled_task, Form, Goal};
@@ -15,7 +17,7 @@ pub struct Candidate<'a> {
 }
 
 /// One solver's smallest gain bound.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SolverOptimum {
     /// Name and version.
     pub solver: String,
@@ -28,7 +30,7 @@ pub struct SolverOptimum {
 }
 
 /// The optima of two solvers for the same problem.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CrossCheck {
     /// Each solver's answer.
     pub found: [SolverOptimum; 2],

@@ -1,38 +1,87 @@
 //! `steadfast synthesize MODEL.json`
 
-pub mod args;
-pub mod both;
 pub mod conclude;
-pub mod cross_check;
-pub mod problem;
+mod problem;
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::ValueEnum;
 use synth::model::{kind_of, Kind, Model, Objective};
-use synth::synthesis;
+use synth::synthesis::{self, synthesize_two_certificates, Form, Outcome, TwoCertificatesOutcome};
 
-use args::{ObjectiveArg, SynthesizeArgs};
 use conclude::Conclusion;
 
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{solve, ASSEMBLING};
+use crate::cli::show::facts::{SolverStatus, NOTHING};
+use crate::cli::show::no_design::NoDesignReport;
+use crate::cli::solver::{FormArg, SolverArg};
+
+/// Arguments of `synthesize`.
+#[derive(clap::Args)]
+pub struct SynthesizeArgs {
+    /// Model or problem file
+    model: PathBuf,
+    /// Design file to write
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// What to optimise, in place of the model's own objective
+    #[arg(long)]
+    objective: Option<ObjectiveArg>,
+    /// Form of the decrease condition; by default chordal for clarabel, vertex-relaxed for structured
+    #[arg(long)]
+    form: Option<FormArg>,
+    /// Solver
+    #[arg(long, default_value = "clarabel")]
+    solver: SolverArg,
+    /// Minimise gamma with both solvers at the end and report the difference
+    #[arg(long)]
+    cross_check: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// What to optimise.
+#[derive(Clone, Copy, ValueEnum)]
+enum ObjectiveArg {
+    /// The smallest L-infinity gain bound
+    Gain,
+    /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
+    /// specs.outer is certified too
+    Both,
+    /// The largest certified set along the must-contain states, or of attitudes at rest
+    Region,
+}
 
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.model)?;
     if kind_of(&text) == Some(Kind::Problem) {
-        return problem::synthesize(args, &text);
+        let given = [
+            (args.form.is_some(), "--form"),
+            (args.objective.is_some(), "--objective"),
+            (args.cross_check, "--cross-check"),
+        ];
+        let unused = given.into_iter().find(|(given, _)| *given);
+        let unused = unused.map(|(_, option)| option);
+        let how = (args.output.as_deref(), args.solver);
+        return problem::synthesize(&args.model, &text, how, unused);
     }
-    let mut model = files::model_of(&args.model, &text)?;
+    let mut model = files::parse(&args.model, &text, Model::from_json)?;
     if let Some(objective) = args.objective {
-        model = with_objective(model, objective, &args.model)?;
+        let mut file = model.file;
+        file.specs.objective = match objective {
+            ObjectiveArg::Gain => Objective::Gain,
+            ObjectiveArg::Region => Objective::Region,
+            ObjectiveArg::Both => Objective::Both,
+        };
+        model = Model::new(file).map_err(|problem| CliError::value(&args.model, problem))?;
     }
-    if let Some(output) = &args.output {
-        files::check_output(output, &args.model)?;
-    }
-    let form = args.form();
+    files::check_output(args.output.as_deref(), &[&args.model])?;
+    let form = args.form.map_or(args.solver.form(), Form::from);
     let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
@@ -43,7 +92,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         keeps_refutation: false,
     };
     if model.file.specs.objective == Objective::Both {
-        return both::synthesize(args, &conclusion, &text);
+        return two_certificates(args, &conclusion, &text);
     }
     let backend = args.solver.backend_for(form);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
@@ -52,13 +101,40 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     conclusion.answer(outcome)
 }
 
-/// The model with the objective of the command line.
-fn with_objective(model: Model, objective: ObjectiveArg, path: &Path) -> Result<Model, CliError> {
-    let mut file = model.file;
-    file.specs.objective = match objective {
-        ObjectiveArg::Gain => Objective::Gain,
-        ObjectiveArg::Region => Objective::Region,
-        ObjectiveArg::Both => Objective::Both,
-    };
-    Model::new(file).map_err(|problem| CliError::value(path, problem))
+/// Designs, writes and proves both certificates.
+fn two_certificates(
+    args: &SynthesizeArgs,
+    conclusion: &Conclusion,
+    text: &str,
+) -> Result<Answer, CliError> {
+    if args.cross_check {
+        let reason =
+            "--cross-check compares designs with one certificate; with --objective both it \
+                      has no meaning";
+        return Err(CliError::unsuitable(&args.model, reason));
+    }
+    let (model, form) = (conclusion.model, conclusion.form);
+    let backend = args.solver.backend_for(form);
+    let found = solve(&args.model, ASSEMBLING, |observer| {
+        synthesize_two_certificates(model, text, form, backend.as_ref(), observer)
+    })?;
+    match found {
+        TwoCertificatesOutcome::Solved(design, _) => conclusion.answer(Outcome::Solved(design)),
+        TwoCertificatesOutcome::None {
+            infeasible,
+            tried,
+            blocking,
+            runs,
+        } => {
+            let status = match infeasible {
+                true => SolverStatus::Undecided,
+                false => SolverStatus::Failed,
+            };
+            let attempts = tried.len();
+            let report = NoDesignReport::two((model, form), status, attempts, &blocking, &runs);
+            let mut lines = report.lines(&args.model, "design with both certificates");
+            lines.push(NOTHING.to_string());
+            Ok(Answer::new(status.exit_without_design(), &report, &lines))
+        }
+    }
 }
