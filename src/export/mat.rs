@@ -79,21 +79,23 @@ pub fn to_bytes(variables: &[(String, MatValue)]) -> Result<Vec<u8>, MatError> {
 /// # Errors
 /// None for the names that designs have.
 pub fn design(data: &DesignData) -> Result<Vec<u8>, MatError> {
-    let units = data.quantities.iter().map(|quantity| {
-        let unit = MatValue::Text(quantity.unit.clone());
-        (quantity.name.clone(), unit)
-    });
-    let about = data.about().into_iter();
-    let about = about.map(|(key, text)| (key, MatValue::Text(text)));
+    let quantities = data.quantities.iter();
+    let units = quantities.clone().map(|own| (&own.name, own.unit));
     let proved = MatValue::Real(vec![1, 1], vec![f64::from(u8::from(data.proved))]);
     let mut variables = vec![
         ("proved".to_string(), proved),
-        ("provenance".to_string(), MatValue::Struct(about.collect())),
-        ("units".to_string(), MatValue::Struct(units.collect())),
+        ("provenance".to_string(), texts(data.about())),
+        ("units".to_string(), texts(units)),
     ];
-    let quantities = data.quantities.iter();
-    variables.extend(quantities.map(|quantity| (quantity.name.clone(), array(quantity))));
+    variables.extend(quantities.map(|own| (own.name.clone(), array(own))));
     to_bytes(&variables)
+}
+
+/// A structure of texts.
+pub fn texts<K: ToString, T: ToString>(pairs: impl IntoIterator<Item = (K, T)>) -> MatValue {
+    let pairs = pairs.into_iter();
+    let fields = pairs.map(|(key, text)| (key.to_string(), MatValue::Text(text.to_string())));
+    MatValue::Struct(fields.collect())
 }
 
 /// Rows, columns and matrices, first index fastest.

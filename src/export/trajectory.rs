@@ -1,6 +1,6 @@
 //! A run's trajectory with its units and provenance.
 
-use super::mat::{to_bytes, MatError, MatValue};
+use super::mat::{texts, to_bytes, MatError, MatValue};
 use crate::base::parquet::{self, Cells, Column, ParquetError};
 use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
@@ -56,22 +56,11 @@ impl TrajectoryData {
     /// # Errors
     /// A column whose name MATLAB does not have; a column beyond 4 GiB.
     pub fn to_mat(&self) -> Result<Vec<u8>, MatError> {
-        let text = |(key, text): (&str, &str)| (key.to_string(), MatValue::Text(text.to_string()));
-        let units = self
-            .table
-            .columns
-            .iter()
-            .map(|name| (name.as_str(), unit(name)));
-        let about = self.about.iter().map(|(key, text)| (*key, text.as_str()));
+        let units = self.table.columns.iter().map(|name| (name, unit(name)));
+        let about = self.about.iter().map(|(key, text)| (key, text));
         let mut variables = vec![
-            (
-                "units".to_string(),
-                MatValue::Struct(units.map(text).collect()),
-            ),
-            (
-                "provenance".to_string(),
-                MatValue::Struct(about.map(text).collect()),
-            ),
+            ("units".to_string(), texts(units)),
+            ("provenance".to_string(), texts(about)),
         ];
         for (name, values) in self.columns() {
             let value = MatValue::Real(vec![values.len(), 1], values);
