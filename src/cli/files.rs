@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use synth::model::{read_text, write_atomically, FileError};
+use synth::model::{write_atomically, FileError};
 
 use super::error::CliError;
+use crate::base::files::read;
 
 /// A file's text.
 pub fn text(path: &Path) -> Result<String, CliError> {
-    read_text(path).map_err(|problem| CliError::file(path, problem))
+    Ok(read(path)?)
 }
 
 /// The checked content of a file with this text, such as by `Model::from_json`.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::batch::campaign::folder::{PROFILES_FILE, RUNS_FILE};
 use crate::batch::campaign::record::{RequirementCount, Results};
+use crate::batch::campaign::statistics::Ordered;
 use crate::batch::campaign::table::column_f64;
 use crate::batch::campaign::CampaignError;
 use crate::report::axis::{ends, Axis, Spacing};
@@ -34,25 +35,6 @@ const DISTRIBUTIONS: [(&str, &str, &str); 5] = [
 /// Percentiles drawn: the outer band, the inner band, the median.
 const OUTER: [f64; 2] = [0.05, 0.95];
 const INNER: [f64; 2] = [0.25, 0.75];
-
-/// Values of all runs at one time, in order.
-struct Ordered(Vec<f64>);
-
-impl Ordered {
-    fn new(values: impl Iterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.collect();
-        sorted.sort_by(f64::total_cmp);
-        Self(sorted)
-    }
-
-    /// The quantile of a fraction, on the straight line between two values; `None` without values.
-    fn at(&self, fraction: f64) -> Option<f64> {
-        let place = fraction * self.0.len().checked_sub(1)? as f64;
-        let below = *self.0.get(place.floor() as usize)?;
-        let above = *self.0.get(place.ceil() as usize)?;
-        Some(below + (above - below) * place.fract())
-    }
-}
 
 /// A figure of percentile bands for each quantity of the profiles.
 ///
