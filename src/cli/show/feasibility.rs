@@ -7,7 +7,7 @@ use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision, Relaxation};
 
 use super::facts::{blocking, blocking_lines, slack_line, Blocking};
-use super::infeasibility;
+use super::infeasibility::Existence;
 use crate::cli::answer::Exit;
 
 /// Whether any design exists, and why not.
@@ -20,10 +20,9 @@ pub struct FeasibilityReport<'a> {
     slack: Option<f64>,
     /// The conditions that carry the dual solution; empty where a design exists.
     blocking: Vec<Blocking<'a>>,
-    /// No design exists whose multiplier entries (SI units) are at most this; null where none is excluded.
-    bound: Option<f64>,
-    /// What was proved about a part of the designs; null where the answer is about all.
-    shown: Option<String>,
+    /// What is proved.
+    #[serde(flatten)]
+    existence: Existence<'a>,
     /// What relaxing one requirement alone does; null where it was not asked.
     pub relaxations: Option<Vec<RelaxationReport>>,
     /// Time of the verdict (s).
@@ -32,9 +31,6 @@ pub struct FeasibilityReport<'a> {
     solve_seconds: f64,
     /// Each run; its status is the solver's and proves nothing.
     solver_runs: &'a [SolverRun],
-    /// The answer.
-    #[serde(skip)]
-    answer: &'a Answer,
 }
 
 /// What relaxing one requirement alone does.
@@ -60,17 +56,16 @@ impl<'a> FeasibilityReport<'a> {
             Answer::Feasible(_) => &[],
             _ => &decision.blocking,
         };
+        let existence = Existence::of(&decision.answer);
         FeasibilityReport {
-            verdict: infeasibility::verdict(&decision.answer),
+            verdict: existence.verdict,
             slack: decision.slack,
             blocking: blocking(shares),
-            bound: infeasibility::bound(&decision.answer),
-            shown: infeasibility::shown(&decision.answer),
+            existence,
             relaxations: None,
             seconds,
             solve_seconds: decision.solve_seconds,
             solver_runs: &decision.runs,
-            answer: &decision.answer,
         }
     }
 
@@ -81,8 +76,7 @@ impl<'a> FeasibilityReport<'a> {
 
     /// The verdict on the model of this file.
     pub fn headline(&self, model: &Path) -> String {
-        let headline = infeasibility::headline(self.answer);
-        format!("{}: {headline}", model.display())
+        format!("{}: {}", model.display(), self.existence.headline)
     }
 
     /// In words; with what became of the file.

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use synth::certify::Verdict;
 use synth::design::SolverRun;
-use synth::feasibility::Decision;
+use synth::feasibility::{Answer, Decision};
 use synth::model::Model;
 use synth::synthesis::{Form, LimitingFactors};
 
@@ -13,7 +13,7 @@ use super::facts::{
     blocking, blocking_lines, search_lines, slack_line, slack_or_none, titled, Blocking,
     SolverReport, SolverStatus,
 };
-use super::infeasibility;
+use super::infeasibility::Existence;
 
 /// What is known where nothing is proved of any candidate, alike for models and problems.
 #[derive(Debug, Serialize)]
@@ -71,15 +71,11 @@ pub struct NoDesignReport<'a> {
 enum Detail<'a> {
     /// Of a design with one certificate.
     One {
-        /// What was proved about their existence, in words.
-        #[serde(skip)]
-        known: Option<String>,
+        /// What is proved.
+        #[serde(flatten)]
+        existence: Existence<'a>,
         /// What a search reached, and the limiting factors; null without one.
         shortfall: Option<&'a LimitingFactors>,
-        /// What was proved about a part of the designs; null where the answer is about all.
-        shown: Option<String>,
-        /// The bound of proved weights; null without.
-        bound: Option<f64>,
         /// The given gains, from 1, that a proved no is about.
         blocking_gains: Vec<usize>,
         /// The smallest slack; null where the solver found none.
@@ -103,17 +99,19 @@ impl<'a> NoDesignReport<'a> {
             solver_runs: &decision.runs,
         };
         let answer = &decision.answer;
+        let existence = Existence::of(answer);
+        let verdict = existence.verdict;
         let detail = Detail::One {
-            known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
+            existence,
             shortfall: decision.limiting_factors.as_deref(),
-            shown: infeasibility::shown(answer),
-            bound: infeasibility::bound(answer),
-            blocking_gains: infeasibility::blocking_gains(answer),
+            blocking_gains: match answer {
+                Answer::Infeasible(proof) => proof.file.blocking_gains(),
+                _ => Vec::new(),
+            },
             slack: decision.slack,
         };
         let failure = FailureReport::new(solver, &decision.blocking);
-        let feasibility = infeasibility::verdict(answer);
-        Self::new(model, form, failure, (feasibility, detail))
+        Self::new(model, form, failure, (verdict, detail))
     }
 
     /// For two certificates.
@@ -172,12 +170,19 @@ impl<'a> NoDesignReport<'a> {
                 lines.extend(limiting_lines(shortfall));
                 lines.extend(search_lines(blocking));
             }
-            Detail::One { known, slack, .. } => {
-                let headline = known.as_ref().unwrap_or(&unknown);
+            Detail::One {
+                existence, slack, ..
+            } => {
+                let proved = existence.certificate.is_some();
+                let headline = if proved {
+                    &existence.headline
+                } else {
+                    &unknown
+                };
                 lines.push(format!("{path}: {headline}"));
-                lines.extend(match known {
-                    Some(_) => slack_line(*slack),
-                    None => Some(slack_or_none(*slack)),
+                lines.extend(match proved {
+                    true => slack_line(*slack),
+                    false => Some(slack_or_none(*slack)),
                 });
                 lines.extend(blocking_lines(blocking));
             }

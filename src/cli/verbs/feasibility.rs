@@ -13,7 +13,7 @@ use crate::cli::files;
 use crate::cli::progress::{ahead, solve, ASSEMBLING};
 use crate::cli::show::facts::written_or_nothing;
 use crate::cli::show::feasibility::{FeasibilityReport, RelaxationReport};
-use crate::cli::show::infeasibility::certificate;
+use crate::cli::show::infeasibility::Existence;
 use crate::cli::solver::SolverArg;
 
 /// Arguments of `feasibility`.
@@ -75,7 +75,9 @@ fn relax(
 fn write<'a>(path: &'a Path, decision: &Decision) -> Result<Option<&'a Path>, CliError> {
     let text = match &decision.answer {
         feasibility::Answer::Feasible(design) => Some(design.file.to_json()),
-        answer => certificate(answer).map(|proof| proof.to_json()),
+        answer => Existence::of(answer)
+            .certificate
+            .map(|proof| proof.to_json()),
     };
     text.map(|text| files::write(path, &text).map(|()| path))
         .transpose()

@@ -16,7 +16,7 @@ use crate::cli::files;
 use crate::cli::progress::SolverProgress;
 use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::facts::{design_written, written_or_nothing, SolverStatus};
-use crate::cli::show::infeasibility::certificate;
+use crate::cli::show::infeasibility::Existence;
 use crate::cli::show::no_design::NoDesignReport;
 use crate::cli::solver::SolverArg;
 
@@ -86,7 +86,8 @@ impl Conclusion<'_> {
 
     fn none(&self, decision: &Decision, status: SolverStatus) -> Result<Answer, CliError> {
         let wanted = self.keeps_refutation && status != SolverStatus::Failed;
-        let proof = certificate(&decision.answer).filter(|_| wanted);
+        let proof = Existence::of(&decision.answer).certificate;
+        let proof = proof.filter(|_| wanted);
         let kept = self.output.zip(proof);
         if let Some((path, proof)) = kept {
             files::write(path, proof.to_json())?;
