@@ -11,7 +11,7 @@ use synth::solve::{Accuracy, SolveError, Status, Structured};
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::progress::SolverProgress;
-use crate::cli::show::solution::{exit, SolutionReport, Solved};
+use crate::cli::show::solution::{exit, SolutionReport};
 use crate::cli::solver::SolverArg;
 
 /// Largest file read (bytes): semidefinite programs are longer than models.
@@ -62,17 +62,10 @@ pub fn run(args: &SolveArgs) -> Result<Answer, CliError> {
     if solution.status == Status::Cancelled {
         return Err(CliError::Interrupted);
     }
-    let found = Solved {
-        solver: backend.name(),
-        problem: &problem,
-        exclusion: match solution.status {
-            Status::Infeasible => Some(exclude(&problem, &solution.duals)),
-            _ => None,
-        },
-        timings,
-        solution: &solution,
-        read_seconds,
-    };
-    let report = SolutionReport::new(&found);
+    let infeasible = solution.status == Status::Infeasible;
+    let excluded = infeasible.then(|| exclude(&problem, &solution.duals));
+    let found = (&solution, timings);
+    let name = backend.name();
+    let report = SolutionReport::new(name, &problem, found, excluded.as_ref(), read_seconds);
     Ok(Answer::new(exit(solution.status), &report, &report.lines()))
 }
