@@ -58,19 +58,25 @@ pub fn section(title: &str, html: &str) -> String {
     format!("<section><h2>{title}</h2>\n{html}</section>\n")
 }
 
-/// A table of a class, of rows.
-pub fn table(class: &str, rows: impl IntoIterator<Item = String>) -> String {
+/// A table of a class, of rows below a row of headings, if any.
+pub fn table<T: AsRef<str>>(
+    class: &str,
+    headings: impl IntoIterator<Item = T>,
+    rows: impl IntoIterator<Item = String>,
+) -> String {
+    let head = match headings.into_iter().map(heading).collect::<String>() {
+        cells if cells.is_empty() => cells,
+        cells => row([cells]),
+    };
     let rows: String = rows.into_iter().collect();
-    format!("<table{}>\n{rows}</table>\n", attribute(class))
+    format!("<table{}>\n{head}{rows}</table>\n", attribute(class))
 }
 
 /// A table of names and values.
 pub fn numbers<N: AsRef<str>, V: AsRef<str>>(rows: impl IntoIterator<Item = (N, V)>) -> String {
     let rows = rows.into_iter();
-    table(
-        "numbers",
-        rows.map(|(name, value)| row([heading(name), cell(value)])),
-    )
+    let rows = rows.map(|(name, value)| row([heading(name), cell(value)]));
+    table("numbers", [""; 0], rows)
 }
 
 /// A row of cells.
@@ -82,11 +88,6 @@ pub fn row(cells: impl IntoIterator<Item = String>) -> String {
 pub fn row_of_class(class: &str, cells: impl IntoIterator<Item = String>) -> String {
     let cells: String = cells.into_iter().collect();
     format!("<tr{}>{cells}</tr>\n", attribute(class))
-}
-
-/// A row of headings.
-pub fn head<T: AsRef<str>>(names: impl IntoIterator<Item = T>) -> String {
-    row(names.into_iter().map(heading))
 }
 
 /// A cell that is a heading.

@@ -6,7 +6,7 @@ use crate::batch::comparison::{Comparison, ControllerRow, Curves};
 use crate::report::chart::Figure;
 use crate::report::chart::FigureError;
 use crate::report::html::{
-    cell, escape, head, html_cell, judged, list, paragraph, row, section, table, Page,
+    cell, escape, html_cell, judged, list, paragraph, row, section, table, Page,
 };
 use crate::report::series::Series;
 use crate::run::summary::RunVerdict;
@@ -124,10 +124,10 @@ fn requirement(requirement: &RequirementFile) -> String {
     }
 }
 
-/// A row of headings, one for each controller.
-fn title(comparison: &Comparison, first: &str) -> String {
+/// Headings, one for each controller.
+fn title<'a>(comparison: &'a Comparison, first: &'a str) -> impl Iterator<Item = &'a str> {
     let labels = comparison.runs.iter().map(|row| row.label.as_str());
-    head(std::iter::once(first).chain(labels))
+    std::iter::once(first).chain(labels)
 }
 
 fn metrics(comparison: &Comparison) -> String {
@@ -138,8 +138,8 @@ fn metrics(comparison: &Comparison) -> String {
     let verdicts = row([cell("Requirements")].into_iter().chain(verdicts));
     let lines = metric_lines(&comparison.runs).into_iter();
     let lines = lines.map(|(name, values)| row([name].into_iter().chain(values).map(cell)));
-    let first = [title(comparison, ""), verdicts];
-    table("", first.into_iter().chain(lines))
+    let rows = [verdicts].into_iter().chain(lines);
+    table("", title(comparison, ""), rows)
 }
 
 /// The table of the standard faults; empty without any.
@@ -147,7 +147,7 @@ fn faults(comparison: &Comparison) -> String {
     if comparison.faults.is_empty() {
         return String::new();
     }
-    let mut rows = vec![title(comparison, "Fault")];
+    let mut rows = Vec::new();
     for (index, (name, description)) in comparison.faults.iter().enumerate() {
         let (name, description) = (escape(&name.replace('_', " ")), escape(description));
         let fault = html_cell(&format!("<strong>{name}</strong>: {description}"));
@@ -166,7 +166,7 @@ fn faults(comparison: &Comparison) -> String {
     let counts = comparison.runs.iter();
     let counts = counts.map(|row| cell(format!("{} of {total}", row.faults_survived)));
     rows.push(row([cell("Passed")].into_iter().chain(counts)));
-    table("", rows)
+    table("", title(comparison, "Fault"), rows)
 }
 
 fn notes(comparison: &Comparison) -> String {

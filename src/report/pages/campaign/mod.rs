@@ -13,9 +13,7 @@ use super::files::ReportError;
 use super::{hashes, optional};
 use crate::base::number::{percent, short};
 use crate::batch::campaign::record::{CampaignFile, Inputs, Results, State};
-use crate::report::html::{
-    cell, division, head, judged, numbers, row, section, source, table, Page,
-};
+use crate::report::html::{cell, division, judged, numbers, row, section, source, table, Page};
 use crate::run::summary::RunVerdict;
 use crate::scenario::PlanFile;
 
@@ -160,25 +158,24 @@ fn requirements(results: &Results) -> String {
             cell(percent(fraction)),
         ])
     });
-    let title = head(["Requirement", "Limit", "Runs that missed it", "Fraction"]);
-    table("", [title].into_iter().chain(rows))
+    let title = ["Requirement", "Limit", "Runs that missed it", "Fraction"];
+    table("", title, rows)
 }
 
 /// Quantiles of every metric.
 fn metrics(results: &Results) -> String {
-    let title = head([
+    let title = [
         "Metric",
         "Runs that have it",
         "Smallest",
         "Median",
         "95 %",
         "Largest",
-    ]);
+    ];
     let rows = results.metrics.iter().map(|(name, own)| {
         let numbers = [own.min, own.median, own.p95, own.max].map(short);
         let first = [name.clone(), own.count.to_string()];
         row(first.into_iter().chain(numbers).map(cell))
     });
-    let rows = table("ranked", [title].into_iter().chain(rows));
-    division("scroll", &rows)
+    division("scroll", &table("ranked", title, rows))
 }

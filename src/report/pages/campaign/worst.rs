@@ -9,9 +9,7 @@ use crate::batch::campaign::folder::{
 use crate::batch::campaign::record::{Inputs, Results};
 use crate::batch::campaign::table::{column_f64, column_text};
 use crate::batch::campaign::CampaignError;
-use crate::report::html::{
-    cell, division, escape, head, html_cell, judged, row, section, source, table,
-};
+use crate::report::html::{cell, division, escape, html_cell, judged, row, section, source, table};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 use crate::scenario::PlanFile;
@@ -55,7 +53,7 @@ pub fn worst(
     let first = ["Run", "Verdict", "Closest requirement", "Margin"];
     let names = first.into_iter().chain(shown).chain(["Files"]);
     let rows = worst.iter().map(|run| line(run, folder, link));
-    let rows = table("ranked", [head(names)].into_iter().chain(rows));
+    let rows = table("ranked", names, rows);
     let order =
         "Sorted by verdict, then by the smallest margin relative to its limit (negative: missed).";
     let html = source(order) + &division("scroll", &rows) + &again(inputs, results);

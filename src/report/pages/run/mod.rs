@@ -7,7 +7,7 @@ use crate::base::number::{short, short_or_none};
 use crate::base::table::Table;
 use crate::report::chart::FigureError;
 use crate::report::html::{
-    cell, escape, head, judged, list, numbers, paragraph, row, section, source, table, Page,
+    cell, escape, judged, list, numbers, paragraph, row, section, source, table, Page,
 };
 use crate::run::summary::{CertificateOutcome, InnerOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
@@ -175,8 +175,7 @@ fn requirements(summary: &Summary) -> String {
             judged(requirement.met, word),
         ])
     });
-    let title = head(["Requirement", "Limit", "Value", ""]);
-    table("", [title].into_iter().chain(rows))
+    table("", ["Requirement", "Limit", "Value", ""], rows)
 }
 
 fn certificate_section(outcome: &CertificateOutcome) -> String {

@@ -13,8 +13,8 @@ use crate::base::number::label;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PARQUET_FILE};
 use crate::report::chart::{hexadecimal, FigureError};
 use crate::report::html::{
-    captioned, cell, division, escape, head, heading, judged, paragraph, row, row_of_class,
-    section, table, Page,
+    captioned, cell, division, escape, heading, judged, paragraph, row, row_of_class, section,
+    table, Page,
 };
 use crate::run::summary::RunVerdict;
 
@@ -83,7 +83,7 @@ fn introduction(view: &View) -> String {
         verdicts.map(|(verdict, count)| [words(verdict), count.to_string(), String::new()]);
     let rows = axes.chain(verdicts);
     let rows = rows.map(|[name, a, b]| row([heading(name), cell(a), cell(b)]));
-    table("numbers", rows)
+    table("numbers", [""; 0], rows)
 }
 
 /// Values as text: all of a few, the ends of many.
@@ -119,7 +119,7 @@ fn pareto(view: &View, front: &[usize]) -> Result<String, FigureError> {
         let shown = metrics.map(|metric| point.metric(metric));
         row(values.chain(shown).map(number_cell))
     });
-    let best = table("front", [head(names)].into_iter().chain(rows));
+    let best = table("front", names, rows);
     let title = "Points that no other beats: a larger proved angle costs a larger gamma";
     let best = captioned(title, &division("wide", &best));
     Ok(division("plots", &(trade_off.captioned()? + &best)))
@@ -193,13 +193,13 @@ fn why(view: &View, reasons: &[Reason]) -> String {
     if reasons.is_empty() {
         return String::new();
     }
-    let title = head([
+    let title = [
         "",
         "Points",
         "Verdict",
         "Reason, with the numbers of the first",
         "The first",
-    ]);
+    ];
     let rows = reasons.iter().take(REASONS).map(|reason| {
         let first = reason.points.first();
         let first = first.and_then(|&point| view.sweep.outcomes.get(point));
@@ -211,8 +211,8 @@ fn why(view: &View, reasons: &[Reason]) -> String {
             cell(first.map_or(String::new(), |point| view.place(&point.values, &[]))),
         ])
     });
-    let rows = table("", [title].into_iter().chain(rows));
-    let mut html = "<a id=\"why\"></a>".to_string() + &division("wide", &rows);
+    let rows = division("wide", &table("", title, rows));
+    let mut html = "<a id=\"why\"></a>".to_string() + &rows;
     if reasons.len() > REASONS {
         let rest = reasons.len() - REASONS;
         html += &paragraph(&format!("{rest} more are in {CSV_FILE}."));
@@ -230,7 +230,7 @@ fn points(view: &View, front: &[usize]) -> String {
     let named = columns.iter().map(|name| view.named(name));
     let names = view.labels.iter().cloned();
     let names = names.chain(["verdict".to_string()]).chain(named);
-    let title = head(names.chain(["reason".to_string()]));
+    let names = names.chain(["reason".to_string()]);
     let outcomes = view.sweep.outcomes;
     let rows = outcomes
         .iter()
@@ -246,8 +246,7 @@ fn points(view: &View, front: &[usize]) -> String {
                 .chain([cell(point.reason.as_deref().unwrap_or_default())]);
             row_of_class(class, cells)
         });
-    let rows = table("points", [title].into_iter().chain(rows));
-    let mut html = division("wide", &rows);
+    let mut html = division("wide", &table("points", names, rows));
     let total = outcomes.len();
     if total > ROWS {
         html += &paragraph(&format!(
