@@ -13,7 +13,7 @@ use synth::synthesis::{
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::progress::SolverProgress;
+use crate::cli::progress::watched;
 use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::facts::{design_written, written_or_nothing, SolverStatus};
 use crate::cli::show::infeasibility::Existence;
@@ -70,8 +70,6 @@ impl Conclusion<'_> {
         solver: SolverArg,
         design: &Synthesized,
     ) -> Result<CrossCheck, CliError> {
-        let progress = SolverProgress::start("cross-check");
-        let observer = progress.observer();
         let (form, other) = (self.form, solver.other());
         let forms = [form, other.form()];
         let backends = [solver.backend_for(form), other.backend_for(other.form())];
@@ -80,7 +78,9 @@ impl Conclusion<'_> {
             form: forms[index],
         });
         let units = design.file.provenance.problem;
-        let checked = cross_check(self.model, units, candidates, Some(&observer));
+        let checked = watched("cross-check", |observer| {
+            cross_check(self.model, units, candidates, Some(&observer))
+        });
         checked.map_err(|error| CliError::from(SynthesisError::from(error)))
     }
 
