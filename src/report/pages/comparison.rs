@@ -1,6 +1,6 @@
 //! The page of a comparison: one HTML file with its figures inside.
 
-use super::{hashes, optional};
+use super::{hashes, metric_text, optional};
 use crate::base::number::short_or_none;
 use crate::batch::comparison::{Comparison, ControllerRow, Curves};
 use crate::report::chart::Figure;
@@ -32,10 +32,7 @@ fn metric_lines(runs: &[ControllerRow]) -> Vec<MetricLine> {
     let bounds = entries.partition_point(|entry| entry.kind < MetricKind::Usage);
     let metrics = entries.into_iter().enumerate().map(|(index, entry)| {
         let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
-        line(&entry.title(), &|row| match value(row) {
-            Some(count) if entry.whole => count.to_string(),
-            other => short_or_none(other),
-        })
+        line(&entry.title(), &|row| metric_text(entry, value(row)))
     });
     let mut lines: Vec<MetricLine> = metrics.collect();
     lines.insert(bounds, link);

@@ -2,7 +2,7 @@
 
 mod figures;
 
-use super::{hashes, optional};
+use super::{hashes, metric_text, optional};
 use crate::base::number::{short, short_or_none};
 use crate::base::table::Table;
 use crate::report::chart::FigureError;
@@ -83,11 +83,8 @@ const FIRST: [Metric; 5] = [
 
 fn metrics(summary: &Summary) -> Vec<(String, String)> {
     let line = |metric: Metric| {
-        let value = match (summary.metric(metric), metric.entry().whole) {
-            (Some(count), true) => count.to_string(),
-            (value, _) => short_or_none(value),
-        };
-        (metric.entry().title(), value)
+        let entry = metric.entry();
+        (entry.title(), metric_text(entry, summary.metric(metric)))
     };
     let mut rows = vec![
         line(Metric::Triggers),
