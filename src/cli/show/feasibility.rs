@@ -52,7 +52,7 @@ pub struct RelaxationReport {
 impl<'a> FeasibilityReport<'a> {
     /// From the answer, found in this time (s).
     pub fn new(decision: &'a Decision, seconds: f64) -> Self {
-        let shares: &[_] = match decision.answer {
+        let fractions: &[_] = match decision.answer {
             Answer::Feasible(_) => &[],
             _ => &decision.blocking,
         };
@@ -60,7 +60,7 @@ impl<'a> FeasibilityReport<'a> {
         FeasibilityReport {
             verdict: existence.verdict,
             slack: decision.slack,
-            blocking: blocking(shares),
+            blocking: blocking(fractions),
             existence,
             relaxations: None,
             seconds,

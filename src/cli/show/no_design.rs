@@ -30,13 +30,13 @@ pub struct FailureReport<'a> {
 }
 
 impl<'a> FailureReport<'a> {
-    /// From what the solvers did, and the shares of the dual solution.
-    pub fn new(solver: SolverReport<'a>, shares: &'a [(String, f64)]) -> Self {
+    /// From what the solvers did, and the fractions of the dual solution.
+    pub fn new(solver: SolverReport<'a>, fractions: &'a [(String, f64)]) -> Self {
         FailureReport {
             solver,
             verdict: Verdict::NotProved,
             conditions: [],
-            blocking: blocking(shares),
+            blocking: blocking(fractions),
         }
     }
 }
@@ -119,7 +119,7 @@ impl<'a> NoDesignReport<'a> {
         (model, form): (&Model, Form),
         status: SolverStatus,
         attempts: usize,
-        shares: &'a [(String, f64)],
+        fractions: &'a [(String, f64)],
         runs: &'a [SolverRun],
     ) -> Self {
         let solver = SolverReport {
@@ -131,7 +131,7 @@ impl<'a> NoDesignReport<'a> {
             outer: (),
             attempts,
         };
-        let failure = FailureReport::new(solver, shares);
+        let failure = FailureReport::new(solver, fractions);
         Self::new(model, form, failure, ("undecided", detail))
     }
 
