@@ -28,6 +28,7 @@ pub fn page(folder: &Path, link: &str) -> Result<String, ReportError> {
         (State::Complete, Some(results)) => results,
         _ => return Err(ReportError::Running),
     };
+    let worst = worst::worst(folder, inputs, results, link)?;
     let mut sections = vec![section("Runs", &numbers(counts(inputs, results)))];
     sections.extend(optional("Requirements", &requirements(results)));
     let bands = figures::bands(folder, results)?;
@@ -38,7 +39,7 @@ pub fn page(folder: &Path, link: &str) -> Result<String, ReportError> {
         sections.push(figure.section()?);
     }
     sections.push(section("Metrics", &metrics(results)));
-    sections.push(worst::worst(folder, inputs, results, link)?);
+    sections.push(worst);
     let (class, verdict) = verdict(results);
     let interval = &results.pass_rate_interval;
     let page = Page {
