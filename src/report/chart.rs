@@ -159,7 +159,7 @@ impl Figure {
         Ok(section(&self.title, &self.to_html()?))
     }
 
-    /// Name and colour (as in HTML) of what has a name.
+    /// Name and colour (as in HTML) of what has a name; nothing for a wide figure's only line.
     pub fn legend(&self) -> Vec<(&str, String)> {
         let lines = self.series.iter().enumerate().map(|(index, series)| {
             let colour = hexadecimal(series.colour(index));
@@ -170,8 +170,10 @@ impl Figure {
             let colour = format!("{}{opacity:02x}", hexadecimal(COLOURS[0]));
             (band.name.as_str(), colour)
         });
+        let several = self.narrow || self.series.len() + self.bands.len() > 1;
         let all = lines.chain(bands);
-        all.filter(|(name, _)| !name.is_empty()).collect()
+        all.filter(|(name, _)| several && !name.is_empty())
+            .collect()
     }
 
     /// The axes as they are drawn.
