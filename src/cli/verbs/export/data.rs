@@ -33,14 +33,9 @@ pub enum FormatArg {
 
 impl FormatArg {
     /// As on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            FormatArg::Sdpa => "sdpa",
-            FormatArg::Csv => "csv",
-            FormatArg::Parquet => "parquet",
-            FormatArg::Mat => "mat",
-            FormatArg::C => "c",
-        }
+    pub fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or(String::new(), |value| value.get_name().to_string())
     }
 }
 
