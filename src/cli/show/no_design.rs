@@ -1,5 +1,6 @@
 //! A synthesis or an analysis without a design.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
@@ -41,20 +42,18 @@ impl<'a> FailureReport<'a> {
     }
 }
 
+/// Claims of a design whose keys are there without one, too.
+const CLAIMS: [&str; 4] = ["gamma", "guaranteed_gain", "xi", "certified_angle_deg"];
+
 /// A synthesis or an analysis without a design.
 #[derive(Debug, Serialize)]
 pub struct NoDesignReport<'a> {
     /// What is known of every failure.
     #[serde(flatten)]
     failure: FailureReport<'a>,
-    /// Always null.
-    gamma: (),
-    /// Always null.
-    guaranteed_gain: (),
-    /// Always null.
-    xi: (),
-    /// Always null.
-    certified_angle_deg: (),
+    /// What a design would claim, all null.
+    #[serde(flatten)]
+    claims: BTreeMap<&'static str, ()>,
     /// Form of the decrease condition.
     form: &'static str,
     /// Vertices of the model.
@@ -143,10 +142,7 @@ impl<'a> NoDesignReport<'a> {
     ) -> Self {
         NoDesignReport {
             failure,
-            gamma: (),
-            guaranteed_gain: (),
-            xi: (),
-            certified_angle_deg: (),
+            claims: CLAIMS.map(|key| (key, ())).into(),
             form: form.name(),
             vertices: model.task().system.vertices.len(),
             feasibility,
