@@ -5,8 +5,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::conditions::state_feedback::power_of_two;
 use crate::conditions::xu2020::Containment;
-use crate::conditions::Task;
+use crate::conditions::{BoundedSignal, Task};
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
 /// Units of the scaled problem; every entry is a power of two.
@@ -18,11 +19,6 @@ pub struct Scaling {
     pub input: DVector<f64>,
     /// Unit of the disturbance.
     pub disturbance: f64,
-}
-
-/// The power of two nearest to a positive number in ratio.
-fn power_of_two(value: f64) -> f64 {
-    value.log2().round().clamp(-500.0, 500.0).exp2()
 }
 
 impl Scaling {
@@ -59,11 +55,16 @@ impl Scaling {
         }
     }
 
+    /// D^-1: from a state in SI units to one in these.
+    pub fn to_state(&self) -> DMatrix<f64> {
+        DMatrix::from_diagonal(&self.state.map(|unit| 1.0 / unit))
+    }
+
     /// The task in the scaled units.
     pub fn apply(&self, task: &Task) -> Task {
         let system = &task.system;
         let d = DMatrix::from_diagonal(&self.state);
-        let d_inverse = DMatrix::from_diagonal(&self.state.map(|unit| 1.0 / unit));
+        let d_inverse = self.to_state();
         let e = DMatrix::from_diagonal(&self.input);
         let c = self.disturbance;
         let region = system.region.iter().map(|bound| {
@@ -94,7 +95,13 @@ impl Scaling {
                 scaled: scaled(&containment.scaled),
             }
         });
+        let further = task.further_signals.iter().map(|signal| BoundedSignal {
+            name: signal.name,
+            coefficient: &d_inverse * &signal.coefficient * c,
+            bound: signal.bound / c,
+        });
         Task {
+            further_signals: further.collect(),
             containment,
             gains,
             system: TakagiSugeno {

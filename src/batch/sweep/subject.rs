@@ -326,7 +326,7 @@ fn not_proved(report: &Report) -> String {
 
 fn undesigned(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
     let blocking = decision.blocking.iter().take(BLOCKING);
-    let names: Vec<&str> = blocking.map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = blocking.map(|one| one.name.as_str()).collect();
     let reason = match names.as_slice() {
         [] => "no condition is known to block".to_string(),
         names => format!("blocked by {}", names.join(", ")),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use synth::fuzzy::triangle_excess;
-use synth::model::{Gains, Kind, Model, Plant};
+use synth::model::{GainsFile, Kind, Model, Plant};
 use synth::problem::Problem;
 
 use crate::batch::tune::file::Requirements;
@@ -124,10 +124,10 @@ pub fn of_problem(problem: &Problem) -> String {
 }
 
 /// Gains.
-pub fn of_gains(gains: &Gains) -> String {
+pub fn of_gains(gains: &GainsFile) -> String {
     let (inputs, states) = gains.gains[0].shape();
     let count = gains.gains.len();
-    format!("{}, {count} gains, {inputs} x {states}", gains.file.name)
+    format!("{}, {count} gains, {inputs} x {states}", gains.name)
 }
 
 /// Requirements of a parameter search.

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use synth::certify::{ConditionMargin, Report, Verdict};
 use synth::design::SolverRun;
+use synth::programs::Blocking;
 
 use crate::cli::answer::Exit;
 
@@ -122,22 +123,6 @@ pub fn not_proved<'a>(conditions: impl IntoIterator<Item = &'a ConditionMargin>)
 
 fn margin(condition: &ConditionMargin) -> String {
     format!("{}, margin {:.3e}", condition.name, condition.margin)
-}
-
-/// A condition that carries the dual solution.
-#[derive(Debug, Serialize)]
-pub struct Blocking<'a> {
-    /// Its name.
-    name: &'a str,
-    /// Its fraction of the dual solution.
-    share: f64,
-}
-
-/// Conditions with their fractions, the largest first.
-pub fn blocking(fractions: &[(String, f64)]) -> Vec<Blocking<'_>> {
-    let fractions = fractions.iter();
-    let all = fractions.map(|&(ref name, share)| Blocking { name, share });
-    all.collect()
 }
 
 /// The conditions that block, as many as are named where nothing is feasible.

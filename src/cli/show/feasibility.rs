@@ -5,8 +5,9 @@ use std::path::Path;
 use serde::Serialize;
 use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision, Relaxation};
+use synth::programs::Blocking;
 
-use super::facts::{blocking, blocking_lines, slack_line, Blocking};
+use super::facts::{blocking_lines, slack_line};
 use super::infeasibility::Existence;
 use crate::cli::answer::Exit;
 
@@ -19,12 +20,12 @@ pub struct FeasibilityReport<'a> {
     /// the solver found none.
     slack: Option<f64>,
     /// The conditions that carry the dual solution; empty where a design exists.
-    blocking: Vec<Blocking<'a>>,
+    blocking: &'a [Blocking],
     /// What is proved.
     #[serde(flatten)]
     existence: Existence<'a>,
     /// What relaxing one requirement alone does; null where it was not asked.
-    pub relaxations: Option<Vec<RelaxationReport>>,
+    pub relaxations: Option<Vec<Relaxation>>,
     /// Time of the verdict (s).
     seconds: f64,
     /// Time in solvers (s).
@@ -33,26 +34,10 @@ pub struct FeasibilityReport<'a> {
     solver_runs: &'a [SolverRun],
 }
 
-/// What relaxing one requirement alone does.
-#[derive(Debug, Serialize)]
-pub struct RelaxationReport {
-    /// The requirement's symbol.
-    requirement: &'static str,
-    /// The first value at which a design is proved; of several limits the first. Null, as the next two, where it
-    /// does not help alone.
-    value: Option<f64>,
-    /// The same relative to the model's.
-    factor: Option<f64>,
-    /// The nearest factor tried at which no design was found.
-    not_at_factor: Option<f64>,
-    /// Solver calls it took.
-    solves: usize,
-}
-
 impl<'a> FeasibilityReport<'a> {
     /// From the answer, found in this time (s).
     pub fn new(decision: &'a Decision, seconds: f64) -> Self {
-        let fractions: &[_] = match decision.answer {
+        let blocking: &[_] = match decision.answer {
             Answer::Feasible(_) => &[],
             _ => &decision.blocking,
         };
@@ -60,7 +45,7 @@ impl<'a> FeasibilityReport<'a> {
         FeasibilityReport {
             verdict: existence.verdict,
             slack: decision.slack,
-            blocking: blocking(fractions),
+            blocking,
             existence,
             relaxations: None,
             seconds,
@@ -83,37 +68,24 @@ impl<'a> FeasibilityReport<'a> {
     pub fn lines(&self, model: &Path, written: Option<String>) -> Vec<String> {
         let mut lines = vec![self.headline(model)];
         lines.extend(slack_line(self.slack));
-        lines.extend(blocking_lines(&self.blocking));
+        lines.extend(blocking_lines(self.blocking));
         lines.extend(written);
         if let Some(relaxations) = &self.relaxations {
             let title = "one requirement relaxed, all others kept:";
             lines.push(title.to_string());
-            lines.extend(relaxations.iter().map(RelaxationReport::line));
+            lines.extend(relaxations.iter().map(relaxation_line));
         }
         lines
     }
 }
 
-impl RelaxationReport {
-    /// From what was found.
-    pub fn new(relaxation: &Relaxation) -> Self {
-        let feasible = relaxation.feasible;
-        RelaxationReport {
-            requirement: relaxation.requirement.symbol(),
-            value: feasible.map(|found| found.value),
-            factor: feasible.map(|found| found.factor),
-            not_at_factor: feasible.map(|found| found.not_at),
-            solves: relaxation.solves,
-        }
-    }
-
-    fn line(&self) -> String {
-        let symbol = self.requirement;
-        match (self.value, self.factor, self.not_at_factor) {
-            (Some(value), Some(factor), Some(not_at)) => format!(
-                "  {symbol}: feasible (proved) at {value:.5}, {factor:.4} times the model's; not found at {not_at:.4} times"
-            ),
-            _ => format!("  {symbol}: does not help alone"),
-        }
+fn relaxation_line(relaxation: &Relaxation) -> String {
+    let symbol = relaxation.requirement;
+    let factors = relaxation.factor.zip(relaxation.not_at_factor);
+    match relaxation.value.zip(factors) {
+        Some((value, (factor, not_at))) => format!(
+            "  {symbol}: feasible (proved) at {value:.5}, {factor:.4} times the model's; not found at {not_at:.4} times"
+        ),
+        None => format!("  {symbol}: does not help alone"),
     }
 }

@@ -5,14 +5,13 @@ use std::path::Path;
 
 use serde::Serialize;
 use synth::certify::Verdict;
-use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision};
 use synth::model::Model;
-use synth::synthesis::{Form, LimitingFactors};
+use synth::programs::{Blocking, LimitingFactors};
+use synth::synthesis::Form;
 
 use super::facts::{
-    blocking, blocking_lines, search_lines, slack_line, slack_or_none, titled, Blocking,
-    SolverReport, SolverStatus,
+    blocking_lines, search_lines, slack_line, slack_or_none, titled, SolverReport, SolverStatus,
 };
 use super::infeasibility::Existence;
 
@@ -27,17 +26,17 @@ pub struct FailureReport<'a> {
     /// Always empty.
     conditions: [(); 0],
     /// The conditions that carry the dual solution.
-    pub blocking: Vec<Blocking<'a>>,
+    pub blocking: &'a [Blocking],
 }
 
 impl<'a> FailureReport<'a> {
-    /// From what the solvers did, and the fractions of the dual solution.
-    pub fn new(solver: SolverReport<'a>, fractions: &'a [(String, f64)]) -> Self {
+    /// From what the solvers did, and the conditions that carry the dual solution.
+    pub fn new(solver: SolverReport<'a>, blocking: &'a [Blocking]) -> Self {
         FailureReport {
             solver,
             verdict: Verdict::NotProved,
             conditions: [],
-            blocking: blocking(fractions),
+            blocking,
         }
     }
 }
@@ -90,8 +89,8 @@ enum Detail<'a> {
 }
 
 impl<'a> NoDesignReport<'a> {
-    /// For one certificate.
-    pub fn one(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
+    /// From the decision that the synthesis ended with.
+    pub fn new(model: &Model, form: Form, decision: &'a Decision, status: SolverStatus) -> Self {
         let solver = SolverReport {
             status,
             solve_seconds: decision.solve_seconds,
@@ -99,49 +98,24 @@ impl<'a> NoDesignReport<'a> {
         };
         let answer = &decision.answer;
         let existence = Existence::of(answer);
-        let verdict = existence.verdict;
-        let detail = Detail::One {
-            existence,
-            shortfall: decision.limiting_factors.as_deref(),
-            blocking_gains: match answer {
-                Answer::Infeasible(proof) => proof.file.blocking_gains(),
-                _ => Vec::new(),
+        let feasibility = existence.verdict;
+        let detail = match decision.couplings {
+            0 => Detail::One {
+                existence,
+                shortfall: decision.limiting_factors.as_deref(),
+                blocking_gains: match answer {
+                    Answer::Infeasible(proof) => proof.file.blocking_gains(),
+                    _ => Vec::new(),
+                },
+                slack: decision.slack,
             },
-            slack: decision.slack,
+            attempts => Detail::Two {
+                outer: (),
+                attempts,
+            },
         };
-        let failure = FailureReport::new(solver, &decision.blocking);
-        Self::new(model, form, failure, (verdict, detail))
-    }
-
-    /// For two certificates.
-    pub fn two(
-        (model, form): (&Model, Form),
-        status: SolverStatus,
-        attempts: usize,
-        fractions: &'a [(String, f64)],
-        runs: &'a [SolverRun],
-    ) -> Self {
-        let solver = SolverReport {
-            status,
-            solve_seconds: runs.iter().map(|run| run.seconds).sum(),
-            solver_runs: runs,
-        };
-        let detail = Detail::Two {
-            outer: (),
-            attempts,
-        };
-        let failure = FailureReport::new(solver, fractions);
-        Self::new(model, form, failure, ("undecided", detail))
-    }
-
-    fn new(
-        model: &Model,
-        form: Form,
-        failure: FailureReport<'a>,
-        (feasibility, detail): (&'static str, Detail<'a>),
-    ) -> Self {
         NoDesignReport {
-            failure,
+            failure: FailureReport::new(solver, &decision.blocking),
             claims: CLAIMS.map(|key| (key, ())).into(),
             form: form.name(),
             vertices: model.task().system.vertices.len(),
@@ -153,7 +127,7 @@ impl<'a> NoDesignReport<'a> {
     /// In words: what was not found for the model of this file.
     pub fn lines(&self, path: &Path, what: &str) -> Vec<String> {
         let path = path.display();
-        let blocking = &self.failure.blocking;
+        let blocking = self.failure.blocking;
         let solver = &self.failure.solver;
         let unknown = solver.status.nothing_found(what);
         let mut lines = Vec::new();

@@ -140,7 +140,7 @@ impl<'a> NoFeedbackReport<'a> {
             solve_seconds: found.solve_seconds,
             solver_runs: &found.runs,
         };
-        let excluded = found.infeasibility;
+        let excluded = found.answer;
         NoFeedbackReport {
             failure: FailureReport::new(solver, &found.blocking),
             claims: ProblemClaims::new(problem, None, Verdict::NotProved),
@@ -167,7 +167,7 @@ impl<'a> NoFeedbackReport<'a> {
             (None, status) => status.nothing_found("feedback"),
         });
         lines.push(slack_or_none(self.slack));
-        lines.extend(blocking_lines(&self.failure.blocking));
+        lines.extend(blocking_lines(self.failure.blocking));
         lines
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use synth::model::{Gains, Model};
+use synth::model::{GainsFile, Model};
 use synth::synthesis;
 
 use super::synthesize::conclude::Conclusion;
@@ -33,7 +33,7 @@ pub struct AnalyseArgs {
 
 /// Seeks the best proof for the gains. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
-    let (gains_text, gains) = files::load(&args.gains, Gains::from_json)?;
+    let (gains_text, gains) = files::load(&args.gains, GainsFile::from_json)?;
     let (text, model) = files::load(&args.model, Model::from_json)?;
     let (states, inputs, _, _) = model.plant.sizes();
     gains

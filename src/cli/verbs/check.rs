@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
-use synth::model::{kind_of, Gains, Kind, Model};
+use synth::model::{kind_of, GainsFile, Kind, Model};
 use synth::problem::{Problem, ProblemDesignFile};
 
 use crate::batch::tune::file::Requirements;
@@ -49,7 +49,7 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
         Kind::ProblemDesign => {
             ProblemDesignFile::from_json(&text).map(|(_, problem)| of_problem(&problem))
         }
-        Kind::Gains => Gains::from_json(&text).map(|gains| of_gains(&gains)),
+        Kind::Gains => GainsFile::from_json(&text).map(|gains| of_gains(&gains)),
     };
     let summary = summary.map_err(|problem| CliError::file(&args.file, problem))?;
     let report = CheckReport::new(kind, summary, conditions.as_ref());

@@ -5,14 +5,13 @@ use std::time::Instant;
 
 use synth::feasibility::{self, decide, relaxations, Decision};
 use synth::model::Model;
-use synth::solve::Backend;
 
 use crate::cli::answer::{note, Answer};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{ahead, solve, ASSEMBLING};
 use crate::cli::show::facts::written_or_nothing;
-use crate::cli::show::feasibility::{FeasibilityReport, RelaxationReport};
+use crate::cli::show::feasibility::FeasibilityReport;
 use crate::cli::show::infeasibility::Existence;
 use crate::cli::solver::SolverArg;
 
@@ -55,20 +54,14 @@ pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
     if infeasible && !args.no_relaxations {
         // What follows takes longer than the verdict.
         ahead(&report.headline(&args.model));
-        report.relaxations = Some(relax(&args.model, &model, backend)?);
+        let what = "relaxing one requirement after the other";
+        let relaxed = solve(&args.model, what, |observer| {
+            relaxations(&model, backend, observer)
+        })?;
+        report.relaxations = Some(relaxed);
     }
     let lines = report.lines(&args.model, kept.map(written_or_nothing));
     Ok(Answer::new(report.exit(), &report, &lines))
-}
-
-fn relax(
-    path: &Path,
-    model: &Model,
-    backend: &dyn Backend,
-) -> Result<Vec<RelaxationReport>, CliError> {
-    let what = "relaxing one requirement after the other";
-    let found = solve(path, what, |observer| relaxations(model, backend, observer))?;
-    Ok(found.iter().map(RelaxationReport::new).collect())
 }
 
 /// Writes the file that proves the answer; `None` where nothing is proved.

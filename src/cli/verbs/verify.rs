@@ -57,7 +57,7 @@ fn infeasibility(path: &Path, text: &str) -> Result<Answer, CliError> {
     let checked = file.verify(&model);
     let checked = checked.map_err(|problem| CliError::value(path, problem))?;
     let limits = match is_proved(&checked) {
-        true => file.limits(&model),
+        true => file.limits(&model, &checked),
         false => Ok(Vec::new()),
     };
     let limits = limits.map_err(|error| CliError::synthesis(path, error))?;

@@ -1,10 +1,9 @@
 //! Inertias of a file: checked, or drawn from a set.
 
 use nalgebra::Matrix3;
-use synth::model::{ExactPlant, Model, PlantFile};
-use synth::model::{InertiaUncertaintyFile, ModelError, Plant};
+use synth::model::{ExactPlant, InertiaUncertaintyFile, ModelError, Plant, PlantFile};
 
-use crate::base::plant_model::{placeholder, relocated};
+use crate::base::plant_model::relocated;
 use crate::sim::random::{Purpose, Random};
 
 /// An inertia drawn from the set about `rows`, every entry uniform and independent of the others.
@@ -41,13 +40,12 @@ pub(crate) fn spacecraft(
     rows: &[[f64; 3]; 3],
     inertia_uncertainty: Option<InertiaUncertaintyFile>,
 ) -> Result<Plant, ModelError> {
-    let model = placeholder(PlantFile::Exact(ExactPlant {
+    Plant::new(&PlantFile::Exact(ExactPlant {
         inertia_kg_m2: *rows,
         inertia_uncertainty,
         torque_limit_nm: [1.0; 3],
         disturbance_bound_nm: 0.0,
         rate_rad_s: [1.0; 3],
         q0_min: 0.5,
-    }));
-    Ok(Model::new(model)?.plant)
+    }))
 }

@@ -2,11 +2,11 @@
 
 use nalgebra::SVector;
 use synth::fuzzy::VertexSystem;
-use synth::model::{check_positive, finite, Model, ModelError, Plant, PlantFile};
+use synth::model::{check_positive, finite, ModelError, Plant, PlantFile};
 
 use super::file::{MixingFile, TakagiSugenoFile};
 use super::Mixing;
-use crate::base::plant_model::{placeholder, relocated};
+use crate::base::plant_model::relocated;
 use crate::base::ranges::{each, not_negative, require};
 use crate::sim::disturbance::{Disturbance, Harmonic};
 use crate::sim::embedding;
@@ -34,9 +34,9 @@ pub struct TakagiSugenoSystem {
 }
 
 pub(crate) fn takagi_sugeno(file: &TakagiSugenoFile) -> Result<TakagiSugenoSystem, ModelError> {
-    let model = Model::new(placeholder(PlantFile::Vertices(file.vertices.clone())))
+    let plant = Plant::new(&PlantFile::Vertices(file.vertices.clone()))
         .map_err(|error| relocated(error, "plant.vertices.", "vertices."))?;
-    let Plant::Vertices(system) = model.plant else {
+    let Plant::Vertices(system) = plant else {
         return Err(length("vertices", 0, 1));
     };
     let (states, inputs) = system.input_matrix.shape();

@@ -9,7 +9,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::DMatrix;
 
-use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
+use crate::lmi::{dual_matrix, dual_trace, Cone, Entry, Semidefinite};
 
 /// Largest number of unknowns: the equations are dense.
 const MOST_UNKNOWNS: usize = 3000;
@@ -75,15 +75,14 @@ fn shifted_inside(
     let trace: f64 = sides
         .clone()
         .zip(duals)
-        .map(|(side, dual)| (0..side).map(|k| dual[svec_index(k, k)]).sum::<f64>())
+        .map(|(side, dual)| dual_trace(side, dual))
         .sum();
     let shift = part * trace / total as f64;
     if !(shift > 0.0 && shift.is_finite()) {
         return None;
     }
     let full = sides.zip(duals).map(|(side, dual)| {
-        let at = |r: usize, c: usize| dual[svec_index(r.min(c), r.max(c))];
-        let matrix = DMatrix::from_fn(side, side, at);
+        let matrix = dual_matrix(side, dual);
         // Each shift makes up for a negative eigenvalue that is ten times larger.
         let shifts = (0..SHIFT_DECADES).map(|decade| shift * 10_f64.powi(decade));
         let mut shifted = shifts.map(|shift| &matrix + shift * DMatrix::identity(side, side));

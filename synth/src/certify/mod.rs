@@ -7,6 +7,7 @@ mod certificate;
 pub mod infeasible;
 pub mod plant;
 pub mod reach;
+mod signals;
 pub mod theorem1;
 
 pub use sdp::exclusion;
@@ -43,12 +44,14 @@ pub struct ConditionMargin {
     pub margin: f64,
 }
 
-/// The outcome of the check.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The outcome of a check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "VerdictFile")]
 pub struct Report {
-    /// The answer.
+    /// Proved or not.
     pub verdict: Verdict,
-    /// Every condition.
+    /// Margin of each condition.
     pub conditions: Vec<ConditionMargin>,
     /// What the proof does not cover.
     pub not_covered: Vec<String>,

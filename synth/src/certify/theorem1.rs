@@ -9,11 +9,13 @@ pub use super::certificate::{Certificate, MismatchSlack, RuleGains};
 use nalgebra::DMatrix;
 
 use super::plant::DescriptorPlant;
-use crate::conditions::xu2020::gain_suffix;
+use super::signals::{bounded, reached_level, BoundedSignal, Signal, SignalForm};
 use crate::fuzzy::inertia_bounds;
 use crate::model::{Mismatch, Model, Plant};
-use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::matrix::Matrix;
 use verified::scalar::Scalar;
+
+use Signal::{DeadZone, Error, Integral, Rate, Sample, State};
 
 /// A named symmetric matrix that must be positive definite.
 #[derive(Debug, Clone)]
@@ -37,7 +39,9 @@ struct Assembly<'a, S> {
     /// Not below e^(phi hbar).
     growth: S,
     nu: S,
-    /// max(1, xi taubar^2 / phi).
+    /// The signals of bounded norm.
+    bounded: Vec<BoundedSignal<S>>,
+    /// k2.
     level: S,
     /// Q_k = eps_k Q.
     multipliers: [Matrix<S>; 3],
@@ -67,21 +71,8 @@ pub fn for_each_condition<S: Scalar>(
     assembly.peak_gain(&mut emit);
     assembly.region(&mut emit);
     assembly.must_contain(model, &mut emit);
-    weight_limit(model, certificate, &mut emit);
+    assembly.weight_limit(model, &mut emit);
     assembly.certified_attitudes(model, &mut emit);
-}
-
-/// xi above the model's xi_max is no design for the model; a condition of its own only where it fails.
-fn weight_limit<S: Scalar>(
-    model: &Model,
-    certificate: &Certificate,
-    emit: &mut impl FnMut(String, Matrix<S>),
-) {
-    let within = certificate.disturbance_weight <= model.file.specs.xi_max;
-    if !within {
-        let name = "disturbance weight within xi_max".to_string();
-        emit(name, Matrix::identity(1, -S::one()));
-    }
 }
 
 /// Every inertia of the set is positive definite.
@@ -100,14 +91,14 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let exactly = |matrix: &DMatrix<f64>| Matrix::exactly(matrix);
         let phi = S::from_f64(specs.phi_per_s);
         let hbar = S::from_f64(specs.hbar_s);
-        let xi = S::from_f64(certificate.disturbance_weight);
-        let bound = plant.disturbance_bound.clone();
-        let reached = xi * bound.clone() * bound / phi.clone();
+        let bounded = bounded(model);
+        let weight = |signal: &BoundedSignal<S>| S::from_f64((signal.weight)(certificate));
         let multiplier = exactly(&certificate.multiplier);
         Assembly {
             growth: (phi.clone() * hbar.clone()).exp_upper(),
             nu: S::from_f64(specs.nu),
-            level: reached.max(S::one()),
+            level: reached_level(&bounded, weight, &phi).max(S::one()),
+            bounded,
             multipliers: specs
                 .eps
                 .map(|weight| multiplier.scaled(&S::from_f64(weight))),
@@ -151,7 +142,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         }
     }
 
-    /// (18), negated. Rows: x, x', x(t_k^l), e, dead zone, tau and, for r = 2, the integral.
+    /// (18), negated. Rows: x, x', x(t_k^l), e, dead zone, the bounded signals and, for r = 2, the integral.
     ///
     /// It is affine in (zeta(t), zeta(t_k)). Where these are independent, every vertex with every gain
     /// decides. Where |zeta(t_k) - zeta(t)| <= kappa, every rule with its own gain decides once the most
@@ -159,15 +150,13 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn decrease(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         let count = self.gains.len();
         for interval in [1, 2] {
-            let added = self.mismatch_term(interval);
             for (rule, gains) in self.gains.iter().enumerate() {
-                let mut common = self.decrease_without_plant(interval, gains);
-                if let Some(added) = &added {
-                    common = common.plus(added);
-                }
+                let common = self.decrease_without_plant(interval, gains);
                 let mut index = 0;
                 for plant in &self.plants {
-                    let common = self.with_descriptor(&common, plant);
+                    // 2 v'Q (A x - E x')
+                    let mut common = common.clone();
+                    self.multiplied(&mut common, Rate, &plant.descriptor.negated());
                     for (own_rule, vertex) in plant.vertices.iter().enumerate() {
                         index += 1;
                         let name = format!("decrease r={interval} vertex {index}");
@@ -176,9 +165,22 @@ impl<'a, S: Scalar> Assembly<'a, S> {
                             Some(_) => name,
                             None => name + &gain_suffix(count, rule),
                         };
-                        emit(name, self.with_vertex(&common, vertex).negated());
+                        let mut whole = common.clone();
+                        self.multiplied(&mut whole, State, vertex);
+                        emit(name, whole.negated());
                     }
                 }
+            }
+        }
+    }
+
+    /// Adds `2 v'Q coefficient signal` with Q'v = Q1'x + Q2'x' + Q3'x(t_k^l).
+    fn multiplied(&self, form: &mut SignalForm<S>, signal: Signal, coefficient: &Matrix<S>) {
+        for (row, multiplier) in [State, Rate, Sample].into_iter().zip(&self.multipliers) {
+            let block = multiplier.times(coefficient);
+            match row == signal {
+                true => form.add(row, signal, &block.symmetrised()),
+                false => form.add(row, signal, &block),
             }
         }
     }
@@ -223,43 +225,40 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     fn gain_form(&self, (gain, anti_windup): &(Matrix<S>, Matrix<S>)) -> Matrix<S> {
         let (m, n) = (gain.nrows(), gain.ncols());
         let zone = self.certificate.mismatch_side() - m - n;
-        let mut out = SymmetricBlockMatrix::new(&[m, zone, n]);
-        out.set(0, 2, gain);
-        if zone > 0 {
-            out.set(1, 2, anti_windup);
-        }
-        out.finish()
+        let zeros = |rows, columns| Matrix::zeros(rows, columns);
+        let sector = match zone {
+            0 => &zeros(0, n),
+            _ => anti_windup,
+        };
+        Matrix::symmetric(&[
+            &[&zeros(m, m), &zeros(m, zone), gain],
+            &[&zeros(zone, zone), sector],
+            &[&zeros(n, n)],
+        ])
     }
 
     /// kappa sum_j P_j on the rows of (18).
-    fn mismatch_term(&self, interval: usize) -> Option<Matrix<S>> {
+    fn mismatch_term(&self, interval: usize, form: &SignalForm<S>) -> Option<Matrix<S>> {
         let (kappa, slack) = self.slack(interval)?;
-        let plant = &self.plant;
-        let (n, m, d) = (
-            plant.states(),
-            plant.input.ncols(),
-            plant.disturbance.ncols(),
-        );
+        let (n, m) = (self.plant.states(), self.plant.input.ncols());
         let side = self.certificate.mismatch_side();
         let zone = side - m - n;
-        let total = 4 * n + m + d + if interval == 2 { n } else { 0 };
-        let mut seen = Matrix::zeros(side, total);
-        for (block, multiplier) in self.multipliers.iter().enumerate() {
-            let command = plant.input.transposed().times(&multiplier.transposed());
-            for r in 0..m {
-                for c in 0..n {
-                    seen.set(r, block * n + c, command.at(r, c).clone());
+        let mut seen = Matrix::zeros(side, form.side());
+        let mut see = |row: usize, signal: Signal, block: &Matrix<S>| {
+            for r in 0..block.nrows() {
+                for c in 0..block.ncols() {
+                    seen.set(row + r, form.place(signal) + c, block.at(r, c).clone());
                 }
             }
+        };
+        for (signal, multiplier) in [State, Rate, Sample].into_iter().zip(&self.multipliers) {
+            let command = self.plant.input.transposed();
+            see(0, signal, &command.times(&multiplier.transposed()));
         }
-        for k in 0..zone {
-            let weight = S::from_f64(self.certificate.sector_weight[k]);
-            seen.set(m + k, 4 * n + k, weight);
-        }
-        for k in 0..n {
-            seen.set(m + zone + k, 2 * n + k, S::one());
-            seen.set(m + zone + k, 3 * n + k, -S::one());
-        }
+        let sector = DMatrix::from_diagonal(&self.certificate.sector_weight.rows(0, zone));
+        see(m, DeadZone, &Matrix::exactly(&sector));
+        see(m + zone, Sample, &Matrix::identity(n, S::one()));
+        see(m + zone, Error, &Matrix::identity(n, -S::one()));
         let bounds = slack.bounds.iter();
         let sum = bounds.fold(Matrix::zeros(side, side), |sum, bound| {
             sum.plus(&Matrix::exactly(bound))
@@ -276,90 +275,79 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         }
     }
 
-    /// (18) without 2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) (A x - E x').
+    /// The signals of (18) with their sizes.
+    fn rows(&self, interval: usize) -> Vec<(Signal, usize)> {
+        let (n, m) = (self.plant.states(), self.plant.input.ncols());
+        let states = [State, Rate, Sample, Error].map(|signal| (signal, n));
+        let bounded = self.bounded.iter().enumerate();
+        let bounded = bounded.map(|(k, signal)| (Signal::Bounded(k), signal.coefficient.ncols()));
+        let integral = (interval == 2).then_some((Integral, n));
+        let out = states.into_iter().chain([(DeadZone, m)]).chain(bounded);
+        out.chain(integral).collect()
+    }
+
+    /// (18) without 2 v'Q (A x - E x'), with what the mismatch may add.
     fn decrease_without_plant(
         &self,
         interval: usize,
         (gain, anti_windup): &(Matrix<S>, Matrix<S>),
-    ) -> Matrix<S> {
-        let [q1, q2, q3] = &self.multipliers;
-        let plant = &self.plant;
-        let (n, m, d) = (
-            plant.states(),
-            plant.input.ncols(),
-            plant.disturbance.ncols(),
-        );
+    ) -> SignalForm<S> {
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
-        let weight = self.trigger_weight();
-        let integral = exactly(&self.certificate.integral_weight);
+        let input = &self.plant.input;
+        let mut out = SignalForm::zeros(&self.rows(interval));
+        // 2 v'Q (B F (x(t_k^l) - e) - B p + the bounded signals)
+        let feedback = input.times(gain);
+        self.multiplied(&mut out, Sample, &feedback);
+        self.multiplied(&mut out, Error, &feedback.negated());
+        self.multiplied(&mut out, DeadZone, &input.negated());
+        for (k, signal) in self.bounded.iter().enumerate() {
+            let (own, weight) = (
+                Signal::Bounded(k),
+                S::from_f64((signal.weight)(self.certificate)),
+            );
+            self.multiplied(&mut out, own, &signal.coefficient);
+            out.add(
+                own,
+                own,
+                &Matrix::identity(signal.coefficient.ncols(), -weight),
+            );
+        }
+        // phi x'Ux + 2 x'Ux'
+        out.add(State, State, &self.lyapunov.scaled(&self.phi));
+        out.add(State, Rate, &self.lyapunov);
+        // 2 (x'L1 + x(t_k^l)'L2) (x - x(t_k^l))
         let l1 = exactly(&self.certificate.free_state);
         let l2 = exactly(&self.certificate.free_sample);
-        let sector = exactly(&DMatrix::from_diagonal(&self.certificate.sector_weight));
-        let bf = plant.input.times(gain);
-        let nm = anti_windup.transposed().times(&sector);
+        out.add(State, State, &l1.symmetrised());
+        out.add(State, Sample, &l1.negated());
+        out.add(Sample, State, &l2);
+        out.add(Sample, Sample, &l2.symmetrised().negated());
+        // The trigger: nu w'Ww - e'We with w = x(t_k^l) - e
+        let weight = self.trigger_weight();
         let nu_weight = weight.scaled(&self.nu);
-        let xi = S::from_f64(self.certificate.disturbance_weight);
-
-        let mut sizes = vec![n, n, n, n, m, d];
-        if interval == 2 {
-            sizes.push(n);
-        }
-        let mut out = SymmetricBlockMatrix::new(&sizes);
-        let decay = self.lyapunov.scaled(&self.phi);
-        out.set(0, 0, &decay.plus(&l1.symmetrised()));
-        out.set(0, 1, &self.lyapunov);
-        out.set(0, 2, &q1.times(&bf).minus(&l1).plus(&l2.transposed()));
-        out.set(0, 3, &q1.times(&bf).negated());
-        out.set(0, 4, &q1.times(&plant.input).negated());
-        out.set(0, 5, &q1.times(&plant.disturbance));
+        out.add(Sample, Sample, &nu_weight);
+        out.add(Sample, Error, &nu_weight.negated());
+        out.add(Error, Error, &nu_weight.minus(&weight));
+        // The sector condition: 2 p'M (N w - p)
+        let sector = exactly(&DMatrix::from_diagonal(&self.certificate.sector_weight));
+        let anti_windup = anti_windup.transposed().times(&sector);
+        out.add(Sample, DeadZone, &anti_windup);
+        out.add(Error, DeadZone, &anti_windup.negated());
+        out.add(DeadZone, DeadZone, &sector.plus(&sector).negated());
+        let integral = exactly(&self.certificate.integral_weight);
         if interval == 1 {
-            out.set(1, 1, &integral.scaled(&self.hbar));
-        }
-        out.set(1, 2, &q2.times(&bf));
-        out.set(1, 3, &q2.times(&bf).negated());
-        out.set(1, 4, &q2.times(&plant.input).negated());
-        out.set(1, 5, &q2.times(&plant.disturbance));
-        let q3bf = q3.times(&bf);
-        let path = q3bf.symmetrised().minus(&l2.symmetrised());
-        out.set(2, 2, &path.plus(&nu_weight));
-        out.set(2, 3, &q3bf.plus(&nu_weight).negated());
-        out.set(2, 4, &nm.minus(&q3.times(&plant.input)));
-        out.set(2, 5, &q3.times(&plant.disturbance));
-        out.set(3, 3, &nu_weight.minus(&weight));
-        out.set(3, 4, &nm.negated());
-        out.set(4, 4, &sector.plus(&sector).negated());
-        out.set(5, 5, &Matrix::identity(d, -xi));
-        if interval == 2 {
+            out.add(Rate, Rate, &integral.scaled(&self.hbar));
+        } else {
             // [Xi, k L; k L', -k Y] with k = hbar e^(phi hbar) has the Schur complement
             // Xi + k L Y^-1 L'.
             let factor = self.hbar.clone() * self.growth.clone();
-            out.set(0, 6, &l1.scaled(&factor));
-            out.set(2, 6, &l2.scaled(&factor));
-            out.set(6, 6, &integral.scaled(&factor).negated());
+            out.add(State, Integral, &l1.scaled(&factor));
+            out.add(Sample, Integral, &l2.scaled(&factor));
+            out.add(Integral, Integral, &integral.scaled(&factor).negated());
         }
-        out.finish()
-    }
-
-    /// Adds `2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) A_i x`.
-    fn with_vertex(&self, common: &Matrix<S>, vertex: &Matrix<S>) -> Matrix<S> {
-        let n = self.plant.states();
-        let [q1a, q2a, q3a] = [0, 1, 2].map(|k| self.multipliers[k].times(vertex));
-        let mut out = common.clone();
-        // Row block x, columns x' and x(t_k^l): A' Q2', A' Q3'.
-        add_mirrored(&mut out, (0, 0), &q1a.symmetrised());
-        add_mirrored(&mut out, (0, n), &q2a.transposed());
-        add_mirrored(&mut out, (0, 2 * n), &q3a.transposed());
-        out
-    }
-
-    /// Adds `-2 (x' Q1 + x'' Q2 + x(t_k^l)' Q3) E x'`.
-    fn with_descriptor(&self, common: &Matrix<S>, plant: &DescriptorPlant<S>) -> Matrix<S> {
-        let n = plant.states();
-        let [q1e, q2e, q3e] = [0, 1, 2].map(|k| self.multipliers[k].times(&plant.descriptor));
-        let mut out = common.clone();
-        add_mirrored(&mut out, (0, n), &q1e.negated());
-        add_mirrored(&mut out, (n, n), &q2e.symmetrised().negated());
-        add_mirrored(&mut out, (n, 2 * n), &q3e.transposed().negated());
+        if let Some(added) = self.mismatch_term(interval, &out) {
+            out.add_whole(&added);
+        }
         out
     }
 
@@ -369,48 +357,63 @@ impl<'a, S: Scalar> Assembly<'a, S> {
             let difference = gain.minus(anti_windup);
             for (input, limit) in self.plant.input_limit.iter().enumerate() {
                 let factor = limit.clone() * limit.clone() / self.level.clone();
-                let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), 1]);
-                out.set(0, 0, &self.lyapunov.scaled(&factor));
-                out.set(0, 1, &difference.row(input).transposed());
-                out.set(1, 1, &Matrix::identity(1, S::one()));
+                let bound = self.inside(factor, &difference.row(input), S::one());
                 let name = format!("anti-windup input {}", input + 1);
-                emit(name + &gain_suffix(self.gains.len(), rule), out.finish());
+                emit(name + &gain_suffix(self.gains.len(), rule), bound);
             }
         }
     }
 
-    /// (20): C'C <= gamma phi U and gamma > xi; and the claimed guaranteed gain G: C'C <= G^2/xi phi U.
+    /// (20): C'C <= gamma phi U and gamma above every weight; and the claimed guaranteed gain G: C'C <= G^2/xi phi U
+    /// with the largest weight xi.
     fn peak_gain(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
-        let xi = S::from_f64(self.certificate.disturbance_weight);
         let gamma = S::from_f64(self.certificate.gain_bound);
         let claim = S::from_f64(self.certificate.guaranteed_gain);
         emit("peak gain".into(), self.gain_block(gamma.clone()));
-        let above = Matrix::identity(1, gamma - xi.clone());
-        emit("gain bound above disturbance weight".into(), above);
-        // Comes last of the two: dividing by xi needs xi > 0, which (18) has shown.
-        let implied = claim.clone() * claim / xi;
+        for signal in &self.bounded {
+            let above = gamma.clone() - S::from_f64((signal.weight)(self.certificate));
+            let name = format!("gain bound above {} weight", signal.name);
+            emit(name, Matrix::identity(1, above));
+        }
+        // Comes last: dividing by a weight needs it to be positive, which (18) has shown.
+        let weights = self
+            .bounded
+            .iter()
+            .map(|signal| (signal.weight)(self.certificate));
+        let largest = S::from_f64(weights.fold(f64::NEG_INFINITY, f64::max));
+        let implied = claim.clone() * claim / largest;
         emit("guaranteed gain".into(), self.gain_block(implied));
     }
 
+    /// A weight above the model's xi_max is no design for the model; a condition of its own only where it fails.
+    fn weight_limit(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
+        for signal in &self.bounded {
+            let within = (signal.weight)(self.certificate) <= model.file.specs.xi_max;
+            if !within {
+                let name = format!("{} weight within xi_max", signal.name);
+                emit(name, Matrix::identity(1, -S::one()));
+            }
+        }
+    }
+
+    /// `C'C <= bound phi U`.
     fn gain_block(&self, bound: S) -> Matrix<S> {
-        let output = &self.plant.output;
-        let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), output.nrows()]);
-        out.set(0, 0, &self.lyapunov.scaled(&self.phi));
-        out.set(0, 1, &output.transposed());
-        out.set(1, 1, &Matrix::identity(output.nrows(), bound));
-        out.finish()
+        self.inside(self.phi.clone(), &self.plant.output, bound)
+    }
+
+    /// `[ factor U, rows' ; *, unit I ]`: |rows x|^2 <= factor unit x'Ux.
+    fn inside(&self, factor: S, rows: &Matrix<S>, unit: S) -> Matrix<S> {
+        let corner = Matrix::identity(rows.nrows(), unit);
+        let upper = [&self.lyapunov.scaled(&factor), &rows.transposed()];
+        Matrix::symmetric(&[&upper, &[&corner]])
     }
 
     /// The set x'Ux <= k2 lies in the region of the model.
     fn region(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         for bound in &self.plant.region {
             let factor = bound.bound_squared.clone() / self.level.clone();
-            let rows = bound.rows.nrows();
-            let mut out = SymmetricBlockMatrix::new(&[self.plant.states(), rows]);
-            out.set(0, 0, &self.lyapunov.scaled(&factor));
-            out.set(0, 1, &bound.rows.transposed());
-            out.set(1, 1, &Matrix::identity(rows, S::one()));
-            emit(format!("box {}", bound.name), out.finish());
+            let inside = self.inside(factor, &bound.rows, S::one());
+            emit(format!("box {}", bound.name), inside);
         }
     }
 
@@ -442,21 +445,10 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 }
 
-/// Adds a block at (row, column), on or above the diagonal, and its transpose at the mirrored place. A
-/// block on the diagonal must be symmetric; its part above the diagonal is read.
-fn add_mirrored<S: Scalar>(
-    matrix: &mut Matrix<S>,
-    (row, column): (usize, usize),
-    block: &Matrix<S>,
-) {
-    for r in 0..block.nrows() {
-        for c in 0..block.ncols() {
-            let place = (row + r, column + c);
-            if place.0 <= place.1 {
-                let sum = matrix.at(place.0, place.1).clone() + block.at(r, c).clone();
-                matrix.set(place.1, place.0, sum.clone());
-                matrix.set(place.0, place.1, sum);
-            }
-        }
+/// ` gain 3` where there are several gains.
+pub(super) fn gain_suffix(count: usize, rule: usize) -> String {
+    match count {
+        1 => String::new(),
+        _ => format!(" gain {}", rule + 1),
     }
 }

@@ -10,7 +10,7 @@ use super::state_feedback::{
     power_of_two, DesignProblem, Proof, StateFeedback, Transformed, Units, VertexPlant,
 };
 use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
-use verified::matrix::{self, Matrix};
+use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 /// `x' = A(t) x + B u + B_w w`, `z = C x + D u + D_w w`: the L2 norm of z is below gamma times that of w,
@@ -64,11 +64,7 @@ impl DesignProblem for HInfinity {
         transformed: &Transformed,
         strictness: &Strictness,
     ) -> Vec<Condition> {
-        let (n, d, p) = (
-            plant.states(),
-            self.disturbance.ncols(),
-            self.output.nrows(),
-        );
+        let (d, p) = (self.disturbance.ncols(), self.output.nrows());
         let gamma = |side| {
             transformed
                 .objective
@@ -78,23 +74,16 @@ impl DesignProblem for HInfinity {
         let output = &self.output * q + &self.input_to_output * &transformed.gain;
         let mut out = vec![strictness.positive("inverse positive", q.clone())];
         for (index, a) in plant.vertices.iter().enumerate() {
-            let mut lhs = SymmetricBlocks::new(&[n, d, p]);
-            lhs.add(
-                0,
-                0,
-                &transformed.decay(a, &plant.input, &transformed.gain, 0.0),
-            );
-            lhs.add(0, 1, &Affine::constant(&self.disturbance));
-            lhs.add(0, 2, &output.transposed());
-            lhs.add(1, 1, &-gamma(d));
-            lhs.add(
-                1,
-                2,
-                &Affine::constant(&self.disturbance_to_output.transpose()),
-            );
-            lhs.add(2, 2, &-gamma(p));
+            let decay = transformed.decay(a, &plant.input, &transformed.gain, 0.0);
+            let driven = Affine::constant(&self.disturbance);
+            let direct = Affine::constant(&self.disturbance_to_output.transpose());
+            let lhs = SymmetricBlocks::of(&[
+                &[&decay, &driven, &output.transposed()],
+                &[&-gamma(d), &direct],
+                &[&-gamma(p)],
+            ]);
             let name = format!("bounded real vertex {}", index + 1);
-            out.push(strictness.positive(name, -lhs.finish()));
+            out.push(strictness.positive(name, -lhs));
         }
         out
     }
@@ -107,26 +96,21 @@ impl DesignProblem for HInfinity {
 
     fn statements<S: Scalar>(&self, proof: &Proof<S>, emit: &mut dyn FnMut(String, Matrix<S>)) {
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
-        let (n, d, p) = (
-            proof.lyapunov.nrows(),
-            self.disturbance.ncols(),
-            self.output.nrows(),
-        );
+        let (d, p) = (self.disturbance.ncols(), self.output.nrows());
         let feedthrough = exactly(&self.input_to_output).times(&proof.gain);
         let output = exactly(&self.output).plus(&feedthrough);
         let gamma = |side| Matrix::identity(side, proof.guarantee.clone());
         emit("lyapunov positive".into(), proof.lyapunov.clone());
         for (index, a) in proof.vertices.iter().enumerate() {
-            let mut out = matrix::SymmetricBlockMatrix::new(&[n, d, p]);
             let driven = proof.lyapunov.times(&exactly(&self.disturbance));
-            out.set(0, 0, &proof.decay(a, &proof.gain, &S::zero()));
-            out.set(0, 1, &driven.negated());
-            out.set(0, 2, &output.transposed().negated());
-            out.set(1, 1, &gamma(d));
             let direct = exactly(&self.disturbance_to_output.transpose());
-            out.set(1, 2, &direct.negated());
-            out.set(2, 2, &gamma(p));
-            emit(format!("bounded real vertex {}", index + 1), out.finish());
+            let (seen, decay) = (output.transposed(), proof.decay(a, &proof.gain, &S::zero()));
+            let matrix = Matrix::symmetric(&[
+                &[&decay, &driven.negated(), &seen.negated()],
+                &[&gamma(d), &direct.negated()],
+                &[&gamma(p)],
+            ]);
+            emit(format!("bounded real vertex {}", index + 1), matrix);
         }
     }
 

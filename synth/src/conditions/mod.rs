@@ -53,10 +53,30 @@ impl GainPlan {
         }
     }
 
+    /// Given gains, m x n each.
+    pub fn given(gains: &[DMatrix<f64>], mismatch: Option<f64>) -> Self {
+        GainPlan {
+            count: gains.len(),
+            mismatch,
+            given: Some(gains.to_vec()),
+        }
+    }
+
     /// Bound kappa when plant and gains are weighted by nearly the same memberships.
     pub fn matched(&self) -> Option<f64> {
         self.mismatch.filter(|_| self.count > 1)
     }
+}
+
+/// A signal s of bounded norm that drives the plant: x' = ... + coefficient s with |s| <= bound.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundedSignal {
+    /// The word for it in the names of conditions; each signal has its own.
+    pub name: &'static str,
+    /// n x d.
+    pub coefficient: DMatrix<f64>,
+    /// Bound on its Euclidean norm.
+    pub bound: f64,
 }
 
 /// A model and a specification in one system of units.
@@ -66,6 +86,9 @@ pub struct Task {
     pub system: TakagiSugeno,
     /// The requirements.
     pub specification: Specification,
+    /// Signals of bounded norm beside the disturbance, in units of its own; each has a weight up to that of the
+    /// disturbance.
+    pub further_signals: Vec<BoundedSignal>,
     /// `xi` in these units times this number is `xi` in SI units.
     pub disturbance_weight_unit: f64,
     /// The gains.
@@ -80,17 +103,22 @@ impl Task {
         Task {
             system,
             specification,
+            further_signals: Vec::new(),
             disturbance_weight_unit: 1.0,
             gains: GainPlan::constant(),
             containment: None,
         }
     }
 
-    /// Level `k2 = max(1, xi_max taubar^2 / phi)`: x'Ux never exceeds it once it started below 1.
+    /// Level `k2 = max(1, xi_max taubar^2 / phi)`, the sum over all bounded signals: x'Ux never exceeds it once it
+    /// started below 1.
     pub fn invariant_level(&self) -> f64 {
         let specification = &self.specification;
-        let bound = self.system.disturbance_bound;
-        let reached = specification.disturbance_weight_max * bound * bound;
+        let further = self.further_signals.iter().map(|signal| signal.bound);
+        let bounds = std::iter::once(self.system.disturbance_bound).chain(further);
+        let reached: f64 = bounds
+            .map(|bound| specification.disturbance_weight_max * bound * bound)
+            .sum();
         (reached / specification.decay_rate).max(1.0)
     }
 }

@@ -137,11 +137,9 @@ impl DesignProblem for SaturatedRegion {
             }
         }
         let mut within = |name: String, column: Affine, bound: f64| {
-            let mut lhs = SymmetricBlocks::new(&[n, 1]);
-            lhs.add(0, 0, q);
-            lhs.add(0, 1, &column);
-            lhs.add(1, 1, &Affine::identity(1, bound * bound));
-            out.push(strictness.positive(name, lhs.finish()));
+            let corner = Affine::identity(1, bound * bound);
+            let lhs = SymmetricBlocks::of(&[&[q, &column], &[&corner]]);
+            out.push(strictness.positive(name, lhs));
         };
         for (s, &limit) in self.input_limit.iter().enumerate() {
             within(
@@ -237,11 +235,9 @@ impl DesignProblem for SaturatedRegion {
 impl SaturatedRegion {
     fn containment(&self, n: usize, transformed: &Transformed) -> Vec<Condition> {
         let contains = |name: String, corner: Affine, columns: &DMatrix<f64>| {
-            let mut lhs = SymmetricBlocks::new(&[corner.nrows(), n]);
-            lhs.add(0, 0, &corner);
-            lhs.add(0, 1, &Affine::constant(&columns.transpose()));
-            lhs.add(1, 1, &transformed.inverse);
-            Condition::semidefinite(name, lhs.finish())
+            let beside = Affine::constant(&columns.transpose());
+            let lhs = SymmetricBlocks::of(&[&[&corner, &beside], &[&transformed.inverse]]);
+            Condition::semidefinite(name, lhs)
         };
         match &self.reference {
             ReferenceSet::Ellipsoid(w) => vec![contains(

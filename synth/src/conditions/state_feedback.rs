@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 
 use sdp::lmi::{Affine, Condition, Strictness, Unknowns};
-use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 /// A problem for a [`VertexPlant`].
@@ -241,10 +241,7 @@ impl<S: Scalar> Proof<S> {
     /// `[ P, h' ; h, b^2 ]`, positive definite when |h x| < b wherever x'Px <= 1.
     pub fn within(&self, row: &Matrix<S>, bound: f64) -> Matrix<S> {
         let bound = S::from_f64(bound);
-        let mut out = SymmetricBlockMatrix::new(&[self.lyapunov.nrows(), 1]);
-        out.set(0, 0, &self.lyapunov);
-        out.set(0, 1, &row.transposed());
-        out.set(1, 1, &Matrix::identity(1, bound.clone() * bound));
-        out.finish()
+        let corner = Matrix::identity(1, bound.clone() * bound);
+        Matrix::symmetric(&[&[&self.lyapunov, &row.transposed()], &[&corner]])
     }
 }

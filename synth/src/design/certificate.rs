@@ -1,7 +1,23 @@
-//! The part of a design file that only the proof needs.
+//! The controller and the part of a design file that only the proof needs.
 
+use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
+use crate::model::{
+    check_matrix, check_positive, check_symmetric, Mismatch, Model, ModelError, Plant,
+};
+
+/// u = sat(F x(t_k)), sent when e' W e >= nu x(t_k)' W x(t_k). n states, m inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerFile {
+    /// The gains F_j, each m x n; one for a constant gain.
+    pub gains: Vec<Vec<Vec<f64>>>,
+    /// The trigger weight Upsilon, n x n, symmetric.
+    pub trigger_weight: Vec<Vec<f64>>,
+}
 
 /// The unknowns of Theorem 1. n states, m inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,4 +61,198 @@ pub struct MismatchFile {
     pub bounds: Vec<Vec<Vec<f64>>>,
     /// R.
     pub common: Vec<Vec<f64>>,
+}
+
+impl CertificateFile {
+    /// Splits a certificate into what flies and what proves.
+    pub fn split(certificate: &Certificate) -> (ControllerFile, CertificateFile) {
+        let controller = ControllerFile {
+            gains: certificate.gains().map(rows).collect(),
+            trigger_weight: rows(&certificate.trigger_weight),
+        };
+        let proof = CertificateFile {
+            lyapunov: rows(&certificate.lyapunov),
+            integral_weight: rows(&certificate.integral_weight),
+            multiplier: rows(&certificate.multiplier),
+            free_state: rows(&certificate.free_state),
+            free_sample: rows(&certificate.free_sample),
+            anti_windup: certificate.anti_windups().map(rows).collect(),
+            sector_weight: certificate.sector_weight.iter().copied().collect(),
+            mismatch: certificate
+                .mismatch
+                .iter()
+                .map(|side| MismatchFile {
+                    bounds: side.bounds.iter().map(rows).collect(),
+                    common: rows(&side.common),
+                })
+                .collect(),
+            xi: certificate.disturbance_weight,
+            gamma: certificate.gain_bound,
+            guaranteed_gain: certificate.guaranteed_gain,
+            certified_vector_part: certificate.certified_vector_part,
+        };
+        (controller, proof)
+    }
+
+    /// The numbers, with those of the controller.
+    pub(super) fn read(
+        &self,
+        controller: &ControllerFile,
+        model: &Model,
+    ) -> Result<Certificate, ModelError> {
+        let (n, m, _, _) = model.plant.sizes();
+        let (square, gain) = ((Some(n), Some(n)), (Some(m), Some(n)));
+        let weights = &self.sector_weight;
+        check_matrix(
+            "certificate.sector_weight",
+            std::slice::from_ref(weights),
+            (Some(1), Some(m)),
+        )?;
+        check_positive("certificate.xi", self.xi)?;
+        check_positive("certificate.gamma", self.gamma)?;
+        check_positive("certificate.guaranteed_gain", self.guaranteed_gain)?;
+        if let Some(radius) = self.certified_vector_part {
+            check_radius(model, radius)?;
+        }
+        let symmetric = |field: &str, rows| symmetric(field, rows, n);
+        let gains = each("controller.gains", &controller.gains, gain)?;
+        let anti_windups = each("certificate.anti_windup", &self.anti_windup, gain)?;
+        let mut rules = paired(gains, anti_windups)?;
+        let first = rules.remove(0);
+        let mut certificate = Certificate {
+            gain: first.gain,
+            further: rules,
+            mismatch: Vec::new(),
+            trigger_weight: symmetric("controller.trigger_weight", &controller.trigger_weight)?,
+            trigger_multiple: 1.0,
+            lyapunov: symmetric("certificate.lyapunov", &self.lyapunov)?,
+            integral_weight: symmetric("certificate.integral_weight", &self.integral_weight)?,
+            multiplier: check_matrix("certificate.multiplier", &self.multiplier, square)?,
+            free_state: check_matrix("certificate.free_state", &self.free_state, square)?,
+            free_sample: check_matrix("certificate.free_sample", &self.free_sample, square)?,
+            anti_windup: first.anti_windup,
+            sector_weight: DVector::from_column_slice(weights),
+            disturbance_weight: self.xi,
+            gain_bound: self.gamma,
+            guaranteed_gain: self.guaranteed_gain,
+            certified_vector_part: self.certified_vector_part,
+        };
+        certificate.mismatch = mismatch_slack(model, &certificate, &self.mismatch)?;
+        Ok(certificate)
+    }
+}
+
+/// A matrix as a file holds it: a list of rows.
+pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let row = |r: usize| matrix.row(r).iter().copied().collect();
+    (0..matrix.nrows()).map(row).collect()
+}
+
+/// The matrix that rows of equal length hold.
+pub(crate) fn matrix(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    let columns = rows.first().map_or(0, Vec::len);
+    DMatrix::from_fn(rows.len(), columns, |r, c| {
+        rows[r].get(c).copied().unwrap_or(f64::NAN)
+    })
+}
+
+/// A symmetric matrix with this side.
+pub(crate) fn symmetric(
+    field: &str,
+    rows: &[Vec<f64>],
+    side: usize,
+) -> Result<DMatrix<f64>, ModelError> {
+    let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
+    check_symmetric(field, &matrix)?;
+    Ok(matrix)
+}
+
+/// A list of matrices of one size.
+fn each(
+    field: &str,
+    matrices: &[Vec<Vec<f64>>],
+    size: (Option<usize>, Option<usize>),
+) -> Result<Vec<DMatrix<f64>>, ModelError> {
+    let numbered = matrices.iter().enumerate();
+    numbered
+        .map(|(index, rows)| check_matrix(&format!("{field}[{index}]"), rows, size))
+        .collect()
+}
+
+fn wrong_count(field: &str, found: usize, expected: &str) -> ModelError {
+    let found = format!("{found} matrices");
+    ModelError::shape(field, found, format!("{expected} matrices"))
+}
+
+/// Largest number of gains in a file.
+const MAX_GAINS: usize = 64;
+
+/// Each gain with its anti-windup gain, at least one.
+fn paired(
+    gains: Vec<DMatrix<f64>>,
+    anti_windups: Vec<DMatrix<f64>>,
+) -> Result<Vec<RuleGains>, ModelError> {
+    if gains.is_empty() || gains.len() > MAX_GAINS {
+        let expected = format!("1 to {MAX_GAINS}");
+        return Err(wrong_count("controller.gains", gains.len(), &expected));
+    }
+    if gains.len() != anti_windups.len() {
+        let expected = gains.len().to_string();
+        let found = anti_windups.len();
+        return Err(wrong_count("certificate.anti_windup", found, &expected));
+    }
+    let pairs = gains.into_iter().zip(anti_windups);
+    Ok(pairs
+        .map(|(gain, anti_windup)| RuleGains { gain, anti_windup })
+        .collect())
+}
+
+/// The slack of the mismatch bound: two of it where kappa > 0 is assumed, none elsewhere.
+fn mismatch_slack(
+    model: &Model,
+    certificate: &Certificate,
+    sides: &[MismatchFile],
+) -> Result<Vec<MismatchSlack>, ModelError> {
+    let positive = matches!(model.file.mismatch, Mismatch::Kappa(kappa) if kappa > 0.0);
+    let needed = match certificate.is_matched(model) && positive {
+        true => 2,
+        false => 0,
+    };
+    if sides.len() != needed {
+        let (found, expected) = (sides.len(), format!("{needed} entries"));
+        let found = format!("{found} entries");
+        return Err(ModelError::shape("certificate.mismatch", found, expected));
+    }
+    let side = certificate.mismatch_side();
+    let symmetric = |field: &str, rows: &[Vec<f64>]| symmetric(field, rows, side);
+    let mut out = Vec::with_capacity(needed);
+    for (index, file) in sides.iter().enumerate() {
+        let field = format!("certificate.mismatch[{index}]");
+        let count = certificate.gain_count();
+        if file.bounds.len() != count {
+            let field = format!("{field}.bounds");
+            return Err(wrong_count(&field, file.bounds.len(), &count.to_string()));
+        }
+        let bounds = file.bounds.iter().enumerate();
+        let bounds = bounds.map(|(k, rows)| symmetric(&format!("{field}.bounds[{k}]"), rows));
+        out.push(MismatchSlack {
+            bounds: bounds.collect::<Result<_, _>>()?,
+            common: symmetric(&format!("{field}.common"), &file.common)?,
+        });
+    }
+    Ok(out)
+}
+
+/// The radius of certified attitudes: for spacecraft only, where it is checked, and in [0, 1].
+fn check_radius(model: &Model, radius: f64) -> Result<(), ModelError> {
+    let allowed = match model.plant {
+        Plant::Spacecraft(_) => "in [0, 1]",
+        Plant::Vertices(_) | Plant::Rules(_) => "left out: the plant is not an exact spacecraft",
+    };
+    let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
+    if spacecraft && (0.0..=1.0).contains(&radius) {
+        return Ok(());
+    }
+    let field = "certificate.certified_vector_part";
+    Err(ModelError::range(field, radius, allowed))
 }

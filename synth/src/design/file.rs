@@ -1,17 +1,13 @@
 //! The design file, as written, and its check.
 
-use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{CertificateFile, MismatchFile};
-use super::large_set::{both, Coupling, LargeSetCertificate, OuterFile};
-use super::search::SearchRecord;
-use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
-use crate::certify::{check, ConditionMargin, Report, Verdict};
+use super::certificate::{CertificateFile, ControllerFile};
+use crate::certify::theorem1::Certificate;
+use crate::certify::{check, Report, Verdict};
 use crate::model::{
-    check_matrix, check_positive, check_symmetric, parse, FileError, Kind, Mismatch, Model,
-    ModelError, ModelFile, Objective, Plant,
+    check_positive, check_version, parse, FileError, Kind, Model, ModelError, ModelFile, Objective,
 };
 
 /// The version this program reads and writes.
@@ -39,31 +35,9 @@ pub struct DesignFile {
     pub outer: Option<OuterFile>,
     /// The outcome of the check when the file was written. A reader does not trust it: `verify`
     /// checks again.
-    pub verdict: VerdictFile,
+    pub verdict: Report,
     /// What made the file.
     pub provenance: Provenance,
-}
-
-/// u = sat(F x(t_k)), sent when e' W e >= nu x(t_k)' W x(t_k). n states, m inputs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ControllerFile {
-    /// The gains F_j, each m x n; one for a constant gain.
-    pub gains: Vec<Vec<Vec<f64>>>,
-    /// The trigger weight Upsilon, n x n, symmetric.
-    pub trigger_weight: Vec<Vec<f64>>,
-}
-
-/// The outcome of a check.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct VerdictFile {
-    /// Proved or not.
-    pub verdict: Verdict,
-    /// Margin of each condition.
-    pub conditions: Vec<ConditionMargin>,
-    /// What the proof does not cover.
-    pub not_covered: Vec<String>,
 }
 
 /// What made a design.
@@ -123,27 +97,81 @@ pub struct SolverRun {
     pub seconds: f64,
 }
 
+/// How a search chose the numbers of the design's model. The proof is about the model as it stands in the
+/// design and does not need this.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SearchRecord {
+    /// What was sought: region or gain.
+    pub objective: String,
+    /// Semidefinite programs solved on the way.
+    pub evaluations: u32,
+    /// What was varied, and the values chosen.
+    pub varied: Vec<VariedFile>,
+    /// P of the last containment condition Qh'P + P'Qh - P'Uh P >= s^2 D D', n x n.
+    pub linearisation: Vec<Vec<f64>>,
+}
+
+/// A number that a search chose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VariedFile {
+    /// Its field in the model.
+    pub field: String,
+    /// The lowest value allowed.
+    pub lowest: f64,
+    /// The highest value allowed.
+    pub highest: f64,
+    /// The value chosen.
+    pub value: f64,
+}
+
+/// What proves the controller on the larger set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OuterFile {
+    /// Above 0: the outer functional uses this multiple of `controller.trigger_weight`. The trigger
+    /// itself does not depend on a factor of its weight.
+    pub trigger_multiple: f64,
+    /// The unknowns of Theorem 1 on the outer box, for the model's `specs.outer`.
+    pub certificate: CertificateFile,
+}
+
+/// How the unknowns that two certificates share were scaled against each other; enough, with the units,
+/// to state the very problem again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// Size of the inner set over that of the outer: the inverse multipliers are in the ratio of its
+    /// square.
+    pub inner_scale: f64,
+    /// Multiple of the trigger weight in the outer functional.
+    pub trigger_multiple: f64,
+}
+
+/// The large-set certificate with the model it belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LargeSetCertificate {
+    /// The model on the box of the large set.
+    pub model: Model,
+    /// The numbers, those of the controller included.
+    pub certificate: Certificate,
+}
+
+/// Prefix of the names of the large-set conditions.
+const OUTER: &str = "outer ";
+
 impl DesignFile {
     /// Reads the text of a design file; shapes and ranges are checked, nothing is proved.
     pub fn from_json(text: &str) -> Result<(Self, Model), FileError> {
         let file: DesignFile = parse(text, Kind::Design)?;
-        if file.schema_version != DESIGN_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: DESIGN_SCHEMA_VERSION,
-            }
-            .into());
-        }
+        check_version(file.schema_version, DESIGN_SCHEMA_VERSION)?;
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.certificate(&model)?;
         let outer = file.large_set_certificate(&model)?;
         if outer.is_none() && model.file.specs.objective == Objective::Both {
-            return Err(ModelError::Choice {
-                field: "outer".to_string(),
-                reason: "is missing; the model's objective \"both\" needs a second certificate"
-                    .to_string(),
-            }
-            .into());
+            let reason = "is missing; the model's objective \"both\" needs a second certificate";
+            return Err(ModelError::choice("outer", reason).into());
         }
         Ok((file, model))
     }
@@ -156,67 +184,7 @@ impl DesignFile {
 
     /// The numbers of the certificate.
     pub fn certificate(&self, model: &Model) -> Result<Certificate, ModelError> {
-        let (n, m, _, _) = model.plant.sizes();
-        let (square, gain) = ((Some(n), Some(n)), (Some(m), Some(n)));
-        let part = &self.certificate;
-        let weights = &part.sector_weight;
-        check_matrix(
-            "certificate.sector_weight",
-            std::slice::from_ref(weights),
-            (Some(1), Some(m)),
-        )?;
-        check_positive("certificate.xi", part.xi)?;
-        check_positive("certificate.gamma", part.gamma)?;
-        check_positive("certificate.guaranteed_gain", part.guaranteed_gain)?;
-        if let Some(radius) = part.certified_vector_part {
-            check_radius(model, radius)?;
-        }
-        let symmetric = |field: &str, rows| -> Result<DMatrix<f64>, ModelError> {
-            let matrix = check_matrix(field, rows, square)?;
-            check_symmetric(field, &matrix)?;
-            Ok(matrix)
-        };
-        let gains = each("controller.gains", &self.controller.gains, gain)?;
-        let anti_windups = each("certificate.anti_windup", &part.anti_windup, gain)?;
-        let [(gain, anti_windup), further @ ..] = &paired(gains, anti_windups)?[..] else {
-            return Err(wrong_count("controller.gains", 0, "1 or more"));
-        };
-        let further = further.iter().map(|(gain, anti_windup)| RuleGains {
-            gain: gain.clone(),
-            anti_windup: anti_windup.clone(),
-        });
-        let mut certificate = Certificate {
-            gain: gain.clone(),
-            further: further.collect(),
-            mismatch: Vec::new(),
-            trigger_weight: symmetric(
-                "controller.trigger_weight",
-                &self.controller.trigger_weight,
-            )?,
-            trigger_multiple: 1.0,
-            lyapunov: symmetric("certificate.lyapunov", &part.lyapunov)?,
-            integral_weight: symmetric("certificate.integral_weight", &part.integral_weight)?,
-            multiplier: check_matrix("certificate.multiplier", &part.multiplier, square)?,
-            free_state: check_matrix("certificate.free_state", &part.free_state, square)?,
-            free_sample: check_matrix("certificate.free_sample", &part.free_sample, square)?,
-            anti_windup: anti_windup.clone(),
-            sector_weight: DVector::from_column_slice(weights),
-            disturbance_weight: part.xi,
-            gain_bound: part.gamma,
-            guaranteed_gain: part.guaranteed_gain,
-            certified_vector_part: part.certified_vector_part,
-        };
-        certificate.mismatch = mismatch_slack(model, &certificate, &part.mismatch)?;
-        Ok(certificate)
-    }
-
-    /// Proves the design from the file's numbers alone, or says what is not proved.
-    pub fn verify(&self, model: &Model) -> Result<Report, ModelError> {
-        let report = check(model, &self.certificate(model)?);
-        Ok(match self.large_set_certificate(model)? {
-            None => report,
-            Some(outer) => both(report, &check(&outer.model, &outer.certificate)),
-        })
+        self.certificate.read(&self.controller, model)
     }
 
     /// The numbers of the outer certificate, where there is one.
@@ -232,162 +200,33 @@ impl DesignFile {
         };
         let model = model.large_set().map_err(|error| error.within("model"))?;
         check_positive("outer.trigger_multiple", outer.trigger_multiple)?;
-        let mut as_plain = self.clone();
-        as_plain.certificate.clone_from(&outer.certificate);
-        let read = as_plain.certificate(&model);
+        let read = outer.certificate.read(&self.controller, &model);
         let mut certificate = read.map_err(|error| error.within("outer"))?;
         certificate.trigger_multiple = outer.trigger_multiple;
         Ok(Some(LargeSetCertificate { model, certificate }))
     }
-}
 
-impl CertificateFile {
-    /// Splits a certificate into what flies and what proves.
-    pub fn split(certificate: &Certificate) -> (ControllerFile, CertificateFile) {
-        let controller = ControllerFile {
-            gains: certificate.gains().map(rows).collect(),
-            trigger_weight: rows(&certificate.trigger_weight),
+    /// Proves the design from the file's numbers alone, or says what is not proved: both certificates, where there
+    /// are two.
+    pub fn verify(&self, model: &Model) -> Result<Report, ModelError> {
+        let mut report = check(model, &self.certificate(model)?);
+        let Some(outer) = self.large_set_certificate(model)? else {
+            return Ok(report);
         };
-        let proof = CertificateFile {
-            lyapunov: rows(&certificate.lyapunov),
-            integral_weight: rows(&certificate.integral_weight),
-            multiplier: rows(&certificate.multiplier),
-            free_state: rows(&certificate.free_state),
-            free_sample: rows(&certificate.free_sample),
-            anti_windup: certificate.anti_windups().map(rows).collect(),
-            sector_weight: certificate.sector_weight.iter().copied().collect(),
-            mismatch: certificate
-                .mismatch
-                .iter()
-                .map(|side| MismatchFile {
-                    bounds: side.bounds.iter().map(rows).collect(),
-                    common: rows(&side.common),
-                })
-                .collect(),
-            xi: certificate.disturbance_weight,
-            gamma: certificate.gain_bound,
-            guaranteed_gain: certificate.guaranteed_gain,
-            certified_vector_part: certificate.certified_vector_part,
-        };
-        (controller, proof)
-    }
-}
-
-impl VerdictFile {
-    /// The outcome of a check, for the file.
-    pub fn new(report: &Report) -> Self {
-        VerdictFile {
-            verdict: report.verdict,
-            conditions: report.conditions.clone(),
-            not_covered: report.not_covered.clone(),
+        let outer = check(&outer.model, &outer.certificate);
+        if outer.verdict == Verdict::NotProved {
+            report.verdict = Verdict::NotProved;
         }
-    }
-}
-
-/// A matrix as a file holds it: a list of rows.
-pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().collect();
-    (0..matrix.nrows()).map(row).collect()
-}
-
-/// A list of matrices of one size.
-fn each(
-    field: &str,
-    matrices: &[Vec<Vec<f64>>],
-    size: (Option<usize>, Option<usize>),
-) -> Result<Vec<DMatrix<f64>>, ModelError> {
-    let numbered = matrices.iter().enumerate();
-    numbered
-        .map(|(index, rows)| check_matrix(&format!("{field}[{index}]"), rows, size))
-        .collect()
-}
-
-fn wrong_count(field: &str, found: usize, expected: &str) -> ModelError {
-    ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{found} matrices"),
-        expected: format!("{expected} matrices"),
-    }
-}
-
-/// Largest number of gains in a file.
-const MAX_GAINS: usize = 64;
-
-/// A gain and its anti-windup gain.
-type GainPair = (DMatrix<f64>, DMatrix<f64>);
-
-/// Each gain with its anti-windup gain.
-fn paired(
-    gains: Vec<DMatrix<f64>>,
-    anti_windups: Vec<DMatrix<f64>>,
-) -> Result<Vec<GainPair>, ModelError> {
-    if gains.is_empty() || gains.len() > MAX_GAINS {
-        let expected = format!("1 to {MAX_GAINS}");
-        return Err(wrong_count("controller.gains", gains.len(), &expected));
-    }
-    if gains.len() != anti_windups.len() {
-        let expected = gains.len().to_string();
-        let found = anti_windups.len();
-        return Err(wrong_count("certificate.anti_windup", found, &expected));
-    }
-    Ok(gains.into_iter().zip(anti_windups).collect())
-}
-
-/// The slack of the mismatch bound: two of it where kappa > 0 is assumed, none elsewhere.
-fn mismatch_slack(
-    model: &Model,
-    certificate: &Certificate,
-    sides: &[MismatchFile],
-) -> Result<Vec<MismatchSlack>, ModelError> {
-    let positive = matches!(model.file.mismatch, Mismatch::Kappa(kappa) if kappa > 0.0);
-    let needed = match certificate.is_matched(model) && positive {
-        true => 2,
-        false => 0,
-    };
-    if sides.len() != needed {
-        return Err(ModelError::WrongShape {
-            field: "certificate.mismatch".to_string(),
-            found: format!("{} entries", sides.len()),
-            expected: format!("{needed} entries"),
+        let named = outer.conditions.into_iter().map(|mut condition| {
+            condition.name.insert_str(0, OUTER);
+            condition
         });
-    }
-    let side = certificate.mismatch_side();
-    let symmetric = |field: &str, rows: &[Vec<f64>]| -> Result<DMatrix<f64>, ModelError> {
-        let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
-        check_symmetric(field, &matrix)?;
-        Ok(matrix)
-    };
-    let mut out = Vec::with_capacity(needed);
-    for (index, file) in sides.iter().enumerate() {
-        let field = format!("certificate.mismatch[{index}]");
-        let count = certificate.gain_count();
-        if file.bounds.len() != count {
-            let field = format!("{field}.bounds");
-            return Err(wrong_count(&field, file.bounds.len(), &count.to_string()));
+        report.conditions.extend(named);
+        for assumption in outer.not_covered {
+            if !report.not_covered.contains(&assumption) {
+                report.not_covered.push(assumption);
+            }
         }
-        let bounds = file.bounds.iter().enumerate();
-        let bounds = bounds.map(|(k, rows)| symmetric(&format!("{field}.bounds[{k}]"), rows));
-        out.push(MismatchSlack {
-            bounds: bounds.collect::<Result<_, _>>()?,
-            common: symmetric(&format!("{field}.common"), &file.common)?,
-        });
+        Ok(report)
     }
-    Ok(out)
-}
-
-/// The radius of certified attitudes: for spacecraft only, where it is checked, and in [0, 1].
-fn check_radius(model: &Model, radius: f64) -> Result<(), ModelError> {
-    let allowed = match model.plant {
-        Plant::Spacecraft(_) => "in [0, 1]",
-        Plant::Vertices(_) | Plant::Rules(_) => "left out: the plant is not an exact spacecraft",
-    };
-    let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
-    if spacecraft && (0.0..=1.0).contains(&radius) {
-        return Ok(());
-    }
-    Err(ModelError::OutOfRange {
-        field: "certificate.certified_vector_part".to_string(),
-        value: radius,
-        allowed: allowed.to_string(),
-    })
 }

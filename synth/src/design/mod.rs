@@ -2,17 +2,13 @@
 
 mod certificate;
 mod file;
-mod large_set;
 mod recover;
-mod search;
 
-pub use certificate::{CertificateFile, MismatchFile};
-pub(crate) use file::rows;
+pub(crate) use certificate::{matrix, rows, symmetric};
+pub use certificate::{CertificateFile, ControllerFile, MismatchFile};
 pub use file::{
-    ControllerFile, DesignFile, ProblemUnits, Provenance, SolverRun, VerdictFile,
-    DESIGN_SCHEMA_VERSION,
+    Coupling, DesignFile, LargeSetCertificate, OuterFile, ProblemUnits, Provenance, SearchRecord,
+    SolverRun, VariedFile, DESIGN_SCHEMA_VERSION,
 };
-pub use large_set::{Coupling, LargeSetCertificate, OuterFile};
 pub(crate) use recover::add_claims;
-pub use recover::{recover, RecoverError};
-pub use search::{SearchRecord, VariedFile};
+pub use recover::recover;

@@ -8,37 +8,18 @@ use crate::model::{Model, Plant};
 use crate::scaling::Scaling;
 use sdp::lmi::Affine;
 
-/// Why a solver's point is no candidate for a certificate.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RecoverError {
-    /// A matrix that must be inverted is singular.
-    #[error("the solver's {matrix} is singular")]
-    Singular {
-        /// Which matrix.
-        matrix: &'static str,
-    },
-    /// A number is not finite.
-    #[error("the solver's point gives a {matrix} that is not finite")]
-    NotFinite {
-        /// Which matrix.
-        matrix: &'static str,
-    },
-}
-
 /// Undoes the congruence and the scaling: Q = Qh^-1, F = Fh Qh^-T, U = Q Uh Q', Upsilon = Q Wh Q',
 /// Y, L1, L2 likewise, N = Nh Qh^-T, M = S^-1. The scaling is by powers of two and adds no error;
-/// whatever the rest adds is seen by the check, which starts from the result.
+/// whatever the rest adds is seen by the check, which starts from the result. `None` where a matrix that must be
+/// inverted is singular, or a number not finite.
 pub fn recover(
     model: &Model,
     unknowns: &DesignUnknowns,
     values: &[f64],
     scaling: &Scaling,
-) -> Result<Certificate, RecoverError> {
-    let inverse = unknowns.multiplier.value(values);
-    let multiplier = inverse.try_inverse().ok_or(RecoverError::Singular {
-        matrix: "multiplier",
-    })?;
-    let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
+) -> Option<Certificate> {
+    let multiplier = unknowns.multiplier.value(values).try_inverse()?;
+    let to_state = scaling.to_state();
     let to_input = DMatrix::from_diagonal(&scaling.input);
     let weight = |transformed: DMatrix<f64>| {
         &to_state * &multiplier * transformed * multiplier.transpose() * &to_state
@@ -98,9 +79,11 @@ pub fn recover(
     if unknowns.sector.is_none() {
         certificate.sector_weight = large_sector_weights(model, &certificate);
     }
-    require_finite(&certificate)?;
+    if !is_finite(&certificate) {
+        return None;
+    }
     add_claims(model, &mut certificate)?;
-    Ok(certificate)
+    Some(certificate)
 }
 
 /// From the rows (B'Q'v, M p, x(t_k)) in SI units to those of the slack unknowns: the input's units, the
@@ -119,7 +102,7 @@ fn slack_coordinates(
     for k in 0..zone {
         out[(m + k, m + k)] = scaling.input[k] / DEAD_ZONE_UNIT;
     }
-    let to_state = DMatrix::from_diagonal(&scaling.state.map(|unit| 1.0 / unit));
+    let to_state = scaling.to_state();
     out.view_mut((m + zone, m + zone), (n, n))
         .copy_from(&(multiplier.transpose() * to_state));
     out
@@ -171,51 +154,34 @@ fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64
     }
 }
 
-fn require_finite(certificate: &Certificate) -> Result<(), RecoverError> {
-    let gains = certificate.gains().map(|gain| ("gain", gain));
-    let anti_windups = certificate
-        .anti_windups()
-        .map(|gain| ("anti-windup gain", gain));
-    let slacks = certificate.mismatch.iter().flat_map(|side| {
-        let all = side.bounds.iter().chain([&side.common]);
-        all.map(|slack| ("slack of the mismatch", slack))
-    });
+fn is_finite(certificate: &Certificate) -> bool {
+    let slacks = certificate.mismatch.iter();
+    let slacks = slacks.flat_map(|side| side.bounds.iter().chain([&side.common]));
     let others = [
-        ("trigger weight", &certificate.trigger_weight),
-        ("Lyapunov matrix", &certificate.lyapunov),
-        ("integral weight", &certificate.integral_weight),
-        ("multiplier", &certificate.multiplier),
-        ("free matrix on x", &certificate.free_state),
-        ("free matrix on the sample", &certificate.free_sample),
+        &certificate.trigger_weight,
+        &certificate.lyapunov,
+        &certificate.integral_weight,
+        &certificate.multiplier,
+        &certificate.free_state,
+        &certificate.free_sample,
     ];
-    let mut matrices = gains.chain(anti_windups).chain(slacks).chain(others);
-    let broken = matrices.find(|(_, matrix)| !matrix.iter().all(|v| v.is_finite()));
-    if let Some((matrix, _)) = broken {
-        return Err(RecoverError::NotFinite { matrix });
-    }
-    if !certificate
-        .sector_weight
-        .iter()
-        .all(|weight| weight.is_finite())
-    {
-        return Err(RecoverError::NotFinite {
-            matrix: "sector weight",
-        });
-    }
-    Ok(())
+    let gains = certificate.gains().chain(certificate.anti_windups());
+    let mut numbers = gains
+        .chain(slacks)
+        .chain(others)
+        .flat_map(|matrix| matrix.iter());
+    let weights = &certificate.sector_weight;
+    numbers.all(|number| number.is_finite()) && weights.iter().all(|weight| weight.is_finite())
 }
 
 /// Relative allowance in derived claims, so that the check can prove them.
 const CLAIM_ALLOWANCE: f64 = 1e-5;
 
 /// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
-/// radius of attitudes at rest inside x'Ux <= 1.
-pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Result<(), RecoverError> {
-    let singular = RecoverError::Singular {
-        matrix: "Lyapunov matrix",
-    };
+/// radius of attitudes at rest inside x'Ux <= 1. `None` where U is singular.
+pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Option<()> {
     let output = model.plant.takagi_sugeno().output;
-    let inverse = certificate.lyapunov.clone().try_inverse().ok_or(singular)?;
+    let inverse = certificate.lyapunov.clone().try_inverse()?;
     let spread = &output * inverse * output.transpose() / model.file.specs.phi_per_s;
     let largest = largest_eigenvalue(&spread);
     let xi = certificate.disturbance_weight;
@@ -226,7 +192,7 @@ pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Result
         let radius = (1.0 / largest_eigenvalue(&attitude)).sqrt() * (1.0 - CLAIM_ALLOWANCE);
         certificate.certified_vector_part = Some(radius.min(1.0));
     }
-    Ok(())
+    Some(())
 }
 
 fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {

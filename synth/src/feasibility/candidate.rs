@@ -5,19 +5,16 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use crate::certify::infeasible::{
-    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
-    RegionDual, VertexDual,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Moments, RegionDual,
+    VertexDual,
 };
 use crate::conditions::xu2020::{
     condition_name, gain_suffix, terms, Basis, SamplingEnd, Signal, DEAD_ZONE_UNIT,
 };
-use crate::conditions::Task;
-use crate::model::Model;
-use crate::programs::{Assembled, ConditionSubset};
+use crate::programs::{Assembled, DesignRequest, Solved};
 use crate::reduce::cliques::{elimination, members};
 use crate::reduce::vertex_slack::ELIMINATED;
-use crate::scaling::Scaling;
-use sdp::lmi::svec_index;
+use sdp::lmi::dual_matrix;
 
 /// Below this eps3 the moments E[v x(t_k^l)'] of r = 2 are not computed from the stationarity in the multiplier,
 /// which divides by it.
@@ -31,15 +28,14 @@ struct Duals<'a> {
 impl<'a> Duals<'a> {
     fn new(assembled: &'a Assembled, duals: &[Vec<f64>], factor: f64) -> Self {
         let pairs = assembled.problem.conditions.iter().zip(duals);
-        let full = pairs.map(|(condition, dual)| {
-            let side = condition.side();
-            let matrix = DMatrix::from_fn(side, side, |r, c| {
-                factor * dual[svec_index(r.min(c), r.max(c))]
-            });
-            (condition.name(), matrix)
+        let matrices = pairs.map(|(condition, dual)| {
+            (
+                condition.name(),
+                dual_matrix(condition.side(), dual) * factor,
+            )
         });
         Duals {
-            by_name: full.collect(),
+            by_name: matrices.collect(),
         }
     }
 
@@ -49,24 +45,20 @@ impl<'a> Duals<'a> {
     }
 }
 
-use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
+use Signal::{DeadZone, Disturbance, Further, Held, Integral, Multiplied, Sample, State};
 
 /// A clique's name and its signals, in the order of its rows.
 type Clique = (&'static str, Vec<Signal>);
 
 /// A dual solution and the problem that it belongs to.
 pub struct Source<'a> {
-    pub model: &'a Model,
-    pub scaling: &'a Scaling,
-    pub task: &'a Task,
-    pub assembled: &'a Assembled,
+    /// The model, and the given gains that the dual multipliers are about.
+    pub request: DesignRequest<'a>,
+    pub solved: &'a Solved,
+    /// The dual solution, or another that is as good.
     pub duals: &'a [Vec<f64>],
     /// About minus the constant that they give.
     pub size: f64,
-    /// The given gains that the dual multipliers are about, in SI units; none where the gain is free.
-    pub given: &'a [DMatrix<f64>],
-    /// Which of them, and of the model's vertices, the task has.
-    pub part: ConditionSubset<'a>,
 }
 
 impl Source<'_> {
@@ -74,32 +66,32 @@ impl Source<'_> {
     /// when it is not finite. Where the model's trigger threshold is below that of the problem, the
     /// held state is taken for the sample, which it almost is.
     pub fn weights(&self) -> Option<DualMultipliers> {
-        let duals = Duals::new(self.assembled, self.duals, 1.0 / self.size);
-        let count = self.task.gains.count;
+        let duals = Duals::new(&self.solved.assembled, self.duals, 1.0 / self.size);
+        let count = self.solved.task.gains.count;
         let gains = (0..count).map(|rule| self.gain(&duals, rule));
-        let system = self.model.plant.nominal().takagi_sugeno();
+        let system = self.request.model.plant.nominal().takagi_sugeno();
         let n = system.states();
-        let bounds = system.region.iter().zip(&self.task.system.region);
+        let bounds = system.region.iter().zip(&self.solved.task.system.region);
         let region = bounds.map(|(bound, scaled)| {
             let dual = duals.get(&format!("box {}", bound.name))?;
             let rows = bound.rows.nrows();
             let unit = (bound.bound_squared / scaled.bound_squared).sqrt();
             let state = self.state(&dual.view((0, 0), (n, n)).into_owned());
-            let cross = self.to_state() * dual.view((0, n), (n, rows));
+            let cross = self.solved.scaling.to_state() * dual.view((0, n), (n, rows));
             Some(RegionDual {
                 state: state / (unit * unit),
                 cross: cross / unit,
                 unit: dual.view((n, n), (rows, rows)).into_owned(),
             })
         });
-        let contained = self.task.specification.must_contain.len();
+        let contained = self.solved.task.specification.must_contain.len();
         let must_contain = (1..=contained).map(|state| {
             let dual = duals.get(&format!("must contain state {state}"))?;
             Some(self.state(dual))
         });
         Some(DualMultipliers {
-            given: self.given.to_vec(),
-            containment_weight: self.task.specification.containment_weight,
+            given: self.request.given.to_vec(),
+            containment_weight: self.solved.task.specification.containment_weight,
             gains: gains.collect::<Option<_>>()?,
             region: region.collect::<Option<_>>()?,
             must_contain: must_contain.collect::<Option<_>>()?,
@@ -108,38 +100,39 @@ impl Source<'_> {
 
     /// The dual multipliers of one gain of the task.
     fn gain(&self, duals: &Duals, rule: usize) -> Option<GainDuals> {
-        let suffix = gain_suffix(self.task.gains.count, rule);
+        let suffix = gain_suffix(self.solved.task.gains.count, rule);
         let mut start = self.moments(duals, SamplingEnd::Start, &suffix)?;
         let mut end = self.moments(duals, SamplingEnd::End, &suffix)?;
-        if self.model.file.specs.nu < self.task.specification.trigger_threshold {
+        if self.request.model.file.specs.nu < self.solved.task.specification.trigger_threshold {
             start.held = None;
             end.held = None;
         }
-        let divisible = self.model.file.specs.eps[2].abs() >= SMALLEST_SAMPLE_WEIGHT;
-        let determinable = self.given.is_empty() || end.held.is_some();
+        let divisible = self.request.model.file.specs.eps[2].abs() >= SMALLEST_SAMPLE_WEIGHT;
+        let determinable = self.request.given.is_empty() || end.held.is_some();
         if rule == 0 && divisible && determinable {
             end.multiplied_sample = None;
         }
         let cliques = self.cliques(SamplingEnd::End);
         let at = |a, b| self.moment(duals, (&cliques, SamplingEnd::End, &suffix), (a, b));
-        let n = self.task.system.states();
-        let inputs = (0..self.task.system.inputs()).map(|input| {
+        let n = self.solved.task.system.states();
+        let inputs = (0..self.solved.task.system.inputs()).map(|input| {
             let dual = duals.get(&format!("anti-windup input {}{suffix}", input + 1))?;
-            let unit = self.scaling.input[input];
+            let unit = self.solved.scaling.input[input];
             Some(InputDual {
                 state: self.state(&dual.view((0, 0), (n, n)).into_owned()) / (unit * unit),
                 unit: dual[(n, n)],
             })
         });
         Some(GainDuals {
-            gain: *self.part.gains.get(rule)?,
+            gain: self.request.part.gains.get(rule)? + 1,
             integral: at(Integral, Integral)?,
-            integral_cross: match rule {
+            state_integral: match rule {
                 0 => None,
-                _ => Some(IntegralCross {
-                    state: at(State, Integral)?,
-                    sample: at(Sample, Integral)?,
-                }),
+                _ => Some(at(State, Integral)?),
+            },
+            sample_integral: match rule {
+                0 => None,
+                _ => Some(at(Sample, Integral)?),
             },
             inputs: inputs.collect::<Option<_>>()?,
             start,
@@ -150,16 +143,17 @@ impl Source<'_> {
     fn moments(&self, duals: &Duals, interval: SamplingEnd, suffix: &str) -> Option<Moments> {
         let cliques = self.cliques(interval);
         let at = |a, b| self.moment(duals, (&cliques, interval, suffix), (a, b));
-        let vertices = (0..self.task.system.vertices.len()).filter_map(|vertex| {
+        let vertices = (0..self.solved.task.system.vertices.len()).filter_map(|vertex| {
             let dual = duals.get(&(condition_name(interval, vertex) + suffix))?;
             let moments = self.pair(dual);
-            let vertex = match self.part.vertices {
+            let vertex = match self.request.part.vertices {
                 Some(chosen) => *chosen.get(vertex)?,
                 None => vertex,
             };
+            let vertex = vertex + 1;
             Some(VertexDual { vertex, moments })
         });
-        let dead_zone = match self.given {
+        let dead_zone = match self.request.given {
             [] => None,
             _ => Some(DeadZoneMoments {
                 multiplied: at(Multiplied, DeadZone)?,
@@ -186,9 +180,13 @@ impl Source<'_> {
     /// The cliques of (18) at one end with their signals in the order of their rows, those of the split form and
     /// the one of the whole form; the root first.
     fn cliques(&self, interval: SamplingEnd) -> Vec<Clique> {
-        let design = &self.assembled.design;
-        let basis = Basis::reduced(self.task, interval, design);
-        let splits = elimination(&basis, &terms(self.task, interval, design), &ELIMINATED);
+        let design = &self.solved.assembled.design;
+        let basis = Basis::reduced(&self.solved.task, interval, design);
+        let splits = elimination(
+            &basis,
+            &terms(&self.solved.task, interval, design),
+            &ELIMINATED,
+        );
         let split = members(&basis, &splits).into_iter().rev();
         split.chain(members(&basis, &[])).collect()
     }
@@ -222,36 +220,34 @@ impl Source<'_> {
 
     /// What turns each entry of a signal's solver coordinate into SI units.
     fn units(&self, signal: Signal) -> Vec<f64> {
-        let system = &self.task.system;
-        let state = self.scaling.state.iter().map(|unit| 1.0 / unit);
+        let state = self.solved.scaling.state.iter().map(|unit| 1.0 / unit);
         match signal {
             // The solver's coordinate is the root of this factor times the proof's.
             Integral => {
                 let root = self.integral_factor().sqrt();
                 state.map(|unit| unit / root).collect()
             }
-            DeadZone if self.given.is_empty() => Vec::new(),
+            DeadZone if self.request.given.is_empty() => Vec::new(),
             DeadZone => {
-                let inputs = self.scaling.input.iter();
+                let inputs = self.solved.scaling.input.iter();
                 inputs.map(|unit| DEAD_ZONE_UNIT / unit).collect()
             }
-            Disturbance => vec![self.scaling.disturbance; system.disturbance.ncols()],
+            Disturbance | Further(_) => {
+                let size = signal.size(&self.solved.task, &self.solved.assembled.design);
+                vec![self.solved.scaling.disturbance; size]
+            }
             _ => state.collect(),
         }
     }
 
-    fn to_state(&self) -> DMatrix<f64> {
-        DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit))
-    }
-
     /// Moments of two quantities in units of the state.
     fn state(&self, moments: &DMatrix<f64>) -> DMatrix<f64> {
-        self.to_state() * moments * self.to_state()
+        self.solved.scaling.to_state() * moments * self.solved.scaling.to_state()
     }
 
     /// Moments of a pair of such quantities.
     fn pair(&self, moments: &DMatrix<f64>) -> DMatrix<f64> {
-        let units = &self.scaling.state;
+        let units = &self.solved.scaling.state;
         let n = units.len();
         let both = DVector::from_fn(2 * n, |row, _| 1.0 / units[row % n]);
         let to_state = DMatrix::from_diagonal(&both);
@@ -260,7 +256,7 @@ impl Source<'_> {
 
     /// hbar e^(phi hbar): the solver's integral coordinate is its root times the proof's.
     fn integral_factor(&self) -> f64 {
-        let specs = &self.model.file.specs;
+        let specs = &self.request.model.file.specs;
         specs.hbar_s * (specs.phi_per_s * specs.hbar_s).exp()
     }
 }

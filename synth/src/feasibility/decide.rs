@@ -3,19 +3,18 @@
 use super::candidate::Source;
 
 use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
-use crate::certify::Verdict;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    blocking, containment_weights, scaled, Answer, Assembled, Decision, DesignRequest, Form, Goal,
-    Infeasible, Session, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
+    containment_weights, has_point, scaled, Answer, Blocking, Decision, DesignRequest, Form, Goal,
+    Infeasible, Session, Solved, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::centre::centred;
 use sdp::lmi::Affine;
-use sdp::solve::{Backend, Observer, Solution, Status, Structured};
+use sdp::solve::{Backend, Observer, Structured};
 
 /// Decides whether a design exists for a model. `model_text` is its file's text.
 pub fn decide(
@@ -24,12 +23,9 @@ pub fn decide(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut search = Session::new(Form::Chordal, backend, observer);
     let task = model.task();
-    decide_after(
-        DesignRequest::of_model(model, model_text, &task, Form::Chordal),
-        &mut search,
-    )
+    let request = DesignRequest::of_model(model, model_text, &task, Form::Chordal);
+    decide_after(request, &mut Session::new(Form::Chordal, backend, observer))
 }
 
 /// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The other
@@ -40,56 +36,43 @@ pub(super) fn look_for_a_design(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut searches = [
+    let mut sessions = [
         Session::new(Form::VertexRelaxed, structured, observer.clone()),
         Session::new(Form::Chordal, backend, observer),
     ];
     let task = model.task();
-    decide_with(
-        DesignRequest::of_model(model, "", &task, Form::Chordal),
-        &mut searches,
-        DecisionGoal::Design,
-        STATE_UNITS.len(),
-    )
+    let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
+    SolverSequence::new(&mut sessions, DecisionGoal::Design).decide(request)
 }
 
 /// The same after other runs, which are counted.
 pub(crate) fn decide_after(
-    subject: DesignRequest,
-    search: &mut Session,
+    request: DesignRequest,
+    session: &mut Session,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
-    let other = search.alternative();
+    let other = session.alternative_to(structured.solver());
     // The full form's dual solution has not the blocks of a proof.
-    let mut searches = vec![
-        search.fresh(Form::Chordal),
-        search.with_backend(Form::VertexRelaxed, &structured),
+    let mut sessions = vec![
+        session.fresh(Form::Chordal),
+        session.with_backend(Form::VertexRelaxed, &structured),
     ];
-    if let Some(other) = other
-        .as_deref()
-        .filter(|other| other.solver() != structured.solver())
-    {
-        searches.push(search.with_backend(Form::Chordal, other));
-    }
-    let subject = DesignRequest {
-        form: Form::Chordal,
-        ..subject
-    };
-    let found = decide_with(
-        subject,
-        &mut searches,
-        DecisionGoal::Proof,
-        STATE_UNITS.len(),
+    sessions.extend(
+        other
+            .as_deref()
+            .map(|other| session.with_backend(Form::Chordal, other)),
     );
-    for other in &mut searches {
-        search.runs.append(&mut other.runs);
+    let request = DesignRequest {
+        form: Form::Chordal,
+        ..request
+    };
+    let found = SolverSequence::new(&mut sessions, DecisionGoal::Proof).decide(request);
+    for other in &mut sessions {
+        session.runs.append(&mut other.runs);
     }
-    let mut decision = found?;
-    decision.solve_seconds = search.seconds();
-    decision.runs = search.runs.clone();
-    if let Answer::Feasible(design) = &mut decision.answer {
-        design.solve_seconds = search.seconds();
-        design.file.provenance.solver_runs = search.runs.clone();
+    let mut decision = found?.with_runs(&session.runs);
+    if let Answer::Feasible(design) = decision.answer {
+        decision.answer = Answer::Feasible(design.with_runs(&session.runs));
     }
     Ok(decision)
 }
@@ -97,17 +80,18 @@ pub(crate) fn decide_after(
 /// Looks only for dual multipliers that refute the request's gains in its part of the conditions, in at most
 /// `most_units` state units.
 pub(super) fn refute_part(
-    subject: DesignRequest,
+    request: DesignRequest,
     most_units: usize,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let structured = Structured::default();
-    let mut searches = [Session::new(Form::VertexRelaxed, &structured, observer)];
-    let subject = DesignRequest {
-        form: Form::VertexRelaxed,
-        ..subject
+    let form = Form::VertexRelaxed;
+    let mut sessions = [Session::new(form, &structured, observer)];
+    let sequence = SolverSequence {
+        most_units,
+        ..SolverSequence::new(&mut sessions, DecisionGoal::Refutation)
     };
-    decide_with(subject, &mut searches, DecisionGoal::Refutation, most_units)
+    sequence.decide(DesignRequest { form, ..request })
 }
 
 /// What a decision is after.
@@ -121,11 +105,6 @@ enum DecisionGoal {
     Refutation,
 }
 
-struct SmallestSlack {
-    slack: Option<f64>,
-    blocking: Vec<(String, f64)>,
-}
-
 /// The result for one containment weight.
 enum AttemptResult {
     Point(Box<Synthesized>),
@@ -135,113 +114,104 @@ enum AttemptResult {
     Undecided,
 }
 
-/// Runs the solvers in order, in one state unit after the other (at most `most_units`), until there is an answer.
-fn decide_with(
-    subject: DesignRequest,
-    searches: &mut [Session],
-    goal: DecisionGoal,
-    most_units: usize,
-) -> Result<Decision, SynthesisError> {
-    let mut out = SmallestSlack {
-        slack: None,
-        blocking: Vec::new(),
-    };
-    let mut refuted = Vec::new();
-    let mut design = None;
-    let mut undecided = false;
-    let mut units = FIRST_UNITS;
-    let mut sequence = SolverSequence {
-        searches,
-        goal,
-        most_units,
-        out: &mut out,
-    };
-    for &containment_weight in containment_weights(subject.model) {
-        units.containment_weight = containment_weight;
-        match sequence.in_all_units(subject, &mut units)? {
-            AttemptResult::Point(found) => {
-                design = Some(found);
-                break;
-            }
-            AttemptResult::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
-            AttemptResult::NotPursued | AttemptResult::Undecided => undecided = true,
-        }
-    }
-    let contains = !subject.task.specification.must_contain.is_empty();
-    if design.is_none() && contains && goal != DecisionGoal::Design {
-        // What cannot hold without containment cannot hold for any rho.
-        let mut task = subject.task.clone();
-        task.specification.must_contain.clear();
-        let free = DesignRequest {
-            task: &task,
-            ..subject
-        };
-        sequence.goal = DecisionGoal::Refutation;
-        if let AttemptResult::Refuted(weights, refutation) =
-            sequence.in_all_units(free, &mut units)?
-        {
-            refuted = vec![(*weights, refutation)];
-            undecided = false;
-        }
-    }
-    let runs: Vec<SolverRun> = searches.iter().flat_map(|s| s.runs.clone()).collect();
-    let solve_seconds = searches.iter().map(Session::seconds).sum();
-    let answer = match design {
-        Some(mut design) => {
-            design.solve_seconds = solve_seconds;
-            design.file.provenance.solver_runs = runs.clone();
-            Answer::Feasible(design)
-        }
-        None if refuted.is_empty() => Answer::Undecided(None),
-        None => {
-            let bounds = refuted.iter().map(|(_, refutation)| refutation.bound);
-            let bound = bounds.fold(f64::MAX, f64::min);
-            let weights = refuted.into_iter().map(|(weights, _)| weights).collect();
-            let mut provenance = subject.provenance(units);
-            provenance.solver_runs = runs.clone();
-            let file = InfeasibilityFile::new(subject.model, subject.given, weights, provenance);
-            let limits = file.limits(subject.model)?;
-            let all = !undecided && limits.is_empty();
-            let proof = Box::new(Infeasible {
-                file,
-                bound,
-                limits,
-            });
-            match all {
-                true => Answer::Infeasible(proof),
-                false => Answer::Undecided(Some(proof)),
-            }
-        }
-    };
-    Ok(Decision {
-        answer,
-        slack: out.slack,
-        blocking: out.blocking,
-        limiting_factors: None,
-        solve_seconds,
-        runs,
-    })
-}
-
 /// The solvers that are run in order, and their goal.
 struct SolverSequence<'a, 'b> {
-    searches: &'a mut [Session<'b>],
+    sessions: &'a mut [Session<'b>],
     goal: DecisionGoal,
+    /// State units that are tried.
     most_units: usize,
-    out: &'a mut SmallestSlack,
+    /// The smallest slack so far.
+    slack: Option<f64>,
+    /// The conditions that determine it.
+    blocking: Vec<Blocking>,
 }
 
-impl SolverSequence<'_, '_> {
+impl<'a, 'b> SolverSequence<'a, 'b> {
+    fn new(sessions: &'a mut [Session<'b>], goal: DecisionGoal) -> Self {
+        SolverSequence {
+            sessions,
+            goal,
+            most_units: STATE_UNITS.len(),
+            slack: None,
+            blocking: Vec::new(),
+        }
+    }
+
+    /// Runs the solvers in all units under every containment weight, until there is an answer.
+    fn decide(mut self, request: DesignRequest) -> Result<Decision, SynthesisError> {
+        let mut refuted = Vec::new();
+        let mut design = None;
+        let mut undecided = false;
+        let mut units = FIRST_UNITS;
+        for &containment_weight in containment_weights(request.model) {
+            units.containment_weight = containment_weight;
+            match self.in_all_units(request, &mut units)? {
+                AttemptResult::Point(found) => {
+                    design = Some(found);
+                    break;
+                }
+                AttemptResult::Refuted(weights, refutation) => refuted.push((*weights, refutation)),
+                AttemptResult::NotPursued | AttemptResult::Undecided => undecided = true,
+            }
+        }
+        let contains = !request.task.specification.must_contain.is_empty();
+        if design.is_none() && contains && self.goal != DecisionGoal::Design {
+            // What cannot hold without containment cannot hold for any rho.
+            let mut task = request.task.clone();
+            task.specification.must_contain.clear();
+            let free = DesignRequest {
+                task: &task,
+                ..request
+            };
+            self.goal = DecisionGoal::Refutation;
+            let result = self.in_all_units(free, &mut units)?;
+            if let AttemptResult::Refuted(weights, refutation) = result {
+                refuted = vec![(*weights, refutation)];
+                undecided = false;
+            }
+        }
+        let runs: Vec<SolverRun> = self.sessions.iter().flat_map(|s| s.runs.clone()).collect();
+        let answer = match design {
+            Some(design) => Answer::Feasible(design.with_runs(&runs)),
+            None if refuted.is_empty() => Answer::Undecided(None),
+            None => {
+                let (weights, checked): (_, Vec<Refutation>) = refuted.into_iter().unzip();
+                let bounds = checked.iter().map(|refutation| refutation.bound);
+                let bound = bounds.fold(f64::MAX, f64::min);
+                let mut provenance = request.provenance(units);
+                provenance.solver_runs = runs.clone();
+                let (model, given) = (request.model, request.given);
+                let file = InfeasibilityFile::new(model, given, weights, provenance);
+                let limits = file.limits(model, &checked)?;
+                let all = !undecided && limits.is_empty();
+                let proof = Box::new(Infeasible {
+                    file,
+                    bound,
+                    limits,
+                });
+                match all {
+                    true => Answer::Infeasible(proof),
+                    false => Answer::Undecided(Some(proof)),
+                }
+            }
+        };
+        Ok(Decision {
+            slack: self.slack,
+            blocking: self.blocking,
+            ..Decision::new(answer, &runs)
+        })
+    }
+
     /// Runs the solvers in order, in one state unit after the other, until there is an answer.
     fn in_all_units(
         &mut self,
-        subject: DesignRequest,
+        request: DesignRequest,
         units: &mut ProblemUnits,
     ) -> Result<AttemptResult, SynthesisError> {
         for &state_fraction in STATE_UNITS.iter().take(self.most_units) {
             units.state_fraction = state_fraction;
-            for search in self.searches.iter_mut() {
-                let result = attempt(subject, search, *units, self.goal, self.out)?;
+            for session in 0..self.sessions.len() {
+                let result = self.attempt(request, session, *units)?;
                 if !matches!(result, AttemptResult::Undecided) {
                     return Ok(result);
                 }
@@ -249,44 +219,42 @@ impl SolverSequence<'_, '_> {
         }
         Ok(AttemptResult::Undecided)
     }
-}
 
-fn attempt(
-    subject: DesignRequest,
-    search: &mut Session,
-    units: ProblemUnits,
-    goal: DecisionGoal,
-    out: &mut SmallestSlack,
-) -> Result<AttemptResult, SynthesisError> {
-    let (scaling, task) = solved_task(subject.task, units);
-    let (assembled, solution) = search.solve(&task, Goal::SmallestSlack)?;
-    let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
-    if usable {
-        let smaller = out.slack.is_none_or(|slack| solution.objective < slack);
-        if smaller {
-            out.slack = Some(solution.objective);
-            out.blocking = blocking(&assembled.problem.conditions, &solution);
+    /// The smallest slack in these units with one of the sessions, and what its point or its dual solution proves.
+    fn attempt(
+        &mut self,
+        request: DesignRequest,
+        session: usize,
+        units: ProblemUnits,
+    ) -> Result<AttemptResult, SynthesisError> {
+        let session = &mut self.sessions[session];
+        let solved = session.solve(solved_task(request.task, units), Goal::SmallestSlack)?;
+        let slack = solved.solution.objective;
+        let usable = has_point(&solved.solution);
+        if usable && self.slack.is_none_or(|smallest| slack < smallest) {
+            self.slack = Some(slack);
+            self.blocking = solved.blocking();
         }
-    }
-    let margin = task.specification.margin;
-    if solution.objective < margin {
-        if goal == DecisionGoal::Refutation {
+        let design = self.goal == DecisionGoal::Design;
+        if slack < solved.task.specification.margin {
+            if self.goal == DecisionGoal::Refutation {
+                return Ok(AttemptResult::NotPursued);
+            }
+            if let Some(design) = point(request, &solved, units) {
+                return Ok(AttemptResult::Point(design));
+            }
+        }
+        if usable && design {
             return Ok(AttemptResult::NotPursued);
         }
-        if let Some(design) = point(subject, &assembled, &solution, &scaling, units)? {
-            return Ok(AttemptResult::Point(design));
+        if design || !refutable(&solved.task) {
+            return Ok(AttemptResult::Undecided);
         }
+        if request.model.plant.has_uncertain_inertia() {
+            return refute_nominal(request, session, units);
+        }
+        Ok(refuted(request, &solved))
     }
-    if usable && goal == DecisionGoal::Design {
-        return Ok(AttemptResult::NotPursued);
-    }
-    if goal == DecisionGoal::Design || !refutable(&task) {
-        return Ok(AttemptResult::Undecided);
-    }
-    if subject.model.plant.has_uncertain_inertia() {
-        return refute_nominal(subject, search, units);
-    }
-    Ok(refuted(subject, &scaling, &task, &assembled, &solution))
 }
 
 /// The task in its units, with a threshold that leaves its dual feasible set an interior.
@@ -303,55 +271,44 @@ fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
 /// A set of inertias has no design when the nominal one, which belongs to it, has none. Given gains are
 /// undecided.
 fn refute_nominal(
-    subject: DesignRequest,
-    search: &mut Session,
+    request: DesignRequest,
+    session: &mut Session,
     units: ProblemUnits,
 ) -> Result<AttemptResult, SynthesisError> {
-    if !subject.given.is_empty() {
+    if !request.given.is_empty() {
         return Ok(AttemptResult::Undecided);
     }
-    let mut nominal = subject.model.clone();
+    let mut nominal = request.model.clone();
     nominal.plant = nominal.plant.nominal();
-    let (scaling, task) = solved_task(&nominal.task(), units);
-    let mut own = search.fresh(Form::Chordal);
-    let solved = own.solve(&task, Goal::SmallestSlack);
-    search.runs.append(&mut own.runs);
-    let (assembled, solution) = solved?;
-    let subject = DesignRequest {
+    let mut own = session.fresh(Form::Chordal);
+    let solved = own.solve(solved_task(&nominal.task(), units), Goal::SmallestSlack);
+    session.runs.append(&mut own.runs);
+    let request = DesignRequest {
         model: &nominal,
-        ..subject
+        ..request
     };
-    Ok(refuted(subject, &scaling, &task, &assembled, &solution))
+    Ok(refuted(request, &solved?))
 }
 
 /// The proof that the dual solution gives, if it gives one.
-fn refuted(
-    subject: DesignRequest,
-    scaling: &Scaling,
-    task: &Task,
-    assembled: &Assembled,
-    solution: &Solution,
-) -> AttemptResult {
-    let margin = task.specification.margin;
-    let excess = solution.objective - margin;
+fn refuted(request: DesignRequest, solved: &Solved) -> AttemptResult {
+    let margin = solved.task.specification.margin;
+    let excess = solved.solution.objective - margin;
     if excess.is_nan() || excess <= 0.0 {
         return AttemptResult::Undecided;
     }
-    let problem = assembled.problem.lower();
+    let problem = solved.assembled.problem.lower();
+    let duals = &solved.solution.duals;
     for kept in KEPT {
-        let centre = centred(&problem, &solution.duals, -(margin + kept * excess));
+        let centre = centred(&problem, duals, -(margin + kept * excess));
         let source = Source {
-            model: subject.model,
-            scaling,
-            task,
-            assembled,
-            duals: centre.as_ref().unwrap_or(&solution.duals),
+            request,
+            solved,
+            duals: centre.as_ref().unwrap_or(duals),
             size: kept * excess,
-            given: subject.given,
-            part: subject.part,
         };
         if let Some((file, weights)) = as_read(&source) {
-            let refutation = refute(subject.model, &weights);
+            let refutation = refute(request.model, &weights);
             if refutation.proved {
                 return AttemptResult::Refuted(Box::new(file), refutation);
             }
@@ -369,8 +326,10 @@ fn refutable(task: &Task) -> bool {
 
 /// The dual multipliers as a reader of their file gets them, `None` where no file may hold them.
 fn as_read(source: &Source) -> Option<(WeightsFile, DualMultipliers)> {
-    let file = WeightsFile::new(&source.weights()?)?;
-    let weights = file.weights(source.model, source.given).ok()?;
+    let file = WeightsFile::new(source.weights()?)?;
+    let weights = file
+        .weights(source.request.model, source.request.given)
+        .ok()?;
     Some((file, weights))
 }
 
@@ -390,31 +349,19 @@ const UNKNOWN_GAIN: f64 = 1e300;
 const GAIN_BACK_OFF: f64 = 1e-3;
 
 /// The solver's point as a proved design, with the gain bound it admits.
-fn point(
-    subject: DesignRequest,
-    assembled: &Assembled,
-    solution: &Solution,
-    scaling: &Scaling,
-    units: ProblemUnits,
-) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-    let mut unknowns = assembled.design.clone();
+fn point(request: DesignRequest, solved: &Solved, units: ProblemUnits) -> Option<Box<Synthesized>> {
+    let mut unknowns = solved.assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
-    let Ok(mut certificate) = recover(subject.model, &unknowns, &solution.values, scaling) else {
-        return Ok(None);
-    };
+    let (values, scaling) = (&solved.solution.values, &solved.scaling);
+    let mut certificate = recover(request.model, &unknowns, values, scaling)?;
     let xi = certificate.disturbance_weight;
     let guaranteed = certificate.guaranteed_gain;
     let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);
     if !(gain_bound > 0.0 && gain_bound.is_finite()) {
-        return Ok(None);
+        return None;
     }
     certificate.gain_bound = gain_bound;
     certificate.guaranteed_gain = guaranteed.min(gain_bound);
-    let design = match subject.design(&certificate, units) {
-        Ok(design) => design,
-        // Numbers that no design file may hold prove nothing.
-        Err(SynthesisError::Invalid(_)) => return Ok(None),
-        Err(other) => return Err(other),
-    };
-    Ok((design.report.verdict == Verdict::Proved).then_some(design))
+    let design = request.design(&certificate, None, units);
+    design.filter(|design| design.is_proved())
 }

@@ -69,10 +69,6 @@ fn restricted(task: &Task, given: &[DMatrix<f64>], part: ConditionSubset, matche
             .filter_map(|&vertex| all.get(vertex).cloned());
         out.system.vertices = kept.collect();
     }
-    out.gains = GainPlan {
-        count: gains.len(),
-        mismatch: (matched && gains.len() > 1).then_some(0.0),
-        given: Some(gains),
-    };
+    out.gains = GainPlan::given(&gains, (matched && gains.len() > 1).then_some(0.0));
     out
 }

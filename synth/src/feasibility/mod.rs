@@ -12,11 +12,9 @@ mod relax;
 mod size;
 
 pub use decide::decide;
-pub use relax::{relaxations, Relaxation, RelaxedValue, Requirement};
+pub use relax::{relaxations, Relaxation};
 
-pub use crate::infeasibility::{
-    GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION,
-};
+pub use crate::infeasibility::{InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
 pub use crate::programs::{Answer, Decision, Infeasible};
 
 pub(crate) use decide::decide_after;

@@ -1,151 +1,67 @@
 //! Which requirement, relaxed alone, first makes a model feasible, and at what value.
 
+use serde::Serialize;
+
 use super::decide::look_for_a_design;
-use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
-use crate::programs::{Answer, SynthesisError};
+use crate::model::Model;
+use crate::programs::{Answer, Parameter, SynthesisError};
 use sdp::solve::{Backend, Observer, Structured};
 
 /// A requirement that can be relaxed alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Requirement {
-    /// The torque limits (input limits), all by one factor.
-    InputLimit,
-    /// The longest sampling interval.
-    SamplingInterval,
-    /// The largest trigger threshold.
-    Threshold,
-    /// The decay rate.
-    DecayRate,
-    /// The extents of the region, all by one factor; for a spacecraft the rates and the vector part.
-    Region,
-    /// The largest disturbance weight.
-    DisturbanceWeight,
-}
-
-impl Requirement {
-    /// All of them.
-    pub const ALL: [Requirement; 6] = [
-        Requirement::InputLimit,
-        Requirement::SamplingInterval,
-        Requirement::Threshold,
-        Requirement::DecayRate,
-        Requirement::Region,
-        Requirement::DisturbanceWeight,
-    ];
-
+struct Requirement {
+    parameter: Parameter,
     /// Its symbol in the conditions.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Requirement::InputLimit => "ubar",
-            Requirement::SamplingInterval => "hbar",
-            Requirement::Threshold => "nu",
-            Requirement::DecayRate => "phi",
-            Requirement::Region => "box",
-            Requirement::DisturbanceWeight => "xi_max",
-        }
-    }
-
+    symbol: &'static str,
     /// Signs of the logarithm of the factor to be searched. Larger limits and shorter intervals only
     /// help. The others act in more than one place: a smaller decay rate or a larger weight raises the
     /// level k2 = max(1, xi_max taubar^2 / phi) of the set, a wider region has wider vertices.
-    fn directions(self) -> &'static [f64] {
-        match self {
-            Requirement::InputLimit => &[1.0],
-            Requirement::SamplingInterval | Requirement::Threshold => &[-1.0],
-            Requirement::DecayRate => &[-1.0, 1.0],
-            Requirement::Region | Requirement::DisturbanceWeight => &[1.0, -1.0],
-        }
-    }
+    directions: &'static [f64],
+}
 
-    /// The model with the requirement multiplied by a factor, and its value then (for several
-    /// limits the first); `None` when the model does not have it or does not allow it.
-    pub fn scaled(self, model: &Model, factor: f64) -> Option<(Model, f64)> {
-        let mut file = model.file.clone();
-        let value = match self {
-            Requirement::InputLimit => scale_limits(&mut file, factor),
-            Requirement::Region => scale_region(&mut file, factor)?,
-            Requirement::SamplingInterval => {
-                let specs = &mut file.specs;
-                specs.hbar_s *= factor;
-                specs.hmin_s = specs.hmin_s.map(|hmin| hmin.min(specs.hbar_s));
-                specs.hbar_s
-            }
-            Requirement::Threshold => {
-                let specs = &mut file.specs;
-                specs.nu *= factor;
-                specs.nu_min = specs.nu_min.map(|nu_min| nu_min.min(specs.nu));
-                specs.nu
-            }
-            Requirement::DecayRate => {
-                file.specs.phi_per_s *= factor;
-                file.specs.phi_per_s
-            }
-            Requirement::DisturbanceWeight => {
-                file.specs.xi_max *= factor;
-                file.specs.xi_max
-            }
-        };
-        let changed = file != model.file;
-        let scaled = Model::new(file).ok().filter(|_| changed)?;
-        Some((scaled, value))
+const fn requirement(
+    parameter: Parameter,
+    symbol: &'static str,
+    directions: &'static [f64],
+) -> Requirement {
+    Requirement {
+        parameter,
+        symbol,
+        directions,
     }
 }
 
-fn scale_limits(file: &mut ModelFile, factor: f64) -> f64 {
-    let limits: &mut [f64] = match &mut file.plant {
-        PlantFile::Exact(craft) => &mut craft.torque_limit_nm,
-        PlantFile::Vertices(system) => &mut system.input_limit,
-        PlantFile::Rules(rules) => match &mut rules.system {
-            RulesSystem::Spacecraft(craft) => &mut craft.torque_limit_nm,
-            RulesSystem::Linear(system) => &mut system.input_limit,
-        },
-    };
-    limits.iter_mut().for_each(|limit| *limit *= factor);
-    limits.first().copied().unwrap_or_default()
-}
-
-fn scale_region(file: &mut ModelFile, factor: f64) -> Option<f64> {
-    match &mut file.plant {
-        PlantFile::Exact(craft) => {
-            let rates = craft.rate_rad_s.iter_mut();
-            rates.for_each(|rate| *rate *= factor);
-            let vector = (1.0 - craft.q0_min * craft.q0_min).max(0.0) * factor * factor;
-            craft.q0_min = (1.0 - vector).max(0.0).sqrt();
-            Some(craft.rate_rad_s[0])
-        }
-        PlantFile::Vertices(system) => {
-            let bounds = system.region.iter_mut();
-            bounds.for_each(|bound| bound.bound *= factor);
-            system.region.first().map(|bound| bound.bound)
-        }
-        PlantFile::Rules(rules) => {
-            let bounds = rules.state_bounds.iter_mut();
-            bounds.for_each(|bound| *bound *= factor);
-            rules.state_bounds.first().copied()
-        }
-    }
-}
+/// All of them.
+const REQUIREMENTS: [Requirement; 6] = [
+    requirement(Parameter::InputLimits, "ubar", &[1.0]),
+    requirement(Parameter::SamplingInterval, "hbar", &[-1.0]),
+    requirement(Parameter::Threshold, "nu", &[-1.0]),
+    requirement(Parameter::DecayRate, "phi", &[-1.0, 1.0]),
+    requirement(Parameter::Region, "box", &[1.0, -1.0]),
+    requirement(Parameter::DisturbanceWeight, "xi_max", &[1.0, -1.0]),
+];
 
 /// The effect of relaxing one requirement alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Relaxation {
-    /// The requirement.
-    pub requirement: Requirement,
-    /// Where it first makes the model feasible, proved; `None` when no factor that was tried does.
-    pub feasible: Option<RelaxedValue>,
+    /// The requirement's symbol in the conditions.
+    pub requirement: &'static str,
+    /// The value that first makes the model feasible, proved, in the file's unit; of several limits the first. `None`,
+    /// as the next two, when no factor that was tried does.
+    pub value: Option<f64>,
+    /// The value relative to the model's.
+    pub factor: Option<f64>,
+    /// The nearest factor tried at which a design was not found.
+    pub not_at_factor: Option<f64>,
     /// Solver calls it took.
     pub solves: usize,
 }
 
-/// A value of a requirement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RelaxedValue {
-    /// The value, in the file's unit; of several limits the first.
-    pub value: f64,
-    /// The value relative to the model's.
-    pub factor: f64,
-    /// The nearest factor tried at which a design was not found.
-    pub not_at: f64,
+/// A value of a requirement that makes the model feasible.
+#[derive(Clone, Copy)]
+struct RelaxedValue {
+    value: Option<f64>,
+    factor: f64,
+    not_at: f64,
 }
 
 /// Logarithms of the factors tried in one direction, until one is feasible.
@@ -167,31 +83,33 @@ pub fn relaxations(
     let mut out = Vec::new();
     // Neighbours of one model: each is warm-started from the iterates of the last.
     let structured = Structured::warm();
-    for requirement in Requirement::ALL {
+    for requirement in REQUIREMENTS {
         let mut search = Relaxing {
             model,
             structured: &structured,
             backend,
             observer: observer.clone(),
-            requirement,
+            parameter: requirement.parameter,
             solves: 0,
         };
         let mut best: Option<RelaxedValue> = None;
-        for &direction in requirement.directions() {
+        for &direction in requirement.directions {
             let reach = best.map_or(f64::INFINITY, |value| value.factor.ln().abs());
             if let Some(found) = search.along(direction, reach)? {
                 best = Some(found);
             }
         }
         out.push(Relaxation {
-            requirement,
-            feasible: best,
+            requirement: requirement.symbol,
+            value: best.and_then(|best| best.value),
+            factor: best.map(|best| best.factor),
+            not_at_factor: best.map(|best| best.not_at),
             solves: search.solves,
         });
     }
     let change = |relaxation: &Relaxation| {
-        let factor = relaxation.feasible.map(|value| value.factor.ln().abs());
-        factor.unwrap_or(f64::INFINITY)
+        let change = relaxation.factor.map(|factor| factor.ln().abs());
+        change.unwrap_or(f64::INFINITY)
     };
     out.sort_by(|a, b| change(a).total_cmp(&change(b)));
     Ok(out)
@@ -202,7 +120,7 @@ struct Relaxing<'a> {
     structured: &'a Structured,
     backend: &'a dyn Backend,
     observer: Option<Observer>,
-    requirement: Requirement,
+    parameter: Parameter,
     solves: usize,
 }
 
@@ -262,9 +180,10 @@ impl Relaxing<'_> {
             }
         }
         let factor = (direction * above.at).exp();
-        let value = self.requirement.scaled(self.model, factor);
+        let model = self.parameter.scaled(self.model, factor);
+        let value = model.and_then(|model| self.parameter.of(&model.file));
         Ok(RelaxedValue {
-            value: value.map_or(f64::NAN, |(_, value)| value),
+            value,
             factor,
             not_at: (direction * below.at).exp(),
         })
@@ -273,7 +192,7 @@ impl Relaxing<'_> {
     /// Whether the model is feasible at a factor; `None` when the factor is not allowed.
     fn probe(&mut self, direction: f64, at: f64) -> Result<Option<Probe>, SynthesisError> {
         let factor = (direction * at).exp();
-        let Some((model, _)) = self.requirement.scaled(self.model, factor) else {
+        let Some(model) = self.parameter.scaled(self.model, factor) else {
             return Ok(None);
         };
         let decision =

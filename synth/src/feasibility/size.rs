@@ -3,26 +3,29 @@
 
 use nalgebra::DMatrix;
 
-use crate::certify::infeasible::{limits, refute, Limit, Refutation};
+use crate::certify::infeasible::{limits, Limit, Refutation};
 use crate::conditions::{GainPlan, Task};
 use crate::infeasibility::InfeasibilityFile;
 use crate::model::Model;
-use crate::programs::{scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS};
-use sdp::solve::{Backend, Clarabel, Structured};
+use crate::programs::{
+    largest_magnitude, scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS,
+};
+use sdp::solve::Structured;
 
 impl InfeasibilityFile {
-    /// The designs that the file's statement does not cover, where its dual multipliers are proved; none: no design
-    /// exists. Where a bound on the multiplier is left, two solvers show how large its entries become.
+    /// The designs that the file's statement does not cover, where its dual multipliers are proved, by `checked`; none:
+    /// no design exists. Where a bound on the multiplier is left, two solvers show how large its entries become.
     ///
     /// # Errors
     /// Dual multipliers that do not fit the model; a problem that a solver refuses.
-    pub fn limits(&self, model: &Model) -> Result<Vec<Limit>, SynthesisError> {
+    pub fn limits(
+        &self,
+        model: &Model,
+        checked: &[Refutation],
+    ) -> Result<Vec<Limit>, SynthesisError> {
         let sets = self.weights(model)?;
-        let refutations: Vec<Refutation> = sets.iter().map(|set| refute(model, set)).collect();
         let given = sets.first().map_or(&[][..], |set| &set.given);
-        limits(model, &sets, &refutations, || {
-            largest_multiplier(model, given)
-        })
+        limits(model, &sets, checked, || largest_multiplier(model, given))
     }
 }
 
@@ -31,37 +34,26 @@ impl InfeasibilityFile {
 fn largest_multiplier(model: &Model, given: &[DMatrix<f64>]) -> Result<f64, SynthesisError> {
     let mut task = model.task();
     if !given.is_empty() {
-        task.gains = GainPlan {
-            count: given.len(),
-            mismatch: None,
-            given: Some(given.to_vec()),
-        };
+        task.gains = GainPlan::given(given, None);
     }
-    let solvers: [(&dyn Backend, Form); 2] = [
-        (&Structured::default(), Form::VertexRelaxed),
-        (&Clarabel::default(), Form::Chordal),
-    ];
-    let mut largest: f64 = 0.0;
-    for (backend, form) in solvers {
-        let mut search = Session::new(form, backend, None);
-        for goal in [Goal::SmallestGain, Goal::SmallestSlack] {
-            largest = largest.max(largest_entry(&task, &mut search, goal)?);
-        }
-    }
+    let largest = |session: &mut Session| {
+        let gain = largest_entry(&task, session, Goal::SmallestGain)?;
+        Ok(gain.max(largest_entry(&task, session, Goal::SmallestSlack)?))
+    };
+    let structured = Structured::default();
+    let mut session = Session::new(Form::VertexRelaxed, &structured, None);
+    let first = largest(&mut session)?;
+    let largest = session.with_other(largest)?.unwrap_or(0.0).max(first);
     Ok(match largest > 0.0 {
         true => largest,
         false => f64::INFINITY,
     })
 }
 
-fn largest_entry(task: &Task, search: &mut Session, goal: Goal) -> Result<f64, SynthesisError> {
-    let (scaling, task) = scaled(task, FIRST_UNITS);
-    let (assembled, solution) = search.solve(&task, goal)?;
-    let units = DMatrix::from_diagonal(&scaling.state);
-    let multiplier = &units * assembled.design.multiplier.value(&solution.values) * &units;
-    let sizes = multiplier.iter().map(|entry| match entry.is_nan() {
-        true => f64::INFINITY,
-        false => entry.abs(),
-    });
-    Ok(sizes.fold(0.0, f64::max))
+fn largest_entry(task: &Task, session: &mut Session, goal: Goal) -> Result<f64, SynthesisError> {
+    let solved = session.solve(scaled(task, FIRST_UNITS), goal)?;
+    let units = DMatrix::from_diagonal(&solved.scaling.state);
+    let multiplier = &solved.assembled.design.multiplier;
+    let multiplier = &units * multiplier.value(&solved.solution.values) * &units;
+    Ok(largest_magnitude(multiplier.iter()))
 }

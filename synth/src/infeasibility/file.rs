@@ -4,9 +4,15 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
-use crate::design::Provenance;
-use crate::model::{check_matrix, parse, FileError, Kind, Model, ModelError, ModelFile};
+use crate::certify::infeasible::{
+    check_length, missing, refute, DualMultipliers, GainDuals, InputDual, Moments, Refutation,
+    RegionDual,
+};
+use crate::design::{rows, Provenance};
+use crate::model::bounded::{As, Positive, Rows};
+use crate::model::{
+    check_matrix, check_version, parse, FileError, Kind, Model, ModelError, ModelFile,
+};
 
 /// The version this program reads and writes.
 pub const INFEASIBILITY_SCHEMA_VERSION: u32 = 1;
@@ -25,142 +31,129 @@ pub struct InfeasibilityFile {
     /// The given gains F_j, each m x n, for which no proof exists; left out, no constant gain has a design.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gains: Vec<Vec<Vec<f64>>>,
-    /// The weights; one set for each weight rho of the containment condition, a single one when the
+    /// The dual multipliers; one set for each weight rho of the containment condition, a single one when the
     /// model has no states that must be contained.
     pub infeasibility: Vec<WeightsFile>,
     /// What made the file.
     pub provenance: Provenance,
 }
 
-/// Weights of the conditions.
+/// Dual multipliers of the conditions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WeightsFile {
-    /// The weight rho of the containment condition, above 0. Left out when the model has no states
-    /// that must be contained.
+    /// The weight rho of the containment condition. Left out when the model has no states that must be contained.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub containment_weight: Option<f64>,
     /// Number of the given gain, from 1, that the next four keys are about; left out without given gains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<usize>,
-    /// Weights of (18), r = 1.
-    pub decrease_start: MomentsFile,
-    /// Weights of (18), r = 2.
-    pub decrease_end: MomentsFile,
+    /// Dual multipliers of (18), r = 1.
+    pub decrease_start: Moments,
+    /// Dual multipliers of (18), r = 2.
+    pub decrease_end: Moments,
     /// E[s s'] of r = 2, with the integral's coordinate s: n x n, symmetric.
-    pub integral: Vec<Vec<f64>>,
-    /// Weights of (19), one for each input.
-    pub anti_windup: Vec<InputWeightFile>,
-    /// Weights of further given gains. Gains that do not occur have weight 0.
+    #[serde(with = "As::<Rows>")]
+    pub integral: DMatrix<f64>,
+    /// Dual multipliers of (19), one for each input.
+    pub anti_windup: Vec<InputDual>,
+    /// Dual multipliers of further given gains; those of gains that do not occur are 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub further_gains: Vec<GainWeightsFile>,
-    /// Weights of the region's conditions, in their order.
-    pub region: Vec<RegionWeightFile>,
-    /// Weights of the containment conditions, one for each state: n x n, symmetric.
+    pub further_gains: Vec<GainDuals>,
+    /// Dual multipliers of the region's conditions, in their order.
+    pub region: Vec<RegionDual>,
+    /// Dual multipliers of the containment conditions, one for each state: n x n, symmetric.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub must_contain: Vec<Vec<Vec<f64>>>,
+    #[serde(with = "As::<Vec<Rows>>")]
+    pub must_contain: Vec<DMatrix<f64>>,
 }
 
-/// Weights of the conditions of a given gain beyond the first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct GainWeightsFile {
-    /// Number of the gain, from 1.
-    pub gain: usize,
-    /// Weights of (18), r = 1.
-    pub decrease_start: MomentsFile,
-    /// Weights of (18), r = 2.
-    pub decrease_end: MomentsFile,
-    /// E[s s'] of r = 2: n x n, symmetric.
-    pub integral: Vec<Vec<f64>>,
-    /// E[x s'] of r = 2, n x n.
-    pub state_integral: Vec<Vec<f64>>,
-    /// E[x(t_k^l) s'] of r = 2, n x n.
-    pub sample_integral: Vec<Vec<f64>>,
-    /// Weights of (19), one for each input.
-    pub anti_windup: Vec<InputWeightFile>,
-}
+impl WeightsFile {
+    /// The numbers as a reader of the file gets them, `None` without dual multipliers of a gain or where no file may
+    /// hold them.
+    pub(crate) fn new(duals: DualMultipliers) -> Option<Self> {
+        let contains = !duals.must_contain.is_empty();
+        let given = !duals.given.is_empty();
+        let mut gains = duals.gains.into_iter();
+        let first = gains.next()?;
+        let written = WeightsFile {
+            containment_weight: contains.then_some(duals.containment_weight),
+            gain: given.then_some(first.gain),
+            decrease_start: first.start,
+            decrease_end: first.end,
+            integral: first.integral,
+            anti_windup: first.inputs,
+            further_gains: gains.collect(),
+            region: duals.region,
+            must_contain: duals.must_contain,
+        };
+        serde_json::from_value(serde_json::to_value(written).ok()?).ok()
+    }
 
-/// Weights of (18) at one end of the sampling interval, as second moments of its coordinates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MomentsFile {
-    /// Weights of the vertices that matter; the others' are zero.
-    pub vertices: Vec<VertexWeightFile>,
-    /// E[x x(t_k^l)'], n x n.
-    pub state_sample: Vec<Vec<f64>>,
-    /// E[v x(t_k^l)'], n x n. May be left out for r = 2: it is then what makes the sum independent of
-    /// the multiplier, and the proof needs no bound.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub multiplied_sample: Option<Vec<Vec<f64>>>,
-    /// E[x(t_k^l) x(t_k^l)'], n x n, symmetric.
-    pub sample: Vec<Vec<f64>>,
-    /// E[v tau'], n x d.
-    pub multiplied_disturbance: Vec<Vec<f64>>,
-    /// E[tau tau'], d x d, symmetric.
-    pub disturbance: Vec<Vec<f64>>,
-    /// Moments with the held state w = x(t_k); left out, w = x(t_k^l).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub held: Option<HeldMomentsFile>,
-    /// Moments with the dead zone p; exactly for given gains.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub dead_zone: Option<DeadZoneMomentsFile>,
-}
+    /// The numbers, checked.
+    pub(crate) fn weights(
+        &self,
+        model: &Model,
+        given: &[DMatrix<f64>],
+    ) -> Result<DualMultipliers, ModelError> {
+        // Without them the statement is about every rho.
+        let contained = match self.must_contain.is_empty() && self.containment_weight.is_none() {
+            true => 0,
+            false => model.file.specs.must_contain.len(),
+        };
+        check_length("must_contain", self.must_contain.len(), contained)?;
+        let first = GainDuals {
+            gain: self.first_gain(!given.is_empty())?,
+            start: self.decrease_start.clone(),
+            end: self.decrease_end.clone(),
+            integral: self.integral.clone(),
+            state_integral: None,
+            sample_integral: None,
+            inputs: self.anti_windup.clone(),
+        };
+        if given.is_empty() {
+            check_length("further_gains", self.further_gains.len(), 0)?;
+        }
+        let further = self.further_gains.iter().cloned();
+        let duals = DualMultipliers {
+            given: given.to_vec(),
+            containment_weight: self.containment(contained > 0)?,
+            gains: std::iter::once(first).chain(further).collect(),
+            region: self.region.clone(),
+            must_contain: self.must_contain.clone(),
+        };
+        duals.check(model)?;
+        Ok(duals)
+    }
 
-/// Moments with the dead zone p. m inputs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DeadZoneMomentsFile {
-    /// E[v p'], n x m.
-    pub multiplied_zone: Vec<Vec<f64>>,
-    /// E[w p'], n x m.
-    pub held_zone: Vec<Vec<f64>>,
-    /// E[p p'], m x m, symmetric.
-    pub zone: Vec<Vec<f64>>,
-}
+    /// The first gain; left out exactly where no gains are given.
+    fn first_gain(&self, given: bool) -> Result<usize, ModelError> {
+        match self.gain {
+            Some(gain) if given => Ok(gain),
+            Some(gain) => {
+                let allowed = "left out: no gains are given";
+                Err(ModelError::range("gain", gain as f64, allowed))
+            }
+            None if given => Err(missing("gain", "the number of a gain")),
+            None => Ok(1),
+        }
+    }
 
-/// Weight of (18) at one vertex.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct VertexWeightFile {
-    /// Number of the vertex, from 1.
-    pub vertex: usize,
-    /// Second moments of (x, v), 2n x 2n, symmetric.
-    pub moments: Vec<Vec<f64>>,
-}
-
-/// Moments with the held state w.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct HeldMomentsFile {
-    /// E[v w'], n x n.
-    pub multiplied_held: Vec<Vec<f64>>,
-    /// E[x(t_k^l) w'], n x n.
-    pub sample_held: Vec<Vec<f64>>,
-    /// E[w w'], n x n, symmetric.
-    pub held: Vec<Vec<f64>>,
-}
-
-/// Weight of one condition (19).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct InputWeightFile {
-    /// The block of the state, n x n, symmetric.
-    pub state: Vec<Vec<f64>>,
-    /// The corner.
-    pub unit: f64,
-}
-
-/// Weight of one condition of the region with k rows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RegionWeightFile {
-    /// The block of the state, n x n, symmetric.
-    pub state: Vec<Vec<f64>>,
-    /// The block beside the corner, n x k.
-    pub cross: Vec<Vec<f64>>,
-    /// The corner, k x k, symmetric.
-    pub unit: Vec<Vec<f64>>,
+    fn containment(&self, needed: bool) -> Result<f64, ModelError> {
+        match (needed, self.containment_weight) {
+            (true, Some(weight)) => Ok(weight),
+            (true, None) => Err(missing(
+                "containment_weight",
+                "a number above 0, because the model has must_contain states",
+            )),
+            (false, Some(value)) => {
+                let allowed = "left out: the model has no must_contain states";
+                Err(ModelError::range("containment_weight", value, allowed))
+            }
+            (false, None) => Ok(1.0),
+        }
+    }
 }
 
 impl InfeasibilityFile {
@@ -185,19 +178,13 @@ impl InfeasibilityFile {
     /// proved.
     pub fn from_json(text: &str) -> Result<(Self, Model), FileError> {
         let file: InfeasibilityFile = parse(text, Kind::Infeasibility)?;
-        if file.schema_version != INFEASIBILITY_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: INFEASIBILITY_SCHEMA_VERSION,
-            }
-            .into());
-        }
+        check_version(file.schema_version, INFEASIBILITY_SCHEMA_VERSION)?;
         let model = Model::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.weights(&model)?;
         Ok((file, model))
     }
 
-    /// The given gains whose conditions have weights, numbered from 1: together they cannot hold. Empty
+    /// The given gains whose conditions have dual multipliers, numbered from 1: together they cannot hold. Empty
     /// where no gains are given.
     pub fn blocking_gains(&self) -> Vec<usize> {
         let sets = self.infeasibility.iter();
@@ -217,14 +204,11 @@ impl InfeasibilityFile {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    /// The numbers, every set of weights.
+    /// The numbers, every set of dual multipliers.
     pub fn weights(&self, model: &Model) -> Result<Vec<DualMultipliers>, ModelError> {
         if self.infeasibility.is_empty() {
-            return Err(ModelError::WrongShape {
-                field: "infeasibility".to_string(),
-                found: "0 sets of weights".to_string(),
-                expected: "at least 1".to_string(),
-            });
+            let found = "0 sets of weights";
+            return Err(ModelError::shape("infeasibility", found, "at least 1"));
         }
         let (n, m, _, _) = model.plant.sizes();
         let given = self.gains.iter().enumerate().map(|(index, gain)| {
@@ -245,19 +229,4 @@ impl InfeasibilityFile {
         let sets = self.weights(model)?;
         Ok(sets.iter().map(|weights| refute(model, weights)).collect())
     }
-}
-
-/// Files hold no numbers below 1e-30 but 0.
-const SMALLEST: f64 = 1e-30;
-
-pub(super) fn flushed(value: f64) -> f64 {
-    match value.abs() < SMALLEST {
-        true => 0.0,
-        false => value,
-    }
-}
-
-pub(super) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().map(flushed).collect();
-    (0..matrix.nrows()).map(row).collect()
 }

@@ -1,6 +1,5 @@
 //! Infeasibility certificates: the files that prove that no design exists.
 
-mod convert;
 mod file;
 
-pub use file::{GainWeightsFile, InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};
+pub use file::{InfeasibilityFile, WeightsFile, INFEASIBILITY_SCHEMA_VERSION};

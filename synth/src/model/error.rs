@@ -187,65 +187,55 @@ pub enum ModelError {
 }
 
 impl ModelError {
-    /// The same error with the field's path inside a larger file.
-    pub fn within(self, parent: &str) -> Self {
-        let nested = |field: String| format!("{parent}.{field}");
+    /// The path of the field, where the error has one that can move.
+    pub fn field_mut(&mut self) -> Option<&mut String> {
         match self {
-            ModelError::OutOfRange {
-                field,
-                value,
-                allowed,
-            } => ModelError::OutOfRange {
-                field: nested(field),
-                value,
-                allowed,
-            },
-            ModelError::WrongShape {
-                field,
-                found,
-                expected,
-            } => ModelError::WrongShape {
-                field: nested(field),
-                found,
-                expected,
-            },
-            ModelError::NotSymmetric {
-                field,
-                row,
-                column,
-                value,
-                mirrored,
-            } => ModelError::NotSymmetric {
-                field: nested(field),
-                row,
-                column,
-                value,
-                mirrored,
-            },
-            ModelError::NotPositiveDefinite { field, smallest } => {
-                ModelError::NotPositiveDefinite {
-                    field: nested(field),
-                    smallest,
-                }
-            }
-            ModelError::ControlCharacter {
-                field,
-                position,
-                character,
-            } => ModelError::ControlCharacter {
-                field: nested(field),
-                position,
-                character,
-            },
-            ModelError::Uncovered { field, point } => ModelError::Uncovered {
-                field: nested(field),
-                point,
-            },
-            ModelError::Choice { field, reason } => ModelError::Choice {
-                field: nested(field),
-                reason,
-            },
-            ModelError::SchemaVersion { .. } => self,
+            ModelError::OutOfRange { field, .. }
+            | ModelError::WrongShape { field, .. }
+            | ModelError::NotSymmetric { field, .. }
+            | ModelError::NotPositiveDefinite { field, .. }
+            | ModelError::ControlCharacter { field, .. }
+            | ModelError::Uncovered { field, .. }
+            | ModelError::Choice { field, .. } => Some(field),
+            ModelError::SchemaVersion { .. } => None,
+        }
+    }
+
+    /// The same error with the field's path inside a larger file.
+    pub fn within(mut self, parent: &str) -> Self {
+        if let Some(field) = self.field_mut() {
+            *field = format!("{parent}.{field}");
+        }
+        self
+    }
+
+    /// A number outside its range.
+    pub fn range(field: impl Into<String>, value: f64, allowed: impl Into<String>) -> Self {
+        let (field, allowed) = (field.into(), allowed.into());
+        ModelError::OutOfRange {
+            field,
+            value,
+            allowed,
+        }
+    }
+
+    /// A choice that does not go with another one.
+    pub fn choice(field: impl Into<String>, reason: impl Into<String>) -> Self {
+        let (field, reason) = (field.into(), reason.into());
+        ModelError::Choice { field, reason }
+    }
+
+    /// A list or matrix of the wrong size.
+    pub fn shape(
+        field: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        let (field, found, expected) = (field.into(), found.into(), expected.into());
+        ModelError::WrongShape {
+            field,
+            found,
+            expected,
         }
     }
 }

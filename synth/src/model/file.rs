@@ -3,6 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::bounded::{
+    AngleDeg, As, BelowOne, Finite, InsideUnit, Margin, NonNegative, Percent, Positive, Unit,
+    UpToOne,
+};
+
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
 
@@ -46,18 +51,23 @@ pub enum PlantFile {
 #[serde(deny_unknown_fields)]
 pub struct ExactPlant {
     /// Inertia matrix, symmetric positive definite [kg m^2].
+    #[serde(with = "As::<[[Finite; 3]; 3]>")]
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// How far the true inertia may be from it; known exactly when left out. The design is then proved for
     /// every inertia of the set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia_uncertainty: Option<InertiaUncertaintyFile>,
     /// Torque limit of each axis, above 0 [N m].
+    #[serde(with = "As::<[Positive; 3]>")]
     pub torque_limit_nm: [f64; 3],
     /// Bound on the norm of the disturbance torque, not negative [N m].
+    #[serde(with = "As::<NonNegative>")]
     pub disturbance_bound_nm: f64,
     /// The box: bound on the magnitude of each rate, above 0 [rad/s].
+    #[serde(with = "As::<[Positive; 3]>")]
     pub rate_rad_s: [f64; 3],
     /// The box: smallest scalar part q0 of the error quaternion, in (0, 1].
+    #[serde(with = "As::<UpToOne>")]
     pub q0_min: f64,
 }
 
@@ -67,14 +77,14 @@ pub struct ExactPlant {
 #[serde(deny_unknown_fields)]
 pub struct InertiaUncertaintyFile {
     /// Half-width of each diagonal entry, in percent of it, in [0, 100].
-    #[serde(default)]
+    #[serde(default, with = "As::<Percent>")]
     pub diagonal_percent: f64,
     /// Half-width of each off-diagonal entry, in percent of its magnitude, in [0, 100]; an entry that
     /// is 0 gets no width from it.
-    #[serde(default)]
+    #[serde(default, with = "As::<Percent>")]
     pub off_diagonal_percent: f64,
     /// Added to the half-width of each off-diagonal entry, not negative [kg m^2].
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub off_diagonal_kg_m2: f64,
 }
 
@@ -93,8 +103,10 @@ pub struct VerticesPlant {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_matrix: Option<Vec<Vec<f64>>>,
     /// Saturation level of each input, above 0.
+    #[serde(with = "As::<Vec<Positive>>")]
     pub input_limit: Vec<f64>,
     /// Bound on the norm of the disturbance, not negative.
+    #[serde(with = "As::<NonNegative>")]
     pub disturbance_bound: f64,
     /// The region in which the model holds, |row x| <= bound each; everywhere when empty.
     #[serde(default, rename = "box")]
@@ -109,6 +121,7 @@ pub struct RulesPlant {
     /// What the rules have in common.
     pub system: RulesSystem,
     /// The box in which the rules hold: |x_k| <= bound of each of the n states, each above 0.
+    #[serde(with = "As::<Vec<Positive>>")]
     pub state_bounds: Vec<f64>,
     /// The rules. At every point of the box at least one must have a weight above 0.
     pub rules: Vec<LocalRuleFile>,
@@ -129,10 +142,13 @@ pub enum RulesSystem {
 #[serde(deny_unknown_fields)]
 pub struct RulesSpacecraft {
     /// Inertia matrix, symmetric positive definite [kg m^2].
+    #[serde(with = "As::<[[Finite; 3]; 3]>")]
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// Torque limit of each axis, above 0 [N m].
+    #[serde(with = "As::<[Positive; 3]>")]
     pub torque_limit_nm: [f64; 3],
     /// Bound on the norm of the disturbance torque, not negative [N m].
+    #[serde(with = "As::<NonNegative>")]
     pub disturbance_bound_nm: f64,
 }
 
@@ -149,8 +165,10 @@ pub struct RulesLinear {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_matrix: Option<Vec<Vec<f64>>>,
     /// Saturation level of each input, above 0.
+    #[serde(with = "As::<Vec<Positive>>")]
     pub input_limit: Vec<f64>,
     /// Bound on the norm of the disturbance, not negative.
+    #[serde(with = "As::<NonNegative>")]
     pub disturbance_bound: f64,
 }
 
@@ -180,52 +198,46 @@ pub struct PremiseFile {
     pub is: FuzzySetFile,
 }
 
-/// A fuzzy set, in the unit of its state.
+/// A fuzzy set, in the unit of its state. Corners stand in order and are not all equal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FuzzySetFile {
-    /// Three corners in order: 0 up to `left`, 1 at `peak`, 0 from `right` on.
-    Triangular(TriangularFile),
-    /// Four corners in order: 0 up to `left`, 1 from `left_top` to `right_top`, 0 from `right` on.
-    Trapezoidal(TrapezoidalFile),
+    /// 0 up to `left`, 1 at `peak`, 0 from `right` on; an end that equals the peak is a step.
+    Triangular {
+        /// Where the grade begins to rise.
+        #[serde(with = "As::<Finite>")]
+        left: f64,
+        /// Where it is 1.
+        #[serde(with = "As::<Finite>")]
+        peak: f64,
+        /// Where it is 0 again.
+        #[serde(with = "As::<Finite>")]
+        right: f64,
+    },
+    /// 0 up to `left`, 1 from `left_top` to `right_top`, 0 from `right` on.
+    Trapezoidal {
+        /// Where the grade begins to rise.
+        #[serde(with = "As::<Finite>")]
+        left: f64,
+        /// Where it is first 1.
+        #[serde(with = "As::<Finite>")]
+        left_top: f64,
+        /// Where it is last 1.
+        #[serde(with = "As::<Finite>")]
+        right_top: f64,
+        /// Where it is 0 again.
+        #[serde(with = "As::<Finite>")]
+        right: f64,
+    },
     /// exp(-((x - centre) / width)^2 / 2).
-    Gaussian(GaussianFile),
-}
-
-/// Three corners, in order, not all equal; an end that equals the peak is a step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TriangularFile {
-    /// Where the grade begins to rise.
-    pub left: f64,
-    /// Where it is 1.
-    pub peak: f64,
-    /// Where it is 0 again.
-    pub right: f64,
-}
-
-/// Four corners, in order, not all equal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TrapezoidalFile {
-    /// Where the grade begins to rise.
-    pub left: f64,
-    /// Where it is first 1.
-    pub left_top: f64,
-    /// Where it is last 1.
-    pub right_top: f64,
-    /// Where it is 0 again.
-    pub right: f64,
-}
-
-/// A Gaussian bell.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct GaussianFile {
-    /// Where the grade is 1.
-    pub centre: f64,
-    /// Standard deviation, above 0.
-    pub width: f64,
+    Gaussian {
+        /// Where the grade is 1.
+        #[serde(with = "As::<Finite>")]
+        centre: f64,
+        /// Standard deviation, above 0.
+        #[serde(with = "As::<Positive>")]
+        width: f64,
+    },
 }
 
 /// |row x| <= bound.
@@ -235,6 +247,7 @@ pub struct LinearBound {
     /// Row, n entries.
     pub row: Vec<f64>,
     /// Bound, above 0.
+    #[serde(with = "As::<Positive>")]
     pub bound: f64,
 }
 
@@ -243,24 +256,30 @@ pub struct LinearBound {
 #[serde(deny_unknown_fields)]
 pub struct Specs {
     /// Decay rate phi of the Lyapunov functional, above 0 [1/s].
+    #[serde(with = "As::<Positive>")]
     pub phi_per_s: f64,
     /// Longest sampling interval, above 0 (s).
+    #[serde(with = "As::<Positive>")]
     pub hbar_s: f64,
     /// Shortest sampling interval, above 0 and at most `hbar_s` (s); a hundredth of it when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub hmin_s: Option<f64>,
     /// Largest trigger threshold nu, in [0, 1).
+    #[serde(with = "As::<BelowOne>")]
     pub nu: f64,
-    /// Smallest trigger threshold, in [0, nu]; nu when left out.
+    /// Smallest trigger threshold, at most nu; nu when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<BelowOne>>")]
     pub nu_min: Option<f64>,
     /// How the threshold moves between its bounds; it stays at nu when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threshold_update: Option<ThresholdUpdate>,
     /// Weights eps_1, eps_2, eps_3 of the multiplier; the second above 0.
-    #[serde(default = "unit_weights")]
+    #[serde(default = "unit_weights", with = "As::<[Finite; 3]>")]
     pub eps: [f64; 3],
     /// Largest disturbance weight xi, above 0.
+    #[serde(with = "As::<Positive>")]
     pub xi_max: f64,
     /// What is optimised.
     #[serde(default)]
@@ -276,7 +295,7 @@ pub struct Specs {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchFile>,
     /// Margin of every strict inequality in scaled units, in (0, 0.01].
-    #[serde(default = "default_margin")]
+    #[serde(default = "default_margin", with = "As::<Margin>")]
     pub margin: f64,
 }
 
@@ -285,6 +304,7 @@ pub struct Specs {
 #[serde(deny_unknown_fields)]
 pub struct ThresholdUpdate {
     /// mu_1, mu_2, mu_3.
+    #[serde(with = "As::<[NonNegative; 3]>")]
     pub mu: [f64; 3],
 }
 
@@ -323,6 +343,7 @@ pub enum Mismatch {
     #[default]
     None,
     /// Bound kappa on |zeta_i(t) - zeta_i(t_k)| of every rule i, in [0, 1]. Assumed, not proved.
+    #[serde(with = "As::<Unit>")]
     Kappa(f64),
 }
 
@@ -334,26 +355,32 @@ fn default_margin() -> f64 {
     1e-6
 }
 
-/// What the outer certificate of `--objective both` is for: the same controller on a larger box. The
+/// What the large-set certificate of the objective `both` is for: the same controller on a larger box. The
 /// rest (limits, sampling, threshold, multiplier weights) is that of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OuterSpecs {
-    /// Decay rate phi of the outer functional, above 0 [1/s].
+    /// Decay rate phi of the large-set functional, above 0 [1/s].
+    #[serde(with = "As::<Positive>")]
     pub phi_per_s: f64,
-    /// The outer box: bound on the magnitude of each rate, above 0 [rad/s].
+    /// The box of the large set: bound on the magnitude of each rate, above 0 [rad/s].
+    #[serde(with = "As::<[Positive; 3]>")]
     pub rate_rad_s: [f64; 3],
-    /// The outer box: smallest scalar part q0 of the error quaternion, in (0, 1].
+    /// The box of the large set: smallest scalar part q0 of the error quaternion, in (0, 1].
+    #[serde(with = "As::<UpToOne>")]
     pub q0_min: f64,
-    /// Largest disturbance weight xi of the outer certificate, above 0.
+    /// Largest disturbance weight xi of the large-set certificate, above 0.
+    #[serde(with = "As::<Positive>")]
     pub xi_max: f64,
-    /// States x0 that the outer set must contain, each of 6 entries; at least one.
+    /// States x0 that the large set must contain, each of 6 entries; at least one.
     pub must_contain: Vec<Vec<f64>>,
-    /// Size of the inner set over that of the outer one, in (0, 1]; searched when left out.
+    /// Size of the inner set over that of the large one, in (0, 1]; searched when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<UpToOne>>")]
     pub inner_scale: Option<f64>,
     /// Weight rho of the containment condition in scaled units, above 0; searched when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub containment_weight: Option<f64>,
 }
 
@@ -364,33 +391,43 @@ pub struct OuterSpecs {
 pub struct SearchFile {
     /// Decay rate phi [1/s]; fixed when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub phi_per_s: Option<[f64; 2]>,
     /// Trigger threshold nu, in (0, 1); fixed when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub nu: Option<[f64; 2]>,
     /// The box of a spacecraft: bound on the rate about each axis [rad/s].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub rate_rad_s: Option<[f64; 2]>,
     /// The box of a spacecraft: smallest scalar part q0, in (0, 1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub q0_min: Option<[f64; 2]>,
     /// Multiplier weight eps_1, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub eps_1: Option<[f64; 2]>,
     /// Multiplier weight eps_3, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub eps_3: Option<[f64; 2]>,
     /// Largest disturbance weight xi; up to the model's xi_max when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub xi_max: Option<[f64; 2]>,
     /// Largest gain bound gamma that is accepted, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub gamma_max: Option<f64>,
     /// Largest guaranteed gain that is accepted, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
     pub guaranteed_gain_max: Option<f64>,
     /// Every attitude at rest up to this angle, in (0, 180), must be in the certified set (deg). Spacecraft only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<AngleDeg>>")]
     pub certified_angle_min_deg: Option<f64>,
     /// Most rounds, in 1 to 1000; each solves two programs.
     #[serde(default = "default_rounds")]

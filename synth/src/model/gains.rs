@@ -4,8 +4,9 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::ranges::{check_count, check_line};
-use super::{check_matrix, parse, FileError, Kind, ModelError};
+use super::bounded::{As, Rows};
+use super::ranges::{check_count, check_line, check_shape, check_version};
+use super::{parse, FileError, Kind, ModelError};
 
 /// The version this program reads.
 pub const GAINS_SCHEMA_VERSION: u32 = 1;
@@ -27,64 +28,43 @@ pub struct GainsFile {
     pub source: String,
     /// The gains F_j, each m x n: one for a constant gain; as many as the model has rules for gains
     /// scheduled by its memberships; any other number is analysed for every mixture of them.
-    pub gains: Vec<Vec<Vec<f64>>>,
-}
-
-/// Checked gains.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Gains {
-    /// The file, unchanged.
-    pub file: GainsFile,
-    /// F_j, m x n each.
+    #[serde(with = "As::<Vec<Rows>>")]
     pub gains: Vec<DMatrix<f64>>,
 }
 
-impl Gains {
+impl GainsFile {
     /// Reads and checks the text of a gains file.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
-        Ok(Gains::new(parse(text, Kind::Gains)?)?)
+        let file: GainsFile = parse(text, Kind::Gains)?;
+        file.check()?;
+        Ok(file)
     }
 
-    /// Checks every value.
-    pub fn new(file: GainsFile) -> Result<Self, ModelError> {
-        if file.schema_version != GAINS_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: GAINS_SCHEMA_VERSION,
-            });
+    fn check(&self) -> Result<(), ModelError> {
+        check_version(self.schema_version, GAINS_SCHEMA_VERSION)?;
+        check_line("name", &self.name)?;
+        check_count("gains", "gains", self.gains.len(), MAX_GAINS)?;
+        let Some(first) = self.gains.first() else {
+            return Err(ModelError::shape("gains", "0 gains", "at least 1 gain"));
+        };
+        let mut expected = (None, None);
+        for (index, gain) in self.gains.iter().enumerate() {
+            check_shape(&format!("gains[{index}]"), gain, expected)?;
+            expected = (Some(first.nrows()), Some(first.ncols()));
         }
-        check_line("name", &file.name)?;
-        if file.gains.is_empty() {
-            return Err(ModelError::WrongShape {
-                field: "gains".to_string(),
-                found: "0 gains".to_string(),
-                expected: "at least 1 gain".to_string(),
-            });
-        }
-        check_count("gains", "gains", file.gains.len(), MAX_GAINS)?;
-        let mut gains = Vec::with_capacity(file.gains.len());
-        let mut size = (None, None);
-        for (index, rows) in file.gains.iter().enumerate() {
-            let gain = check_matrix(&format!("gains[{index}]"), rows, size)?;
-            size = (Some(gain.nrows()), Some(gain.ncols()));
-            gains.push(gain);
-        }
-        Ok(Gains { file, gains })
+        Ok(())
     }
 
     /// Refuses gains that are not of the size m x n of a model.
     pub fn check_size(&self, inputs: usize, states: usize) -> Result<(), ModelError> {
-        match self
-            .gains
-            .iter()
-            .find(|gain| gain.shape() != (inputs, states))
-        {
+        let mut gains = self.gains.iter();
+        match gains.find(|gain| gain.shape() != (inputs, states)) {
             None => Ok(()),
-            Some(gain) => Err(ModelError::WrongShape {
-                field: "gains[0]".to_string(),
-                found: format!("{} x {}", gain.nrows(), gain.ncols()),
-                expected: format!("{inputs} x {states} for this model"),
-            }),
+            Some(gain) => Err(ModelError::shape(
+                "gains[0]",
+                format!("{} x {}", gain.nrows(), gain.ncols()),
+                format!("{inputs} x {states} for this model"),
+            )),
         }
     }
 }

@@ -3,7 +3,6 @@
 use nalgebra::Matrix3;
 
 use super::file::InertiaUncertaintyFile;
-use super::ranges::{check_not_negative, require};
 use super::ModelError;
 use crate::fuzzy::{inertia_bounds, ExactSpacecraft, InertiaUncertainty, INERTIA_ENTRIES};
 use verified::definite::{prove_positive_definite, IntervalMatrix};
@@ -12,35 +11,24 @@ use verified::matrix::Matrix;
 
 const FIELD: &str = "plant.exact.inertia_uncertainty";
 
-/// The checked numbers of the file, for a nominal inertia.
+/// The numbers of the file, for a nominal inertia.
 pub(super) fn inertia_uncertainty(
     file: &InertiaUncertaintyFile,
     nominal: &Matrix3<f64>,
 ) -> Result<InertiaUncertainty, ModelError> {
-    for (name, percent) in [
-        ("diagonal_percent", file.diagonal_percent),
-        ("off_diagonal_percent", file.off_diagonal_percent),
-    ] {
-        let ok = (0.0..=100.0).contains(&percent);
-        require(ok, &format!("{FIELD}.{name}"), percent, "in [0, 100]")?;
-    }
-    let amount = file.off_diagonal_kg_m2;
-    check_not_negative(&format!("{FIELD}.off_diagonal_kg_m2"), amount)?;
     let mut products = INERTIA_ENTRIES.iter().filter(|(row, column)| row != column);
     let diagonal = products.all(|&entry| nominal[entry] == 0.0);
-    if diagonal && file.off_diagonal_percent > 0.0 && amount == 0.0 {
-        return Err(ModelError::Choice {
-            field: format!("{FIELD}.off_diagonal_percent"),
-            reason:
-                "every off-diagonal entry of inertia_kg_m2 is 0, and a percentage of 0 is 0; give \
-                     off_diagonal_kg_m2 instead"
-                    .to_string(),
-        });
+    if diagonal && file.off_diagonal_percent > 0.0 && file.off_diagonal_kg_m2 == 0.0 {
+        return Err(ModelError::choice(
+            format!("{FIELD}.off_diagonal_percent"),
+            "every off-diagonal entry of inertia_kg_m2 is 0, and a percentage of 0 is 0; give \
+             off_diagonal_kg_m2 instead",
+        ));
     }
     Ok(InertiaUncertainty {
         diagonal_percent: file.diagonal_percent,
         off_diagonal_percent: file.off_diagonal_percent,
-        off_diagonal_amount: amount,
+        off_diagonal_amount: file.off_diagonal_kg_m2,
     })
 }
 
@@ -55,13 +43,13 @@ pub(super) fn check_set(craft: &ExactSpacecraft) -> Result<(), ModelError> {
         midpoint.symmetric_eigenvalues().min()
     };
     let smallest = bounds.iter().map(smallest).fold(f64::INFINITY, f64::min);
-    Err(ModelError::Choice {
-        field: FIELD.to_string(),
-        reason: format!(
+    Err(ModelError::choice(
+        FIELD,
+        format!(
             "the set must hold positive definite inertias only; the smallest eigenvalue over it may be as \
              low as {smallest:.6} kg m^2"
         ),
-    })
+    ))
 }
 
 fn is_proved(bound: &Matrix<Interval>) -> bool {

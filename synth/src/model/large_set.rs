@@ -2,13 +2,10 @@
 
 use super::error::ModelError;
 use super::file::{ModelFile, Objective, OuterSpecs, PlantFile};
-use super::ranges::{check_count, check_matrix, check_positive, finite, require, MAX_BOUNDS};
+use super::ranges::{check_count, check_matrix, require, MAX_BOUNDS};
 
 pub(super) fn choice(reason: &str) -> ModelError {
-    ModelError::Choice {
-        field: "specs.outer".to_string(),
-        reason: reason.to_string(),
-    }
+    ModelError::choice("specs.outer", reason)
 }
 
 /// The model file with the specifications of the large set in the place of its own.
@@ -18,9 +15,8 @@ pub(super) fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile,
         return Err(choice("needs an 'exact' plant"));
     };
     if exact.inertia_uncertainty.is_some() {
-        return Err(choice(
-            "needs an inertia that is known: no 'inertia_uncertainty'",
-        ));
+        let reason = "needs an inertia that is known: no 'inertia_uncertainty'";
+        return Err(choice(reason));
     }
     exact.rate_rad_s = outer.rate_rad_s;
     exact.q0_min = outer.q0_min;
@@ -43,46 +39,14 @@ pub(super) fn check_large_set(file: &ModelFile) -> Result<(), ModelError> {
     if file.gains != Default::default() {
         return Err(choice("needs a constant gain"));
     }
-    check_positive("specs.outer.phi_per_s", outer.phi_per_s)?;
-    let allowed = "at most 100 / specs.hbar_s";
     let growth = outer.phi_per_s * file.specs.hbar_s;
-    require(
-        growth <= 100.0,
-        "specs.outer.phi_per_s",
-        outer.phi_per_s,
-        allowed,
-    )?;
-    for (axis, &rate) in outer.rate_rad_s.iter().enumerate() {
-        check_positive(&format!("specs.outer.rate_rad_s[{axis}]"), rate)?;
-    }
-    let q0 = outer.q0_min;
-    require(q0 > 0.0 && q0 <= 1.0, "specs.outer.q0_min", q0, "in (0, 1]")?;
-    check_positive("specs.outer.xi_max", outer.xi_max)?;
-    if let Some(scale) = outer.inner_scale {
-        let allowed = "above 0 and at most 1";
-        require(
-            scale > 0.0 && scale <= 1.0,
-            "specs.outer.inner_scale",
-            scale,
-            allowed,
-        )?;
-        finite("specs.outer.inner_scale", scale)?;
-    }
-    if let Some(weight) = outer.containment_weight {
-        check_positive("specs.outer.containment_weight", weight)?;
-    }
-    check_count(
-        "specs.outer.must_contain",
-        "states",
-        outer.must_contain.len(),
-        MAX_BOUNDS,
-    )?;
-    if outer.must_contain.is_empty() {
-        return Err(ModelError::WrongShape {
-            field: "specs.outer.must_contain".to_string(),
-            found: "0 states".to_string(),
-            expected: format!("1 to {MAX_BOUNDS} states"),
-        });
+    let (field, allowed) = ("specs.outer.phi_per_s", "at most 100 / specs.hbar_s");
+    require(growth <= 100.0, field, outer.phi_per_s, allowed)?;
+    let (field, count) = ("specs.outer.must_contain", outer.must_contain.len());
+    check_count(field, "states", count, MAX_BOUNDS)?;
+    if count == 0 {
+        let expected = format!("1 to {MAX_BOUNDS} states");
+        return Err(ModelError::shape(field, "0 states", expected));
     }
     for (index, state) in outer.must_contain.iter().enumerate() {
         let field = format!("specs.outer.must_contain[{index}]");

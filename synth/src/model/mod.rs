@@ -1,5 +1,6 @@
 //! Model files: what an engineer writes.
 
+pub mod bounded;
 mod error;
 mod explain;
 mod file;
@@ -14,15 +15,16 @@ mod validate;
 
 pub use error::{kind_of, readable, FileError, Kind, ModelError};
 pub use file::{
-    ExactPlant, FuzzySetFile, GainForm, GaussianFile, InertiaUncertaintyFile, LinearBound,
-    LocalRuleFile, Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear,
-    RulesPlant, RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, TrapezoidalFile,
-    TriangularFile, VerticesPlant, MODEL_SCHEMA_VERSION,
+    ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,
+    Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear, RulesPlant,
+    RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, VerticesPlant,
+    MODEL_SCHEMA_VERSION,
 };
-pub use gains::{Gains, GainsFile, GAINS_SCHEMA_VERSION};
+pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
 pub use ranges::{
     check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_symmetric, finite, MAX_BOUNDS, MAX_COLUMNS,
+    check_positive_definite, check_shape, check_symmetric, check_version, finite, MAX_BOUNDS,
+    MAX_COLUMNS,
 };
 pub use read::{
     make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,

@@ -15,19 +15,18 @@ pub const MAX_COLUMNS: usize = 24;
 /// The most bounds, states or points in a list.
 pub const MAX_BOUNDS: usize = 256;
 
-fn out_of_range(field: &str, value: f64, allowed: &str) -> ModelError {
-    ModelError::OutOfRange {
-        field: field.to_string(),
-        value,
-        allowed: allowed.to_string(),
-    }
-}
-
 pub(super) fn require(ok: bool, field: &str, value: f64, allowed: &str) -> Result<(), ModelError> {
     if ok && value.is_finite() {
-        Ok(())
-    } else {
-        Err(out_of_range(field, value, allowed))
+        return Ok(());
+    }
+    Err(ModelError::range(field, value, allowed))
+}
+
+/// Refuses a version of a format that is not the one this program reads.
+pub fn check_version(found: u32, expected: u32) -> Result<(), ModelError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(ModelError::SchemaVersion { found, expected }),
     }
 }
 
@@ -68,31 +67,47 @@ pub fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Resul
     if count <= limit {
         return Ok(());
     }
-    Err(ModelError::WrongShape {
-        field: field.to_string(),
-        found: format!("{count} {what}"),
-        expected: format!("at most {limit} {what}"),
-    })
+    let expected = format!("at most {limit} {what}");
+    Err(ModelError::shape(
+        field,
+        format!("{count} {what}"),
+        expected,
+    ))
 }
 
-/// Rows of equal length, all finite, of the given size (`None`: any above 0).
+/// Rows and columns, `None`: any number above 0.
+pub type Size = (Option<usize>, Option<usize>);
+
+fn wrong_size(field: &str, found: String, (rows, columns): Size) -> ModelError {
+    let word = |size: Option<usize>| size.map_or("at least 1".to_string(), |n| n.to_string());
+    ModelError::shape(field, found, format!("{} x {}", word(rows), word(columns)))
+}
+
+/// Refuses a matrix that is not of the given size.
+pub fn check_shape(field: &str, matrix: &DMatrix<f64>, size: Size) -> Result<(), ModelError> {
+    let fits = |found: usize, expected: Option<usize>| found == expected.unwrap_or(found.max(1));
+    let (rows, columns) = matrix.shape();
+    if fits(rows, size.0) && fits(columns, size.1) {
+        return Ok(());
+    }
+    Err(wrong_size(field, format!("{rows} x {columns}"), size))
+}
+
+/// Rows of equal length, all finite, of the given size.
 pub fn check_matrix(
     field: &str,
     rows: &[Vec<f64>],
-    expected: (Option<usize>, Option<usize>),
+    expected: Size,
 ) -> Result<DMatrix<f64>, ModelError> {
     let columns = expected.1.or(rows.first().map(Vec::len)).unwrap_or(0);
-    let wrong = |found: String| ModelError::WrongShape {
-        field: field.to_string(),
-        found,
-        expected: format!("{} x {}", size_word(expected.0), size_word(expected.1)),
-    };
     if rows.is_empty() || columns == 0 || expected.0.is_some_and(|count| count != rows.len()) {
-        return Err(wrong(format!("{} x {columns}", rows.len())));
+        let found = format!("{} x {columns}", rows.len());
+        return Err(wrong_size(field, found, expected));
     }
     if let Some(position) = rows.iter().position(|row| row.len() != columns) {
         let length = rows[position].len();
-        return Err(wrong(format!("{length} entries in row {}", position + 1)));
+        let found = format!("{length} entries in row {}", position + 1);
+        return Err(wrong_size(field, found, expected));
     }
     for (r, row) in rows.iter().enumerate() {
         for (c, &value) in row.iter().enumerate() {
@@ -135,13 +150,47 @@ pub fn check_positive_definite(field: &str, matrix: &DMatrix<f64>) -> Result<(),
     Ok(())
 }
 
-fn size_word(size: Option<usize>) -> String {
-    size.map_or("at least 1".to_string(), |size| size.to_string())
-}
-
 pub(super) fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
     let inertia = check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
     check_positive_definite(field, &inertia)?;
     Ok(Matrix3::from_fn(|r, c| rows[r][c]))
+}
+
+/// What all vertices, or all rules, have in common.
+pub(super) struct SharedMatrices<'a> {
+    pub input: &'a [Vec<f64>],
+    pub disturbance: Option<&'a [Vec<f64>]>,
+    pub output: Option<&'a [Vec<f64>]>,
+    pub input_limit: &'a [f64],
+}
+
+impl SharedMatrices<'_> {
+    /// B, B_w (B when left out) and C (the identity when left out), under the name of their parent.
+    pub fn checked(&self, parent: &str, states: usize) -> Result<[DMatrix<f64>; 3], ModelError> {
+        let field = |key: &str| format!("{parent}.{key}");
+        let tall = (Some(states), None);
+        let input = check_matrix(&field("input_matrix"), self.input, tall)?;
+        let disturbance = match self.disturbance {
+            Some(rows) => check_matrix(&field("disturbance_matrix"), rows, tall)?,
+            None => input.clone(),
+        };
+        let output = match self.output {
+            Some(rows) => check_matrix(&field("output_matrix"), rows, (None, Some(states)))?,
+            None => DMatrix::identity(states, states),
+        };
+        for (key, what, count) in [
+            ("input_matrix", "columns", input.ncols()),
+            ("disturbance_matrix", "columns", disturbance.ncols()),
+            ("output_matrix", "rows", output.nrows()),
+        ] {
+            check_count(&field(key), what, count, MAX_COLUMNS)?;
+        }
+        let (found, expected) = (self.input_limit.len(), input.ncols());
+        if found != expected {
+            let [found, expected] = [found, expected].map(|count| format!("{count} entries"));
+            return Err(ModelError::shape(field("input_limit"), found, expected));
+        }
+        Ok([input, disturbance, output])
+    }
 }

@@ -7,14 +7,13 @@ use super::file::{
     FuzzySetFile, LocalRuleFile, RulesLinear, RulesPlant, RulesSpacecraft, RulesSystem,
 };
 use super::ranges::{
-    check_count, check_inertia, check_matrix, check_not_negative, check_positive, finite, require,
-    MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
+    check_inertia, check_matrix, require, SharedMatrices, MAX_STATES, MAX_VERTICES,
 };
 use super::ModelError;
 use crate::fuzzy::{ExactSpacecraft, RuleModel, VertexSystem};
 
-/// The matrices that all rules share.
-struct SharedMatrices {
+/// What all rules share.
+struct Shared {
     input: DMatrix<f64>,
     disturbance: DMatrix<f64>,
     output: DMatrix<f64>,
@@ -40,9 +39,6 @@ pub fn rule_model(file: &RulesPlant) -> Result<RuleModel, ModelError> {
             format!("{count} rules"),
             format!("1 to {MAX_VERTICES} rules"),
         ));
-    }
-    for (k, &bound) in file.state_bounds.iter().enumerate() {
-        check_positive(&format!("plant.rules.state_bounds[{k}]"), bound)?;
     }
     let shared = match &file.system {
         RulesSystem::Spacecraft(craft) => spacecraft(craft, states)?,
@@ -83,18 +79,7 @@ pub fn rule_model(file: &RulesPlant) -> Result<RuleModel, ModelError> {
 }
 
 fn wrong(field: &str, found: String, expected: String) -> ModelError {
-    ModelError::WrongShape {
-        field: format!("plant.rules.{field}"),
-        found,
-        expected,
-    }
-}
-
-fn choice(field: String, reason: &str) -> ModelError {
-    ModelError::Choice {
-        field,
-        reason: reason.to_string(),
-    }
+    ModelError::shape(format!("plant.rules.{field}"), found, expected)
 }
 
 fn check_cover(model: &RuleModel) -> Result<(), ModelError> {
@@ -102,7 +87,7 @@ fn check_cover(model: &RuleModel) -> Result<(), ModelError> {
     match model.uncovered_point() {
         Ok(None) => Ok(()),
         Ok(Some(point)) => Err(ModelError::Uncovered { field, point }),
-        Err(_) => Err(choice(
+        Err(_) => Err(ModelError::choice(
             field,
             "there are too many overlaps of fuzzy sets to check that every point of the box has a \
              rule; use fewer rules or fewer premises",
@@ -110,7 +95,7 @@ fn check_cover(model: &RuleModel) -> Result<(), ModelError> {
     }
 }
 
-fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<SharedMatrices, ModelError> {
+fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<Shared, ModelError> {
     let field = "plant.rules.system.spacecraft";
     if states != 6 {
         return Err(wrong(
@@ -120,18 +105,13 @@ fn spacecraft(craft: &RulesSpacecraft, states: usize) -> Result<SharedMatrices, 
         ));
     }
     let inertia = check_inertia(&format!("{field}.inertia_kg_m2"), &craft.inertia_kg_m2)?;
-    for (axis, &limit) in craft.torque_limit_nm.iter().enumerate() {
-        check_positive(&format!("{field}.torque_limit_nm[{axis}]"), limit)?;
-    }
-    let bound = craft.disturbance_bound_nm;
-    check_not_negative(&format!("{field}.disturbance_bound_nm"), bound)?;
     let model = body(&inertia).takagi_sugeno();
-    Ok(SharedMatrices {
+    Ok(Shared {
         input: model.input,
         disturbance: model.disturbance,
         output: model.output,
         input_limit: DVector::from_column_slice(&craft.torque_limit_nm),
-        disturbance_bound: bound,
+        disturbance_bound: craft.disturbance_bound_nm,
         inertia: Some(inertia),
     })
 }
@@ -152,44 +132,15 @@ fn frozen(inertia: &Matrix3<f64>, place: &Vector4<f64>) -> DMatrix<f64> {
     body(inertia).state_matrix(place)
 }
 
-fn linear_system(linear: &RulesLinear, states: usize) -> Result<SharedMatrices, ModelError> {
-    let field = "plant.rules.system.linear";
-    let tall = (Some(states), None);
-    let input_field = format!("{field}.input_matrix");
-    let input = check_matrix(&input_field, &linear.input_matrix, tall)?;
-    let disturbance_field = format!("{field}.disturbance_matrix");
-    let disturbance = match &linear.disturbance_matrix {
-        Some(rows) => check_matrix(&disturbance_field, rows, tall)?,
-        None => input.clone(),
+fn linear_system(linear: &RulesLinear, states: usize) -> Result<Shared, ModelError> {
+    let shared = SharedMatrices {
+        input: &linear.input_matrix,
+        disturbance: linear.disturbance_matrix.as_deref(),
+        output: linear.output_matrix.as_deref(),
+        input_limit: &linear.input_limit,
     };
-    let output_field = format!("{field}.output_matrix");
-    let output = match &linear.output_matrix {
-        Some(rows) => check_matrix(&output_field, rows, (None, Some(states)))?,
-        None => DMatrix::identity(states, states),
-    };
-    check_count(&input_field, "columns", input.ncols(), MAX_COLUMNS)?;
-    check_count(
-        &disturbance_field,
-        "columns",
-        disturbance.ncols(),
-        MAX_COLUMNS,
-    )?;
-    check_count(&output_field, "rows", output.nrows(), MAX_COLUMNS)?;
-    if linear.input_limit.len() != input.ncols() {
-        return Err(wrong(
-            "system.linear.input_limit",
-            format!("{} entries", linear.input_limit.len()),
-            format!("{} entries", input.ncols()),
-        ));
-    }
-    for (i, &limit) in linear.input_limit.iter().enumerate() {
-        check_positive(&format!("{field}.input_limit[{i}]"), limit)?;
-    }
-    check_not_negative(
-        &format!("{field}.disturbance_bound"),
-        linear.disturbance_bound,
-    )?;
-    Ok(SharedMatrices {
+    let [input, disturbance, output] = shared.checked("plant.rules.system.linear", states)?;
+    Ok(Shared {
         input,
         disturbance,
         output,
@@ -206,14 +157,15 @@ fn premises(field: &str, rule: &LocalRuleFile, states: usize) -> Result<Vec<Fuzz
         let number = premise.state;
         let known = number.checked_sub(1).and_then(|k| sets.get_mut(k));
         let Some(set) = known else {
-            return Err(ModelError::OutOfRange {
-                field: format!("{field}.state"),
-                value: number as f64,
-                allowed: format!("a state from 1 to {states}"),
-            });
+            let allowed = format!("a state from 1 to {states}");
+            return Err(ModelError::range(
+                format!("{field}.state"),
+                number as f64,
+                allowed,
+            ));
         };
         if *set != FuzzySet::Any {
-            return Err(choice(
+            return Err(ModelError::choice(
                 format!("{field}.state"),
                 "the rule has a premise for this state already; one for each state is allowed",
             ));
@@ -223,73 +175,55 @@ fn premises(field: &str, rule: &LocalRuleFile, states: usize) -> Result<Vec<Fuzz
     Ok(sets)
 }
 
+/// A fuzzy set whose corners are in order and not all equal.
 fn fuzzy_set(field: &str, file: &FuzzySetFile) -> Result<FuzzySet, ModelError> {
     let ordered = |name: &str, corners: &[(&str, f64)]| -> Result<(), ModelError> {
-        for (key, value) in corners {
-            finite(&format!("{field}.{name}.{key}"), *value)?;
-        }
+        let path = |key: &str| format!("{field}.{name}.{key}");
         for pair in corners.windows(2) {
-            let (key, value) = pair[1];
-            let allowed = format!("{} or above, its left neighbour", pair[0].1);
-            let path = format!("{field}.{name}.{key}");
-            require(value >= pair[0].1, &path, value, &allowed)?;
+            let [(_, left), (key, value)] = [pair[0], pair[1]];
+            let allowed = format!("{left} or above, its left neighbour");
+            require(value >= left, &path(key), value, &allowed)?;
         }
-        let (first, last) = (corners[0], corners[corners.len() - 1]);
-        let path = format!("{field}.{name}.{}", last.0);
-        require(
-            last.1 > first.1,
-            &path,
-            last.1,
-            &format!("above {}", first.1),
-        )
+        let ((_, first), (key, last)) = (corners[0], corners[corners.len() - 1]);
+        require(last > first, &path(key), last, &format!("above {first}"))
     };
-    match file {
-        FuzzySetFile::Triangular(set) => {
-            let corners = [("left", set.left), ("peak", set.peak), ("right", set.right)];
+    Ok(match *file {
+        FuzzySetFile::Triangular { left, peak, right } => {
+            let corners = [("left", left), ("peak", peak), ("right", right)];
             ordered("triangular", &corners)?;
-            Ok(FuzzySet::Triangular {
-                left: set.left,
-                peak: set.peak,
-                right: set.right,
-            })
+            FuzzySet::Triangular { left, peak, right }
         }
-        FuzzySetFile::Trapezoidal(set) => {
-            let corners = [
-                ("left", set.left),
-                ("left_top", set.left_top),
-                ("right_top", set.right_top),
-                ("right", set.right),
-            ];
+        FuzzySetFile::Trapezoidal {
+            left,
+            left_top,
+            right_top,
+            right,
+        } => {
+            let tops = [("left_top", left_top), ("right_top", right_top)];
+            let corners = [("left", left), tops[0], tops[1], ("right", right)];
             ordered("trapezoidal", &corners)?;
-            Ok(FuzzySet::Trapezoidal {
-                left: set.left,
-                left_top: set.left_top,
-                right_top: set.right_top,
-                right: set.right,
-            })
+            FuzzySet::Trapezoidal {
+                left,
+                left_top,
+                right_top,
+                right,
+            }
         }
-        FuzzySetFile::Gaussian(set) => {
-            finite(&format!("{field}.gaussian.centre"), set.centre)?;
-            check_positive(&format!("{field}.gaussian.width"), set.width)?;
-            Ok(FuzzySet::Gaussian {
-                centre: set.centre,
-                width: set.width,
-            })
-        }
-    }
+        FuzzySetFile::Gaussian { centre, width } => FuzzySet::Gaussian { centre, width },
+    })
 }
 
 /// (omega, q0) of an operating point; q0 is the double that `sqrt(1 - |q|^2)` gives, and that double is
 /// what the model means.
 fn operating_point(field: &str, rule: &LocalRuleFile) -> Result<Vector4<f64>, ModelError> {
     if rule.state_matrix.is_some() {
-        return Err(choice(
+        return Err(ModelError::choice(
             format!("{field}.state_matrix"),
             "the system is a spacecraft; its rules have an 'operating_point' instead",
         ));
     }
     let Some(point) = &rule.operating_point else {
-        return Err(choice(
+        return Err(ModelError::choice(
             field.to_string(),
             "the system is a spacecraft; each rule needs an 'operating_point' of 6 numbers",
         ));
@@ -314,13 +248,13 @@ fn state_matrix(
     states: usize,
 ) -> Result<DMatrix<f64>, ModelError> {
     if rule.operating_point.is_some() {
-        return Err(choice(
+        return Err(ModelError::choice(
             format!("{field}.operating_point"),
             "the system is linear; its rules have a 'state_matrix' instead",
         ));
     }
     let Some(rows) = &rule.state_matrix else {
-        return Err(choice(
+        return Err(ModelError::choice(
             field.to_string(),
             "the system is linear; each rule needs a 'state_matrix'",
         ));

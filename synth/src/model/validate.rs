@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::bounded::within_ranges;
 use super::file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, PlantFile, Specs, VerticesPlant,
     MODEL_SCHEMA_VERSION,
@@ -9,8 +10,8 @@ use super::file::{
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::ranges::{
-    check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
-    finite, require, MAX_BOUNDS, MAX_COLUMNS, MAX_STATES, MAX_VERTICES,
+    check_count, check_inertia, check_line, check_matrix, check_positive, check_version, require,
+    SharedMatrices, MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
 };
 use super::rules::rule_model;
 use super::search::check_search;
@@ -30,23 +31,19 @@ pub struct Model {
 impl Model {
     /// Reads and checks the text of a model file.
     pub fn from_json(text: &str) -> Result<Self, FileError> {
-        Ok(Model::new(parse(text, Kind::Model)?)?)
+        Ok(Model::of_ranges(parse(text, Kind::Model)?)?)
     }
 
     /// Checks every value of a model file.
     pub fn new(file: ModelFile) -> Result<Self, ModelError> {
-        if file.schema_version != MODEL_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: MODEL_SCHEMA_VERSION,
-            });
-        }
+        Model::of_ranges(within_ranges(&file)?)
+    }
+
+    /// Checks what the ranges of single numbers leave open.
+    fn of_ranges(file: ModelFile) -> Result<Self, ModelError> {
+        check_version(file.schema_version, MODEL_SCHEMA_VERSION)?;
         check_line("name", &file.name)?;
-        let plant = match &file.plant {
-            PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
-            PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
-            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
-        };
+        let plant = Plant::of_ranges(&file.plant)?;
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
         check_large_set(&file)?;
@@ -90,8 +87,8 @@ impl Model {
         task
     }
 
-    /// The model of the large-set certificate: the same plant on the outer box, with the outer decay rate,
-    /// weight bound and start states.
+    /// The model of the large-set certificate: the same plant on the box of the large set, with its decay rate, weight
+    /// bound and start states.
     ///
     /// # Errors
     /// No `specs.outer`, or a plant that is not `exact`.
@@ -106,15 +103,31 @@ impl Model {
     }
 }
 
+impl Plant {
+    /// Checks every value of a plant alone; errors are those of a model file.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    pub fn new(file: &PlantFile) -> Result<Self, ModelError> {
+        Plant::of_ranges(&within_ranges(file).map_err(|error| error.within("plant"))?)
+    }
+
+    /// Checks what the ranges of single numbers leave open.
+    fn of_ranges(file: &PlantFile) -> Result<Self, ModelError> {
+        Ok(match file {
+            PlantFile::Exact(exact) => Plant::Spacecraft(spacecraft(exact)?),
+            PlantFile::Vertices(vertices) => Plant::Vertices(vertex_system(vertices)?),
+            PlantFile::Rules(rules) => Plant::Rules(rule_model(rules)?),
+        })
+    }
+}
+
 /// Largest number of rules with a gain each.
 pub const MAX_SCHEDULED_RULES: usize = 16;
 
 /// Gains and mismatch must go together, and scheduling needs memberships.
 fn check_gain_form(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
-    let refuse = |field: &str, reason: String| {
-        let field = field.to_string();
-        Err(ModelError::Choice { field, reason })
-    };
+    let refuse = |field: &str, reason: String| Err(ModelError::choice(field, reason));
     match (file.gains, file.mismatch) {
         (GainForm::Constant, Mismatch::None) => return Ok(()),
         (GainForm::Constant, Mismatch::Kappa(_)) => {
@@ -127,14 +140,7 @@ fn check_gain_form(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
                           gain; use {\"kappa\": ..} here, or constant gains";
             return refuse("mismatch", reason.to_string());
         }
-        (GainForm::Scheduled, Mismatch::Kappa(kappa)) => {
-            require(
-                (0.0..=1.0).contains(&kappa),
-                "mismatch.kappa",
-                kappa,
-                "in [0, 1]",
-            )?;
-        }
+        (GainForm::Scheduled, Mismatch::Kappa(_)) => {}
     }
     if plant.has_uncertain_inertia() {
         let reason = "scheduled gains are designed for a known inertia only; with \
@@ -160,16 +166,6 @@ fn check_gain_form(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
 
 fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
     let inertia = check_inertia("plant.exact.inertia_kg_m2", &exact.inertia_kg_m2)?;
-    for axis in 0..3 {
-        let torque = format!("plant.exact.torque_limit_nm[{axis}]");
-        check_positive(&torque, exact.torque_limit_nm[axis])?;
-        let rate = format!("plant.exact.rate_rad_s[{axis}]");
-        check_positive(&rate, exact.rate_rad_s[axis])?;
-    }
-    let disturbance = "plant.exact.disturbance_bound_nm";
-    check_not_negative(disturbance, exact.disturbance_bound_nm)?;
-    let q0 = exact.q0_min;
-    require(q0 > 0.0 && q0 <= 1.0, "plant.exact.q0_min", q0, "in (0, 1]")?;
     let inertia_uncertainty = match &exact.inertia_uncertainty {
         Some(file) => inertia_uncertainty(file, &inertia)?,
         None => Default::default(),
@@ -180,7 +176,7 @@ fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
         torque_limit: Vector3::from(exact.torque_limit_nm),
         disturbance_bound: exact.disturbance_bound_nm,
         rate_bound: Vector3::from(exact.rate_rad_s),
-        scalar_part_min: q0,
+        scalar_part_min: exact.q0_min,
     };
     check_set(&craft)?;
     Ok(craft)
@@ -190,82 +186,42 @@ fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
 pub fn check_state_matrices(matrices: &[Vec<Vec<f64>>]) -> Result<Vec<DMatrix<f64>>, ModelError> {
     let count = matrices.len();
     let states = matrices.first().map_or(0, Vec::len);
-    let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
-        field: format!("plant.vertices.{field}"),
-        found,
-        expected,
-    };
+    let field = "plant.vertices.state_matrices";
     if count == 0 || count > MAX_VERTICES {
         let expected = format!("1 to {MAX_VERTICES} matrices");
-        return Err(wrong(
-            "state_matrices",
+        return Err(ModelError::shape(
+            field,
             format!("{count} matrices"),
             expected,
         ));
     }
     if states == 0 || states > MAX_STATES {
-        let expected = format!("1 to {MAX_STATES} states");
-        return Err(wrong(
-            "state_matrices[0]",
-            format!("{states} rows"),
-            expected,
-        ));
+        let (field, expected) = (format!("{field}[0]"), format!("1 to {MAX_STATES} states"));
+        return Err(ModelError::shape(field, format!("{states} rows"), expected));
     }
     let square = (Some(states), Some(states));
-    let checked = matrices.iter().enumerate().map(|(i, rows)| {
-        check_matrix(&format!("plant.vertices.state_matrices[{i}]"), rows, square)
-    });
+    let checked = matrices.iter().enumerate();
+    let checked = checked.map(|(i, rows)| check_matrix(&format!("{field}[{i}]"), rows, square));
     checked.collect()
 }
 
 fn vertex_system(file: &VerticesPlant) -> Result<VertexSystem, ModelError> {
-    let wrong = |field: &str, found: String, expected: String| ModelError::WrongShape {
-        field: format!("plant.vertices.{field}"),
-        found,
-        expected,
-    };
     let state_matrices = check_state_matrices(&file.state_matrices)?;
     let states = file.state_matrices[0].len();
-    let tall = (Some(states), None);
-    let input = check_matrix("plant.vertices.input_matrix", &file.input_matrix, tall)?;
-    let disturbance = match &file.disturbance_matrix {
-        Some(rows) => check_matrix("plant.vertices.disturbance_matrix", rows, tall)?,
-        None => input.clone(),
+    let shared = SharedMatrices {
+        input: &file.input_matrix,
+        disturbance: file.disturbance_matrix.as_deref(),
+        output: file.output_matrix.as_deref(),
+        input_limit: &file.input_limit,
     };
-    let output = match &file.output_matrix {
-        Some(rows) => check_matrix("plant.vertices.output_matrix", rows, (None, Some(states)))?,
-        None => DMatrix::identity(states, states),
-    };
-    for (field, count) in [
-        ("plant.vertices.input_matrix", input.ncols()),
-        ("plant.vertices.disturbance_matrix", disturbance.ncols()),
-    ] {
-        check_count(field, "columns", count, MAX_COLUMNS)?;
-    }
-    check_count(
-        "plant.vertices.output_matrix",
-        "rows",
-        output.nrows(),
-        MAX_COLUMNS,
-    )?;
-    if file.input_limit.len() != input.ncols() {
-        let found = format!("{} entries", file.input_limit.len());
-        return Err(wrong(
-            "input_limit",
-            found,
-            format!("{} entries", input.ncols()),
-        ));
-    }
-    for (i, &limit) in file.input_limit.iter().enumerate() {
-        check_positive(&format!("plant.vertices.input_limit[{i}]"), limit)?;
-    }
-    check_not_negative("plant.vertices.disturbance_bound", file.disturbance_bound)?;
+    let [input_matrix, disturbance_matrix, output_matrix] =
+        shared.checked("plant.vertices", states)?;
     let (box_rows, box_bounds) = check_bounds("plant.vertices.box", &file.region, states)?;
     Ok(VertexSystem {
         state_matrices,
-        input_matrix: input,
-        disturbance_matrix: disturbance,
-        output_matrix: output,
+        input_matrix,
+        disturbance_matrix,
+        output_matrix,
         input_limit: DVector::from_column_slice(&file.input_limit),
         disturbance_bound: file.disturbance_bound,
         box_rows,
@@ -287,65 +243,28 @@ pub fn check_bounds(
         let field = format!("{field}[{i}]");
         let row = std::slice::from_ref(&bound.row);
         let row = check_matrix(&format!("{field}.row"), row, (Some(1), Some(states)))?;
-        check_positive(&format!("{field}.bound"), bound.bound)?;
         rows.row_mut(i).copy_from(&row.row(0));
         bounds[i] = bound.bound;
     }
     Ok((rows, bounds))
 }
 
+/// What must hold between the numbers of the specifications.
 fn check_specs(specs: &Specs, states: usize) -> Result<(), ModelError> {
-    check_positive("specs.phi_per_s", specs.phi_per_s)?;
-    check_positive("specs.hbar_s", specs.hbar_s)?;
-    let growth = specs.phi_per_s * specs.hbar_s;
-    require(
-        growth <= 100.0,
-        "specs.hbar_s",
-        specs.hbar_s,
-        "at most 100 / phi_per_s",
-    )?;
+    let ok = specs.phi_per_s * specs.hbar_s <= 100.0;
+    let allowed = "at most 100 / phi_per_s";
+    require(ok, "specs.hbar_s", specs.hbar_s, allowed)?;
     if let Some(hmin) = specs.hmin_s {
         let allowed = "above 0 and at most hbar_s";
-        require(
-            hmin > 0.0 && hmin <= specs.hbar_s,
-            "specs.hmin_s",
-            hmin,
-            allowed,
-        )?;
+        require(hmin <= specs.hbar_s, "specs.hmin_s", hmin, allowed)?;
     }
-    require(
-        (0.0..1.0).contains(&specs.nu),
-        "specs.nu",
-        specs.nu,
-        "in [0, 1)",
-    )?;
     if let Some(nu_min) = specs.nu_min {
-        let ok = (0.0..=specs.nu).contains(&nu_min);
+        let ok = nu_min <= specs.nu;
         require(ok, "specs.nu_min", nu_min, "in [0, nu]")?;
     }
-    if let Some(update) = &specs.threshold_update {
-        for (i, &mu) in update.mu.iter().enumerate() {
-            check_not_negative(&format!("specs.threshold_update.mu[{i}]"), mu)?;
-        }
-    }
-    for (i, &weight) in specs.eps.iter().enumerate() {
-        finite(&format!("specs.eps[{i}]"), weight)?;
-    }
     check_positive("specs.eps[1]", specs.eps[1])?;
-    check_positive("specs.xi_max", specs.xi_max)?;
-    let margin = specs.margin;
-    require(
-        margin > 0.0 && margin <= 0.01,
-        "specs.margin",
-        margin,
-        "in (0, 0.01]",
-    )?;
-    check_count(
-        "specs.must_contain",
-        "states",
-        specs.must_contain.len(),
-        MAX_BOUNDS,
-    )?;
+    let count = specs.must_contain.len();
+    check_count("specs.must_contain", "states", count, MAX_BOUNDS)?;
     for (i, state) in specs.must_contain.iter().enumerate() {
         let field = format!("specs.must_contain[{i}]");
         check_matrix(&field, std::slice::from_ref(state), (Some(1), Some(states)))?;

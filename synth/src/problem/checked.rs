@@ -12,8 +12,8 @@ use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SATURATED_INPUTS};
 use crate::conditions::state_feedback::VertexPlant;
 use crate::model::{
-    check_bounds, check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_state_matrices, parse, FileError, Kind, ModelError, MAX_BOUNDS,
+    check_bounds, check_count, check_line, check_matrix, check_positive_definite,
+    check_state_matrices, check_version, parse, FileError, Kind, ModelError, MAX_BOUNDS,
     MAX_COLUMNS,
 };
 
@@ -36,21 +36,14 @@ impl Problem {
         Ok(Problem::new(parse(text, Kind::Problem)?)?)
     }
 
-    /// Checks every value of a problem file.
-    pub fn new(file: ProblemFile) -> Result<Self, ModelError> {
-        if file.schema_version != PROBLEM_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: PROBLEM_SCHEMA_VERSION,
-            });
-        }
+    /// Checks what the ranges of single numbers leave open.
+    pub(super) fn new(file: ProblemFile) -> Result<Self, ModelError> {
+        check_version(file.schema_version, PROBLEM_SCHEMA_VERSION)?;
         check_line("name", &file.name)?;
         let ProblemPlantFile::Vertices(hull) = &file.plant;
         let plant = check_plant(hull, file.gain.as_deref())?;
         let task = match &file.problem {
             ProblemKindFile::QuadraticStabilisation(requested) => {
-                let field = "problem.quadratic_stabilisation.decay_rate_per_s";
-                check_not_negative(field, requested.decay_rate_per_s)?;
                 DesignTask::QuadraticStabilisation(QuadraticStabilisation {
                     decay_rate: requested.decay_rate_per_s,
                 })
@@ -129,16 +122,10 @@ fn check_region(
         MAX_SATURATED_INPUTS,
     )?;
     if requested.input_limit.len() != m {
-        return Err(ModelError::WrongShape {
-            field: field("input_limit"),
-            found: format!("{} entries", requested.input_limit.len()),
-            expected: format!("{m} entries, one for each input"),
-        });
+        let found = format!("{} entries", requested.input_limit.len());
+        let expected = format!("{m} entries, one for each input");
+        return Err(ModelError::shape(field("input_limit"), found, expected));
     }
-    for (s, &limit) in requested.input_limit.iter().enumerate() {
-        check_positive(&field(&format!("input_limit[{s}]")), limit)?;
-    }
-    check_not_negative(&field("decay_rate_per_s"), requested.decay_rate_per_s)?;
     let reference = match &requested.reference {
         None => ReferenceSet::Ellipsoid(DMatrix::identity(n, n)),
         Some(ReferenceFile::Ellipsoid(rows)) => {
@@ -168,11 +155,8 @@ fn check_points(field: &str, points: &[Vec<f64>], n: usize) -> Result<ReferenceS
         .row_iter()
         .position(|row| row.iter().all(|&x| x == 0.0))
     {
-        return Err(ModelError::OutOfRange {
-            field: format!("{field}[{zero}]"),
-            value: 0.0,
-            allowed: "a point with an entry that is not 0".to_string(),
-        });
+        let allowed = "a point with an entry that is not 0";
+        return Err(ModelError::range(format!("{field}[{zero}]"), 0.0, allowed));
     }
     let points = matrix
         .row_iter()

@@ -10,9 +10,9 @@ use super::checked::Problem;
 use super::file::ProblemFile;
 use crate::certify::{judge_all, Report};
 use crate::conditions::state_feedback::StateFeedback;
-use crate::design::{rows, SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
+use crate::design::{rows, symmetric, SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::model::{
-    check_matrix, check_positive, check_symmetric, parse, FileError, Kind, ModelError,
+    check_matrix, check_positive, check_version, parse, FileError, Kind, ModelError,
 };
 
 /// A state feedback with its proof. Every number stands once: what is asked is in the model, what flies
@@ -32,7 +32,7 @@ pub struct ProblemDesignFile {
     pub certificate: ProofFile,
     /// The outcome of the check when the file was written. A reader does not trust it: `verify`
     /// checks again.
-    pub verdict: VerdictFile,
+    pub verdict: Report,
     /// What made the file.
     pub provenance: ProblemProvenance,
 }
@@ -77,13 +77,7 @@ impl ProblemDesignFile {
     /// Reads the text of a design file; shapes and ranges are checked, nothing is proved.
     pub fn from_json(text: &str) -> Result<(Self, Problem), FileError> {
         let file: ProblemDesignFile = parse(text, Kind::ProblemDesign)?;
-        if file.schema_version != DESIGN_SCHEMA_VERSION {
-            return Err(ModelError::SchemaVersion {
-                found: file.schema_version,
-                expected: DESIGN_SCHEMA_VERSION,
-            }
-            .into());
-        }
+        check_version(file.schema_version, DESIGN_SCHEMA_VERSION)?;
         let problem = Problem::new(file.model.clone()).map_err(|error| error.within("model"))?;
         file.feedback(&problem)?;
         Ok((file, problem))
@@ -102,17 +96,13 @@ impl ProblemDesignFile {
         let gain = check_matrix("controller.gain", &self.controller.gain, flat)?;
         check_given_gain(problem, &gain)?;
         let part = &self.certificate;
-        let lyapunov = check_matrix("certificate.lyapunov", &part.lyapunov, (Some(n), Some(n)))?;
-        check_symmetric("certificate.lyapunov", &lyapunov)?;
+        let lyapunov = symmetric("certificate.lyapunov", &part.lyapunov, n)?;
         check_positive("certificate.guarantee", part.guarantee)?;
         let expected: Vec<&str> = problem.task.auxiliary_gains().to_vec();
         if !part.auxiliary.keys().eq(expected.iter()) {
             let found: Vec<&str> = part.auxiliary.keys().map(String::as_str).collect();
-            return Err(ModelError::WrongShape {
-                field: "certificate.auxiliary".to_string(),
-                found: listed(&found),
-                expected: listed(&expected),
-            });
+            let (found, expected) = (listed(&found), listed(&expected));
+            return Err(ModelError::shape("certificate.auxiliary", found, expected));
         }
         let auxiliary = part.auxiliary.iter().map(|(name, rows)| {
             let field = format!("certificate.auxiliary.{name}");
@@ -149,11 +139,9 @@ fn check_given_gain(problem: &Problem, gain: &DMatrix<f64>) -> Result<(), ModelE
     let places = (0..gain.nrows()).flat_map(|r| (0..gain.ncols()).map(move |c| (r, c)));
     for (r, c) in places {
         if gain[(r, c)] != given[(r, c)] {
-            return Err(ModelError::OutOfRange {
-                field: format!("controller.gain[{r}][{c}]"),
-                value: gain[(r, c)],
-                allowed: format!("{}, as in model.gain", given[(r, c)]),
-            });
+            let field = format!("controller.gain[{r}][{c}]");
+            let allowed = format!("{}, as in model.gain", given[(r, c)]);
+            return Err(ModelError::range(field, gain[(r, c)], allowed));
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use crate::certify::theorem1::Statement;
 use crate::conditions::state_feedback::{DesignProblem, VertexPlant};
 use sdp::centre::centred;
 use sdp::exclusion::exclude;
-use sdp::lmi::{svec_index, Cone, Semidefinite};
+use sdp::lmi::{dual_matrix, dual_trace, svec_index, Cone, Semidefinite};
 use sdp::solve::Solution;
 use verified::interval::Interval;
 use verified::matrix::Matrix;
@@ -95,7 +95,7 @@ fn refutes<P: DesignProblem>(
         let name = format!("decay vertex {}", vertex + 1);
         let index = problem.cones.iter().position(|cone| cone.name == name)?;
         let dual = multipliers.get(index)?;
-        let z = DMatrix::from_fn(n, n, |r, c| dual[svec_index(r.min(c), r.max(c))]);
+        let z = dual_matrix(n, dual);
         let definite = z.iter().all(|entry| entry.is_finite()) && proved(name, Matrix::exactly(&z));
         definite.then_some(z)
     };
@@ -114,10 +114,10 @@ fn refutes<P: DesignProblem>(
 /// The centred dual matrices of the cones that carry the dual solution, zero for all others. A matrix that must vanish,
 /// such as that of a bound on the objective, has no middle and would spoil the others'.
 fn carried_only(problem: &Semidefinite, duals: &[Vec<f64>], target: f64) -> Option<Vec<Vec<f64>>> {
-    let trace = |(cone, dual): (&Cone, &Vec<f64>)| -> f64 {
-        (0..cone.side).map(|k| dual[svec_index(k, k)]).sum()
-    };
-    let traces: Vec<f64> = problem.cones.iter().zip(duals).map(trace).collect();
+    let cones = problem.cones.iter().zip(duals);
+    let traces: Vec<f64> = cones
+        .map(|(cone, dual)| dual_trace(cone.side, dual))
+        .collect();
     let least = NEGLIGIBLE * traces.iter().sum::<f64>();
     let carries = |index: &usize| traces[*index] > least;
     let kept: Vec<usize> = (0..traces.len()).filter(carries).collect();

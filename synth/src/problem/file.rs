@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model::bounded::{As, NonNegative, Positive};
 use crate::model::LinearBound;
 
 /// The version this program reads and writes.
@@ -63,7 +64,7 @@ pub enum ProblemKindFile {
 #[serde(deny_unknown_fields)]
 pub struct QuadraticStabilisationFile {
     /// Decay rate alpha of the state, 0 or above [1/s].
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub decay_rate_per_s: f64,
 }
 
@@ -88,9 +89,10 @@ pub struct HInfinityFile {
 #[serde(deny_unknown_fields)]
 pub struct SaturatedRegionFile {
     /// Saturation level of each input, above 0.
+    #[serde(with = "As::<Vec<Positive>>")]
     pub input_limit: Vec<f64>,
     /// Decay rate alpha of the state inside the region, 0 or above [1/s].
-    #[serde(default)]
+    #[serde(default, with = "As::<NonNegative>")]
     pub decay_rate_per_s: f64,
     /// What is blown up; the unit ball when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

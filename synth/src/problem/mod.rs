@@ -9,7 +9,6 @@ mod checked;
 mod design;
 mod exclusion;
 mod file;
-mod outcome;
 mod program;
 mod run;
 
@@ -20,9 +19,8 @@ pub use file::{
     HInfinityFile, HullFile, ProblemFile, ProblemKindFile, ProblemPlantFile,
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
 };
-pub use outcome::{ProblemFailure, ProblemOutcome, ProblemSynthesized};
 pub use program::first_program;
-pub use run::synthesize;
+pub use run::{synthesize, ProblemFailure, ProblemOutcome, ProblemSynthesized};
 
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;

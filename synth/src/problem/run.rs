@@ -6,20 +6,36 @@ use nalgebra::DMatrix;
 
 use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
-use super::exclusion::infeasibility_proof;
-use super::outcome::{ProblemFailure, ProblemOutcome, ProblemSynthesized};
+use super::exclusion::{infeasibility_proof, InfeasibilityProof};
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
 use super::{with_problem, DesignTask};
-use crate::certify::Verdict;
 use crate::conditions::state_feedback::{
     DesignProblem, StateFeedback, Transformed, Units, VertexPlant,
 };
-use crate::design::{SolverRun, VerdictFile, DESIGN_SCHEMA_VERSION};
+use crate::design::{SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, generator, now, run_solver, sha256_of, SolveRequest, SynthesisError,
+    blocking, has_point, largest_magnitude, now, sha256_of, Decision, Form, Outcome, Recorded,
+    Session, SynthesisError, Synthesized, GENERATOR,
 };
-use sdp::solve::{alternative, Backend, Observer, Solution, Status};
+use crate::synthesis::{Attempts, Smallest, Synthesis};
+use sdp::solve::{Backend, Observer, Solution};
+
+/// A feedback and how it was found.
+pub type ProblemSynthesized = Synthesized<ProblemDesignFile>;
+
+/// Why there is no feedback; with the proof that there is no solution, where there is one.
+/// [`InfeasibilityProof::conclusive`] says whether it needs no bound that matters.
+pub type ProblemFailure = Decision<Option<InfeasibilityProof>>;
+
+/// The outcome of a synthesis.
+pub type ProblemOutcome = Outcome<ProblemDesignFile, ProblemFailure>;
+
+impl Recorded for ProblemDesignFile {
+    fn solver_runs(&mut self) -> &mut Vec<SolverRun> {
+        &mut self.provenance.solver_runs
+    }
+}
 
 /// Back-offs of the exported design from the optimum, relative: they leave a margin for the proof. Tried in order
 /// until the design is proved.
@@ -27,53 +43,6 @@ const BACK_OFFS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
 /// The conditions count as infeasible where the smallest slack exceeds this fraction of the margin.
 const SLACK_SHARE: f64 = 0.5;
-
-/// Undoes the transformation of the unknowns: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is not possible.
-fn recover<P: DesignProblem>(
-    requested: &P,
-    plant: &VertexPlant,
-    units: &Units,
-    transformed: &Transformed,
-    solution: &Solution,
-    objective: f64,
-) -> Option<StateFeedback> {
-    let values = &solution.values;
-    let inverse = transformed.inverse.value(values).try_inverse()?;
-    let scaled = 0.5 * (&inverse + inverse.transpose());
-    let inputs = DMatrix::from_diagonal(&units.input);
-    let in_file_units = |gain: DMatrix<f64>| &inputs * gain / units.state;
-    let auxiliary = transformed.auxiliary.iter().zip(P::AUXILIARY_GAINS);
-    let mut found = StateFeedback {
-        gain: match &plant.gain {
-            Some(given) => given.clone(),
-            None => in_file_units(transformed.gain.value(values) * &scaled),
-        },
-        auxiliary: auxiliary
-            .map(|(z, name)| (name.to_string(), in_file_units(z.value(values) * &scaled)))
-            .collect::<BTreeMap<_, _>>(),
-        lyapunov: scaled / (units.state * units.state),
-        guarantee: f64::NAN,
-    };
-    requested.claim(&mut found, objective, units);
-    let finite = |matrix: &DMatrix<f64>| matrix.iter().all(|value| value.is_finite());
-    let usable = finite(&found.gain)
-        && finite(&found.lyapunov)
-        && found.auxiliary.values().all(finite)
-        && found.guarantee.is_finite()
-        && found.guarantee > 0.0;
-    usable.then_some(found)
-}
-
-struct FeedbackSynthesis<'a> {
-    problem: &'a Problem,
-    text: &'a str,
-    observer: Option<Observer>,
-    runs: Vec<SolverRun>,
-    /// The largest scalar unknown that a solver returned, at least 1.
-    largest_returned: f64,
-    /// The best guarantee that a solver reported.
-    best_seen: Option<f64>,
-}
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
 /// provenance). Where the given solver finds no feedback that is proved, the other one is tried. Only the check
@@ -84,170 +53,72 @@ pub fn synthesize(
     backend: &dyn Backend,
     observer: Option<Observer>,
 ) -> Result<ProblemOutcome, SynthesisError> {
-    let mut run = FeedbackSynthesis {
-        problem,
-        text,
-        observer,
-        runs: Vec::new(),
-        largest_returned: 1.0,
-        best_seen: None,
-    };
-    let other = alternative(backend);
-    let solvers: Vec<&dyn Backend> = [backend].into_iter().chain(other.as_deref()).collect();
-    with_problem!(&problem.task, requested => run.solve(requested, &solvers))
+    // The conditions of these problems have one form.
+    let session = Session::new(Form::Full, backend, observer);
+    with_problem!(&problem.task, requested => solve(&Request::new(problem, text, requested), session))
 }
 
-fn usable(solution: &Solution) -> bool {
-    matches!(solution.status, Status::Solved | Status::Inaccurate)
+/// A problem in the file's units and in those of the solver.
+struct Request<'a, P> {
+    problem: &'a Problem,
+    text: &'a str,
+    requested: &'a P,
+    units: Units,
+    scaled: P,
+    plant: VertexPlant,
 }
 
-/// The result of a solver without a proved feedback.
-struct FailedAttempt {
-    unproved: Option<Box<ProblemSynthesized>>,
-    refused: bool,
-}
-
-impl FeedbackSynthesis<'_> {
-    fn solve<P: DesignProblem>(
-        &mut self,
-        requested: &P,
-        solvers: &[&dyn Backend],
-    ) -> Result<ProblemOutcome, SynthesisError> {
-        let units = requested.units(&self.problem.plant);
-        let mut unproved = None;
-        let mut refused = false;
-        for &backend in solvers {
-            match self.attempt(requested, &units, backend)? {
-                Ok(design) => return Ok(ProblemOutcome::Solved(design)),
-                Err(attempt) => {
-                    unproved = unproved.or(attempt.unproved);
-                    refused |= attempt.refused;
-                }
-            }
-        }
-        if let Some(design) = unproved {
-            return Ok(ProblemOutcome::Solved(design));
-        }
-        let failure = self.explain(requested, &units, solvers)?;
-        let blocked = match failure.slack {
-            Some(slack) => slack > (SLACK_SHARE - 1.0) * SLACK_MARGIN,
-            None => refused,
-        };
-        Ok(match failure.infeasibility {
-            Some(infeasibility_proof) if infeasibility_proof.conclusive() => {
-                ProblemOutcome::Infeasible(failure)
-            }
-            Some(_) => ProblemOutcome::Undecided(failure),
-            None if blocked => ProblemOutcome::Undecided(failure),
-            // The solvers contradict themselves, or never got anywhere.
-            None => ProblemOutcome::SolverFailed(failure),
-        })
-    }
-
-    /// A proved feedback by one solver, or its failed attempt.
-    fn attempt<P: DesignProblem>(
-        &mut self,
-        requested: &P,
-        units: &Units,
-        backend: &dyn Backend,
-    ) -> Result<Result<Box<ProblemSynthesized>, FailedAttempt>, SynthesisError> {
-        let scaled = requested.in_units(units);
-        let given = &self.problem.plant;
-        let plant = given.in_units(units);
-        let (program, smallest) =
-            self.run(&scaled, &plant, ProblemGoal::SmallestObjective, backend)?;
-        let mut unproved = None;
-        if usable(&smallest) && smallest.objective > 0.0 {
-            let objective = smallest.objective;
-            let best = recover(
-                requested,
-                given,
-                units,
-                &program.transformed,
-                &smallest,
-                objective,
-            );
-            self.note::<P>(best.map(|best| best.guarantee));
-            for back_off in BACK_OFFS {
-                let objective = smallest.objective * (1.0 + back_off);
-                let goal = ProblemGoal::LargestMargin { objective };
-                let (inside, solution) = self.run(&scaled, &plant, goal, backend)?;
-                let found = recover(
-                    requested,
-                    given,
-                    units,
-                    &inside.transformed,
-                    &solution,
-                    objective,
-                );
-                let Some(found) = found else { continue };
-                let design = match self.finish::<P>(&found) {
-                    Ok(design) => design,
-                    // Numbers that no design file may hold: a failed attempt.
-                    Err(SynthesisError::Invalid(_)) => continue,
-                    Err(other) => return Err(other),
-                };
-                if design.report.verdict == Verdict::Proved {
-                    return Ok(Ok(design));
-                }
-                unproved = Some(design);
-            }
-        }
-        Ok(Err(FailedAttempt {
-            unproved,
-            refused: smallest.status == Status::Infeasible,
-        }))
-    }
-
-    /// Keeps the best guarantee seen.
-    fn note<P: DesignProblem>(&mut self, guarantee: Option<f64>) {
-        let better: fn(f64, f64) -> f64 = match P::LARGER_IS_BETTER {
-            true => f64::max,
-            false => f64::min,
-        };
-        self.best_seen = match (self.best_seen, guarantee) {
-            (Some(best), Some(guarantee)) => Some(better(best, guarantee)),
-            (best, guarantee) => best.or(guarantee),
-        };
-    }
-
-    fn optimality<P: DesignProblem>(&self, found: &StateFeedback) -> Option<Optimality> {
-        let best = self.best_seen?;
-        match P::LARGER_IS_BETTER {
-            true => Optimality::of_largest(found.guarantee, best),
-            false => Optimality::of_smallest(found.guarantee, best),
+impl<'a, P: DesignProblem> Request<'a, P> {
+    fn new(problem: &'a Problem, text: &'a str, requested: &'a P) -> Self {
+        let units = requested.units(&problem.plant);
+        Request {
+            problem,
+            text,
+            requested,
+            scaled: requested.in_units(&units),
+            plant: problem.plant.in_units(&units),
+            units,
         }
     }
 
-    fn run<P: DesignProblem>(
-        &mut self,
-        requested: &P,
-        plant: &VertexPlant,
-        goal: ProblemGoal,
-        backend: &dyn Backend,
-    ) -> Result<(Program, Solution), SynthesisError> {
-        let program = program(requested, plant, goal);
-        let request = SolveRequest {
-            goal: goal.name(),
-            vertices: plant.vertices.len(),
-            accuracy: goal.accuracy(),
-        };
-        let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(backend, &program.problem, &request, observer)?;
-        self.runs.push(run);
-        let sizes = solution.values.iter().map(|value| match value.is_nan() {
-            true => f64::INFINITY,
-            false => value.abs(),
-        });
-        self.largest_returned = sizes.fold(self.largest_returned, f64::max);
-        Ok((program, solution))
-    }
-
-    /// Puts the file together and checks what a reader of its text would get.
-    fn finish<P: DesignProblem>(
+    /// Undoes the transformation of the unknowns: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is
+    /// not possible.
+    fn recover(
         &self,
-        found: &StateFeedback,
-    ) -> Result<Box<ProblemSynthesized>, SynthesisError> {
+        transformed: &Transformed,
+        solution: &Solution,
+        objective: f64,
+    ) -> Option<StateFeedback> {
+        let (values, units) = (&solution.values, &self.units);
+        let inverse = transformed.inverse.value(values).try_inverse()?;
+        let scaled = 0.5 * (&inverse + inverse.transpose());
+        let inputs = DMatrix::from_diagonal(&units.input);
+        let in_file_units = |gain: DMatrix<f64>| &inputs * gain / units.state;
+        let auxiliary = transformed.auxiliary.iter().zip(P::AUXILIARY_GAINS);
+        let mut found = StateFeedback {
+            gain: match &self.problem.plant.gain {
+                Some(given) => given.clone(),
+                None => in_file_units(transformed.gain.value(values) * &scaled),
+            },
+            auxiliary: auxiliary
+                .map(|(z, name)| (name.to_string(), in_file_units(z.value(values) * &scaled)))
+                .collect::<BTreeMap<_, _>>(),
+            lyapunov: scaled / (units.state * units.state),
+            guarantee: f64::NAN,
+        };
+        self.requested.claim(&mut found, objective, units);
+        let finite = |matrix: &DMatrix<f64>| matrix.iter().all(|value| value.is_finite());
+        let usable = finite(&found.gain)
+            && finite(&found.lyapunov)
+            && found.auxiliary.values().all(finite)
+            && found.guarantee.is_finite()
+            && found.guarantee > 0.0;
+        usable.then_some(found)
+    }
+
+    /// Puts the file together and checks what a reader of its text would get; `None` for numbers that no design file
+    /// may hold.
+    fn design(&self, found: &StateFeedback) -> Option<Box<ProblemSynthesized>> {
         let report = verify(self.problem, found);
         let (controller, certificate) = ProofFile::split(found);
         let file = ProblemDesignFile {
@@ -256,61 +127,165 @@ impl FeedbackSynthesis<'_> {
             model: self.problem.file.clone(),
             controller,
             certificate,
-            verdict: VerdictFile::new(&report),
+            verdict: report.clone(),
             provenance: ProblemProvenance {
-                generator: generator(),
+                generator: GENERATOR.to_string(),
                 model_sha256: sha256_of(self.text),
                 date: now(),
-                solver_runs: self.runs.clone(),
+                solver_runs: Vec::new(),
             },
         };
-        // The numbers must be ones that a reader accepts.
-        file.feedback(self.problem)?;
-        Ok(Box::new(ProblemSynthesized {
+        file.feedback(self.problem).ok()?;
+        Some(Box::new(Synthesized {
             file,
             report,
-            solve_seconds: self.seconds(),
-            optimality: self.optimality::<P>(found),
+            solve_seconds: 0.0,
+            optimality: None,
         }))
     }
+}
 
-    /// The smallest slack, the conditions that determine it, and the infeasibility proof from the solvers' dual solutions.
-    fn explain<P: DesignProblem>(
-        &mut self,
-        requested: &P,
-        units: &Units,
-        solvers: &[&dyn Backend],
-    ) -> Result<ProblemFailure, SynthesisError> {
-        let scaled = requested.in_units(units);
-        let plant = self.problem.plant.in_units(units);
-        let mut found = Vec::new();
-        for &backend in solvers {
-            found.push(self.run(&scaled, &plant, ProblemGoal::SmallestSlack, backend)?);
+/// The numbers that solvers returned.
+struct Returned {
+    /// The largest scalar unknown, at least 1.
+    largest: f64,
+    /// The best guarantee.
+    best: Option<f64>,
+}
+
+/// The smallest objective of a problem, with one solver.
+struct FeedbackSynthesis<'a, 'b, 'c, P> {
+    request: &'a Request<'a, P>,
+    session: &'b mut Session<'c>,
+    returned: &'b mut Returned,
+}
+
+impl<P: DesignProblem> Synthesis for FeedbackSynthesis<'_, '_, '_, P> {
+    type Settings = ();
+    type File = ProblemDesignFile;
+
+    fn smallest(&mut self, (): ()) -> Result<Smallest, SynthesisError> {
+        let (program, solution) = self.run(ProblemGoal::SmallestObjective)?;
+        let smallest = Smallest::of(&solution);
+        if let Smallest::Bound(objective) = smallest {
+            let transformed = &program.transformed;
+            let found = self.request.recover(transformed, &solution, objective);
+            let better = match P::LARGER_IS_BETTER {
+                true => f64::max,
+                false => f64::min,
+            };
+            let seen = self.returned.best.into_iter();
+            let all = seen.chain(found.map(|found| found.guarantee));
+            self.returned.best = all.reduce(better);
         }
-        let largest = self.largest_returned;
-        let infeasibility = found
-            .iter()
-            .filter_map(|(program, solution)| {
-                let original = (requested, &self.problem.plant);
-                infeasibility_proof(original, (&scaled, &plant), program, solution, largest)
-            })
-            .max_by(|a, b| a.radius.total_cmp(&b.radius));
-        let solved = found.iter().filter(|(_, solution)| usable(solution));
-        let smallest = solved.min_by(|a, b| a.1.objective.total_cmp(&b.1.objective));
-        let carrier = smallest.or(found.first());
-        Ok(ProblemFailure {
-            infeasibility,
-            // Without the margin that was asked for.
-            slack: smallest.map(|(_, solution)| solution.objective - SLACK_MARGIN),
-            blocking: carrier.map_or(Vec::new(), |(program, solution)| {
-                blocking(&program.problem.conditions, solution)
-            }),
-            solve_seconds: self.seconds(),
-            runs: self.runs.clone(),
-        })
+        Ok(smallest)
     }
 
-    fn seconds(&self) -> f64 {
-        self.runs.iter().map(|run| run.seconds).sum()
+    fn design(
+        &mut self,
+        (): (),
+        objective: f64,
+    ) -> Result<Option<Box<ProblemSynthesized>>, SynthesisError> {
+        let (program, solution) = self.run(ProblemGoal::LargestMargin { objective })?;
+        let transformed = &program.transformed;
+        let found = self.request.recover(transformed, &solution, objective);
+        Ok(found.and_then(|found| self.request.design(&found)))
     }
+
+    fn objective(file: &ProblemDesignFile) -> f64 {
+        match P::LARGER_IS_BETTER {
+            true => -file.certificate.guarantee,
+            false => file.certificate.guarantee,
+        }
+    }
+}
+
+impl<P: DesignProblem> FeedbackSynthesis<'_, '_, '_, P> {
+    fn run(&mut self, goal: ProblemGoal) -> Result<(Program, Solution), SynthesisError> {
+        let plant = &self.request.plant;
+        let program = program(&self.request.scaled, plant, goal);
+        let (problem, accuracy) = (&program.problem, goal.accuracy());
+        let vertices = plant.vertices.len();
+        let solution = self.session.run(problem, goal.name(), accuracy, vertices)?;
+        let largest = largest_magnitude(&solution.values);
+        self.returned.largest = self.returned.largest.max(largest);
+        Ok((program, solution))
+    }
+}
+
+fn solve<P: DesignProblem>(
+    request: &Request<P>,
+    mut session: Session,
+) -> Result<ProblemOutcome, SynthesisError> {
+    let mut returned = Returned {
+        largest: 1.0,
+        best: None,
+    };
+    let found = Attempts::with_each_solver(&mut session, |session| {
+        let mut synthesis = FeedbackSynthesis {
+            request,
+            session,
+            returned: &mut returned,
+        };
+        let mut found = Attempts::default();
+        found.attempt(&mut synthesis, (), &BACK_OFFS)?;
+        Ok(found)
+    })?;
+    if let Some(design) = found.best.or(found.unproved) {
+        let mut design = design.with_runs(&session.runs);
+        let guarantee = design.file.certificate.guarantee;
+        design.optimality = returned.best.and_then(|best| match P::LARGER_IS_BETTER {
+            true => Optimality::of_largest(guarantee, best),
+            false => Optimality::of_smallest(guarantee, best),
+        });
+        return Ok(Outcome::Solved(design));
+    }
+    let failure = explain(request, &mut session, &mut returned)?;
+    let blocked = match failure.slack {
+        Some(slack) => slack > (SLACK_SHARE - 1.0) * SLACK_MARGIN,
+        None => found.infeasible > 0,
+    };
+    Ok(match failure.answer {
+        Some(proof) if proof.conclusive() => Outcome::Infeasible(failure),
+        Some(_) => Outcome::Undecided(failure),
+        None if blocked => Outcome::Undecided(failure),
+        // The solvers contradict themselves, or never got anywhere.
+        None => Outcome::SolverFailed(failure),
+    })
+}
+
+/// The smallest slack, the conditions that determine it, and the infeasibility proof from the solvers' dual solutions.
+fn explain<P: DesignProblem>(
+    request: &Request<P>,
+    session: &mut Session,
+    returned: &mut Returned,
+) -> Result<ProblemFailure, SynthesisError> {
+    let mut smallest_slack = |session: &mut Session| {
+        let mut synthesis = FeedbackSynthesis {
+            request,
+            session,
+            returned,
+        };
+        synthesis.run(ProblemGoal::SmallestSlack)
+    };
+    let mut found = vec![smallest_slack(session)?];
+    found.extend(session.with_other(smallest_slack)?);
+    let largest = returned.largest;
+    let proofs = found.iter().filter_map(|(program, solution)| {
+        let original = (request.requested, &request.problem.plant);
+        let scaled = (&request.scaled, &request.plant);
+        infeasibility_proof(original, scaled, program, solution, largest)
+    });
+    let proof = proofs.max_by(|a, b| a.radius.total_cmp(&b.radius));
+    let solved = found.iter().filter(|(_, solution)| has_point(solution));
+    let smallest = solved.min_by(|a, b| a.1.objective.total_cmp(&b.1.objective));
+    let carrier = smallest.or(found.first());
+    Ok(Decision {
+        // Without the margin that was asked for.
+        slack: smallest.map(|(_, solution)| solution.objective - SLACK_MARGIN),
+        blocking: carrier.map_or(Vec::new(), |(program, solution)| {
+            blocking(&program.problem.conditions, solution)
+        }),
+        ..Decision::new(proof, &session.runs)
+    })
 }

@@ -1,4 +1,4 @@
-//! Theorem 2 as a problem for a solver.
+//! Theorem 2 as a problem for a solver, with one certificate or two.
 
 use crate::conditions::xu2020::{self, DesignUnknowns, SamplingEnd, Sector, Strictness};
 use crate::conditions::Task;
@@ -82,11 +82,12 @@ impl Goal {
     /// When a solver may stop. The margin need not be the largest: any point well
     /// inside the feasible set suffices, and the check decides.
     pub fn accuracy(self, task: &Task) -> Accuracy {
+        let gain_unit = GAIN_UNIT * task.disturbance_weight_unit;
         let (relative_gap, objective_unit) = match self {
-            Goal::SmallestGain => (1e-8, GAIN_UNIT * task.disturbance_weight_unit),
+            Goal::SmallestGain => (1e-8, gain_unit),
             Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => (1e-2, 1.0),
             Goal::LargestScale { .. } => (1e-4, REACH_UNIT),
-            Goal::SmallestPeak => (1e-5, GAIN_UNIT * task.disturbance_weight_unit),
+            Goal::SmallestPeak => (1e-5, gain_unit),
             Goal::SmallestSlack => (1e-8, SLACK_UNIT),
         };
         Accuracy {
@@ -99,11 +100,10 @@ impl Goal {
     pub fn name(self) -> &'static str {
         match self {
             Goal::SmallestGain => "smallest gain",
-            Goal::LargestMargin { .. } => "largest margin",
+            Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => "largest margin",
             Goal::SmallestSlack => "smallest slack",
             Goal::LargestScale { .. } => "largest reach",
             Goal::SmallestPeak => "smallest peak",
-            Goal::LargestMarginAtPeak { .. } => "largest margin",
         }
     }
 }
@@ -133,6 +133,72 @@ const SLACK_UNIT: f64 = 1e-3;
 /// Largest trigger weight in the search for the largest margin, in scaled units.
 const TRIGGER_WEIGHT_BOUND: f64 = 1e3;
 
+/// One certificate of a program.
+pub(crate) struct Part<'a> {
+    /// What the names of its conditions begin with; nothing where there is one certificate.
+    pub name: &'static str,
+    /// The task in units of its own.
+    pub task: &'a Task,
+    /// Its unknowns, some of which other certificates may share.
+    pub design: DesignUnknowns,
+    /// The vertices at which (18) is stated.
+    pub vertices: Vec<usize>,
+}
+
+impl<'a> Part<'a> {
+    /// A certificate with (18) at every vertex.
+    pub fn at_every_vertex(name: &'static str, task: &'a Task, design: DesignUnknowns) -> Self {
+        Part {
+            name,
+            task,
+            design,
+            vertices: (0..task.system.vertices.len()).collect(),
+        }
+    }
+
+    /// Conditions under the name of the certificate.
+    fn named(&self, conditions: Vec<Condition>) -> Vec<Condition> {
+        if self.name.is_empty() {
+            return conditions;
+        }
+        let renamed = conditions.into_iter().map(|condition| {
+            let name = format!("{} {}", self.name, condition.name());
+            Condition::semidefinite(name, condition.expression().clone())
+        });
+        renamed.collect()
+    }
+
+    /// Every condition but (18), with those on the gain that the goal needs.
+    fn side_conditions(&self, goal: Goal, strictness: &Strictness) -> Vec<Condition> {
+        let stated = match goal {
+            Goal::SmallestSlack | Goal::LargestScale { peak: None } => {
+                xu2020::conditions_without_gain
+            }
+            Goal::LargestScale { .. } | Goal::SmallestPeak | Goal::LargestMarginAtPeak { .. } => {
+                xu2020::conditions_with_peak
+            }
+            Goal::SmallestGain | Goal::LargestMargin { .. } => xu2020::side_conditions,
+        };
+        stated(self.task, &self.design, strictness)
+    }
+
+    /// (18) at the vertices.
+    fn decrease(
+        &self,
+        unknowns: &mut Unknowns,
+        form: Form,
+        strictness: &Strictness,
+    ) -> Vec<Condition> {
+        let (task, design) = (self.task, &self.design);
+        let cliques = match form {
+            Form::Chordal => Cliques::Split,
+            Form::VertexRelaxed => Cliques::Whole,
+            Form::Full => return full_decrease(task, &self.vertices, design, strictness),
+        };
+        reduce::decrease_conditions(task, &self.vertices, unknowns, design, strictness, cliques)
+    }
+}
+
 /// States Theorem 2 for a task in scaled units, with (18) at every vertex.
 pub fn assemble(task: &Task, form: Form, goal: Goal) -> Assembled {
     let all: Vec<usize> = (0..task.system.vertices.len()).collect();
@@ -147,21 +213,38 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
         (Form::Chordal | Form::VertexRelaxed, None) => Sector::Unsaturated,
         _ => Sector::Unknown,
     };
-    let mut design = DesignUnknowns::new(&mut unknowns, task, sector);
-    let fixed = task.specification.margin;
+    let only = Part {
+        name: "",
+        task,
+        design: DesignUnknowns::new(&mut unknowns, task, sector),
+        vertices: chosen.to_vec(),
+    };
+    let (problem, design) = state(unknowns, only, None, form, goal);
+    Assembled { problem, design }
+}
+
+/// States the conditions of one or two certificates, whose unknowns have been made, with the goal for the first. The
+/// gain of the second is no requirement.
+pub(crate) fn state(
+    mut unknowns: Unknowns,
+    mut first: Part,
+    second: Option<Part>,
+    form: Form,
+    goal: Goal,
+) -> (LmiProblem, DesignUnknowns) {
+    let fixed = first.task.specification.margin;
+    let gain_bound = &mut first.design.gain_bound;
     let mut reach = Affine::identity(1, 1.0);
     let (strictness, objective) = match goal {
-        Goal::SmallestGain | Goal::SmallestPeak => {
-            (Strictness::fixed(fixed), design.gain_bound.clone())
-        }
+        Goal::SmallestGain | Goal::SmallestPeak => (Strictness::fixed(fixed), gain_bound.clone()),
         Goal::LargestMargin { gain_bound: bound } | Goal::LargestMarginAtPeak { peak: bound } => {
             let margin = unknowns.scalar("margin");
-            design.gain_bound = Affine::identity(1, bound);
+            *gain_bound = Affine::identity(1, bound);
             (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
         }
         Goal::LargestScale { peak } => {
             let scale_squared = unknowns.scalar("scale squared");
-            design.gain_bound = Affine::identity(1, peak.unwrap_or(0.0));
+            *gain_bound = Affine::identity(1, peak.unwrap_or(0.0));
             reach = scale_squared.clone();
             (Strictness::fixed(fixed), -scale_squared)
         }
@@ -171,47 +254,37 @@ pub fn assemble_at(task: &Task, form: Form, goal: Goal, chosen: &[usize]) -> Ass
             (Strictness::unknown(margin), slack)
         }
     };
-    let mut conditions = match goal {
-        Goal::SmallestSlack | Goal::LargestScale { peak: None } => {
-            xu2020::conditions_without_gain(task, &design, &strictness)
-        }
-        Goal::LargestScale { .. } | Goal::SmallestPeak | Goal::LargestMarginAtPeak { .. } => {
-            xu2020::conditions_with_peak(task, &design, &strictness)
-        }
-        _ => xu2020::side_conditions(task, &design, &strictness),
-    };
-    conditions.extend(xu2020::containment(task, &design, &reach));
+    let mut conditions = first.named(first.side_conditions(goal, &strictness));
+    conditions.extend(xu2020::containment(first.task, &first.design, &reach));
+    if let Some(second) = &second {
+        let without_gain = second.side_conditions(Goal::SmallestSlack, &strictness);
+        conditions.extend(second.named(without_gain));
+    }
     if let Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } = goal {
-        conditions.push(bounded_trigger_weight(&design));
+        let last = second.as_ref().unwrap_or(&first);
+        conditions.push(bounded_trigger_weight(&last.design));
     }
-    let mut reduced = |cliques| {
-        reduce::decrease_conditions(task, chosen, &mut unknowns, &design, &strictness, cliques)
+    for part in [Some(&first), second.as_ref()].into_iter().flatten() {
+        conditions.extend(part.named(part.decrease(&mut unknowns, form, &strictness)));
+    }
+    let problem = LmiProblem {
+        unknowns,
+        objective,
+        conditions,
     };
-    conditions.extend(match form {
-        Form::Chordal => reduced(Cliques::Split),
-        Form::VertexRelaxed => reduced(Cliques::Whole),
-        Form::Full => full_decrease(task, chosen, &design, &strictness),
-    });
-    Assembled {
-        problem: LmiProblem {
-            unknowns,
-            objective,
-            conditions,
-        },
-        design,
-    }
+    (problem, first.design)
 }
 
 /// Without a threshold (nu = 0) nothing else bounds the trigger weight, and a solver that looks for
 /// the largest margin would increase it without bound.
-pub(crate) fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
+fn bounded_trigger_weight(design: &DesignUnknowns) -> Condition {
     // A solver's feasibility tolerance is relative to the largest constant: keep it at 1.
     let unit = Affine::identity(design.trigger_weight.nrows(), 1.0);
     let share = 1.0 / TRIGGER_WEIGHT_BOUND * &design.trigger_weight;
     Condition::semidefinite("trigger weight bounded", unit - share)
 }
 
-pub(crate) fn full_decrease(
+fn full_decrease(
     task: &Task,
     chosen: &[usize],
     design: &DesignUnknowns,

@@ -7,9 +7,10 @@
 mod active;
 mod assemble;
 mod outcome;
+mod parameter;
+mod record;
 mod request;
 mod session;
-mod solver;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
@@ -17,11 +18,13 @@ pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,
     Synthesized,
 };
-pub use solver::sha256_of;
 pub use units::{scaled_task, FIRST_UNITS};
 
-pub(crate) use assemble::{bounded_trigger_weight, full_decrease};
+pub(crate) use assemble::{state, Part};
+pub(crate) use outcome::Recorded;
+pub use parameter::Parameter;
+pub(crate) use record::{blocking, now};
+pub use record::{sha256_of, Blocking, GENERATOR};
 pub(crate) use request::{ConditionSubset, DesignRequest};
-pub(crate) use session::Session;
-pub(crate) use solver::{blocking, generator, now, run_solver, SolveRequest};
+pub(crate) use session::{has_point, largest_magnitude, Session, Solved};
 pub(crate) use units::{containment_weights, scaled, CONTAINMENT_WEIGHTS, STATE_UNITS};

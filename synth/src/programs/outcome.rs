@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::record::Blocking;
 use crate::certify::infeasible::Limit;
 use crate::certify::{Report, Verdict};
 use crate::design::{DesignFile, SolverRun};
@@ -10,11 +11,23 @@ use crate::model::ModelError;
 use crate::optimality::Optimality;
 use sdp::solve::SolveError;
 
+/// A file that synthesis makes, with the record of the solver's runs.
+pub trait Recorded {
+    /// The solver's runs, in order.
+    fn solver_runs(&mut self) -> &mut Vec<SolverRun>;
+}
+
+impl Recorded for DesignFile {
+    fn solver_runs(&mut self) -> &mut Vec<SolverRun> {
+        &mut self.provenance.solver_runs
+    }
+}
+
 /// A design and how it was found.
 #[derive(Debug, Clone)]
-pub struct Synthesized {
+pub struct Synthesized<File = DesignFile> {
     /// The file, with its verdict.
-    pub file: DesignFile,
+    pub file: File,
     /// The check of the file's numbers.
     pub report: Report,
     /// Time spent in solvers (s).
@@ -23,17 +36,38 @@ pub struct Synthesized {
     pub optimality: Option<Optimality>,
 }
 
+impl<File> Synthesized<File> {
+    /// True when the check proved the file's numbers.
+    pub(crate) fn is_proved(&self) -> bool {
+        self.report.verdict == Verdict::Proved
+    }
+}
+
+impl<File: Recorded> Synthesized<File> {
+    /// The design with the record of these runs.
+    pub(crate) fn with_runs(mut self: Box<Self>, runs: &[SolverRun]) -> Box<Self> {
+        self.solve_seconds = seconds(runs);
+        *self.file.solver_runs() = runs.to_vec();
+        self
+    }
+}
+
+/// Time spent in solvers (s).
+fn seconds(runs: &[SolverRun]) -> f64 {
+    runs.iter().map(|run| run.seconds).sum()
+}
+
 /// The outcome of a synthesis.
 #[derive(Debug, Clone)]
-pub enum Outcome {
+pub enum Outcome<File = DesignFile, Unsolved = Decision> {
     /// A design; its report says whether it is proved.
-    Solved(Box<Synthesized>),
+    Solved(Box<Synthesized<File>>),
     /// No design exists: proved.
-    Infeasible(Decision),
+    Infeasible(Unsolved),
     /// Neither a design nor its impossibility is proved.
-    Undecided(Decision),
+    Undecided(Unsolved),
     /// The solvers gave up on every attempt.
-    SolverFailed(Decision),
+    SolverFailed(Unsolved),
 }
 
 /// Stopped by the observer.
@@ -64,7 +98,7 @@ impl Outcome {
     /// Higher where more is proved.
     pub(crate) fn rank(&self) -> u8 {
         match self {
-            Outcome::Solved(design) if design.report.verdict == Verdict::Proved => 4,
+            Outcome::Solved(design) if design.is_proved() => 4,
             Outcome::Infeasible(_) => 3,
             Outcome::Undecided(_) => 2,
             Outcome::Solved(_) => 1,
@@ -72,7 +106,7 @@ impl Outcome {
         }
     }
 
-    pub(crate) fn runs(&self) -> &[SolverRun] {
+    fn runs(&self) -> &[SolverRun] {
         match self {
             Outcome::Solved(design) => &design.file.provenance.solver_runs,
             Outcome::Infeasible(decision)
@@ -82,22 +116,14 @@ impl Outcome {
     }
 
     /// The outcome with the runs of another one before its own.
-    pub(crate) fn after(mut self, other: &Outcome) -> Self {
-        let all: Vec<SolverRun> = other.runs().iter().chain(self.runs()).cloned().collect();
-        let seconds = all.iter().map(|run| run.seconds).sum();
-        match &mut self {
-            Outcome::Solved(design) => {
-                design.solve_seconds = seconds;
-                design.file.provenance.solver_runs = all;
-            }
-            Outcome::Infeasible(decision)
-            | Outcome::Undecided(decision)
-            | Outcome::SolverFailed(decision) => {
-                decision.solve_seconds = seconds;
-                decision.runs = all;
-            }
+    pub(crate) fn after(self, other: &Outcome) -> Self {
+        let runs = [other.runs(), self.runs()].concat();
+        match self {
+            Outcome::Solved(design) => Outcome::Solved(design.with_runs(&runs)),
+            Outcome::Infeasible(decision) => Outcome::Infeasible(decision.with_runs(&runs)),
+            Outcome::Undecided(decision) => Outcome::Undecided(decision.with_runs(&runs)),
+            Outcome::SolverFailed(decision) => Outcome::SolverFailed(decision.with_runs(&runs)),
         }
-        self
     }
 }
 
@@ -126,22 +152,61 @@ pub enum Answer {
 
 /// The answer, with the evidence of the solvers.
 #[derive(Debug, Clone)]
-pub struct Decision {
+pub struct Decision<A = Answer> {
     /// The answer.
-    pub answer: Answer,
+    pub answer: A,
     /// The smallest slack t with which every condition but the gain's holds, in scaled units, where
     /// the solver found it: an estimate, not proved. Above 0 they cannot hold with the margin of the
     /// model.
     pub slack: Option<f64>,
     /// The conditions with the largest fractions of the dual solution's trace: those that block, when t is
     /// above 0.
-    pub blocking: Vec<(String, f64)>,
+    pub blocking: Vec<Blocking>,
     /// What a parameter search reached, where there was one.
     pub limiting_factors: Option<Box<LimitingFactors>>,
+    /// How many couplings of two certificates were tried; 0 for one certificate.
+    pub couplings: usize,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
     /// The solver's runs.
     pub runs: Vec<SolverRun>,
+}
+
+impl<A> Decision<A> {
+    /// An answer with the runs that gave it, without further evidence.
+    pub(crate) fn new(answer: A, runs: &[SolverRun]) -> Self {
+        Decision {
+            answer,
+            slack: None,
+            blocking: Vec::new(),
+            limiting_factors: None,
+            couplings: 0,
+            solve_seconds: seconds(runs),
+            runs: runs.to_vec(),
+        }
+    }
+
+    /// The answer with the record of these runs.
+    pub(crate) fn with_runs(mut self, runs: &[SolverRun]) -> Self {
+        self.solve_seconds = seconds(runs);
+        self.runs = runs.to_vec();
+        self
+    }
+}
+
+impl Decision {
+    /// The record of a parameter search without the requested design.
+    pub(crate) fn of_search(
+        limiting_factors: LimitingFactors,
+        blocking: Vec<Blocking>,
+        runs: &[SolverRun],
+    ) -> Self {
+        Decision {
+            blocking,
+            limiting_factors: Some(Box::new(limiting_factors)),
+            ..Decision::new(Answer::Undecided(None), runs)
+        }
+    }
 }
 
 /// What a parameter search reached where it missed a requirement, and what limits it.
@@ -155,6 +220,18 @@ pub struct LimitingFactors {
     pub angle_deg: Option<f64>,
     /// What would change the outcome most, largest first.
     pub limits: Vec<Sensitivity>,
+}
+
+impl LimitingFactors {
+    /// A reason without numbers of its own.
+    pub(crate) fn unknown(reason: String) -> Self {
+        LimitingFactors {
+            reason,
+            scale: None,
+            angle_deg: None,
+            limits: Vec::new(),
+        }
+    }
 }
 
 /// How the outcome depends on a number: by how much per cent it gets better when the number grows by 1 %.

@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 
 use super::assemble::Form;
-use super::outcome::{SynthesisError, Synthesized};
-use super::solver::{generator, now, sha256_of};
+use super::outcome::Synthesized;
+use super::record::{now, sha256_of, GENERATOR};
 use crate::certify::theorem1::Certificate;
-use crate::certify::Verdict;
+use crate::certify::{Report, Verdict};
 use crate::conditions::Task;
 use crate::design::{
-    CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits, Provenance, VerdictFile,
+    CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits, Provenance,
     DESIGN_SCHEMA_VERSION,
 };
 use crate::model::{Model, Objective};
@@ -63,58 +63,43 @@ impl<'a> DesignRequest<'a> {
 }
 
 impl DesignRequest<'_> {
-    /// Puts a design file together and checks what a reader of its text would get.
+    /// Puts a design file together and checks what a reader of its text would get; with the second certificate of
+    /// the same controller, where there is one. `None` for numbers that no design file may hold.
     pub fn design(
         &self,
         certificate: &Certificate,
+        large_set: Option<(OuterFile, Coupling)>,
         units: ProblemUnits,
-    ) -> Result<Box<Synthesized>, SynthesisError> {
-        self.checked(certificate, None, self.provenance(units))
-    }
-
-    /// The same with a second certificate for the same controller.
-    pub fn design_of_two(
-        &self,
-        inner: &Certificate,
-        (outer, coupling): (OuterFile, Coupling),
-        units: ProblemUnits,
-    ) -> Result<Box<Synthesized>, SynthesisError> {
-        let mut provenance = self.provenance(units);
-        provenance.coupling = Some(coupling);
-        self.checked(inner, Some(outer), provenance)
-    }
-
-    fn checked(
-        &self,
-        certificate: &Certificate,
-        outer: Option<OuterFile>,
-        provenance: Provenance,
-    ) -> Result<Box<Synthesized>, SynthesisError> {
+    ) -> Option<Box<Synthesized>> {
         let (controller, mut certificate) = CertificateFile::split(certificate);
         let mut model = self.model.file.clone();
         // A solver exceeds the limit by its tolerance where it is active; the check starts from what is written.
         certificate.xi = certificate.xi.min(model.specs.xi_max);
         // One certificate does not prove what the objective requires of two.
-        if outer.is_none() && model.specs.objective == Objective::Both {
+        if large_set.is_none() && model.specs.objective == Objective::Both {
             model.specs.objective = Objective::Gain;
         }
+        let (outer, coupling) = large_set.unzip();
         let mut file = DesignFile {
             schema_version: DESIGN_SCHEMA_VERSION,
-            name: self.model.file.name.clone(),
+            name: model.name.clone(),
             model,
             controller,
             certificate,
             outer,
-            verdict: VerdictFile {
+            verdict: Report {
                 verdict: Verdict::NotProved,
                 conditions: Vec::new(),
                 not_covered: Vec::new(),
             },
-            provenance,
+            provenance: Provenance {
+                coupling,
+                ..self.provenance(units)
+            },
         };
-        let report = file.verify(self.model)?;
-        file.verdict = VerdictFile::new(&report);
-        Ok(Box::new(Synthesized {
+        let report = file.verify(self.model).ok()?;
+        file.verdict = report.clone();
+        Some(Box::new(Synthesized {
             file,
             report,
             solve_seconds: 0.0,
@@ -125,7 +110,7 @@ impl DesignRequest<'_> {
     /// Who made a file from which model and when.
     pub fn provenance(&self, problem: ProblemUnits) -> Provenance {
         Provenance {
-            generator: generator(),
+            generator: GENERATOR.to_string(),
             model_sha256: sha256_of(self.model_text),
             date: now(),
             gains_sha256: self.gains_text.map(sha256_of),

@@ -1,22 +1,70 @@
-//! Runs of a solver for one model.
+//! Runs of a solver for one model, with their records.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::Instant;
 
 use super::active;
 use super::assemble::{assemble_at, Assembled, Form, Goal};
-use super::outcome::SynthesisError;
-use super::solver::{run_solver, SolveRequest};
+use super::outcome::{Cancelled, SynthesisError};
+use super::record::{blocking, Blocking};
+use crate::certify::theorem1::Certificate;
 use crate::conditions::Task;
-use crate::design::SolverRun;
-use sdp::solve::{alternative, Accuracy, Backend, Observer, Solution, Status};
+use crate::design::{recover, SolverRun};
+use crate::model::Model;
+use crate::scaling::Scaling;
+use sdp::lmi::LmiProblem;
+use sdp::solve::{alternative, Accuracy, Backend, Observer, Solution, Solver, Status};
 
 /// A solver with the form of its problems, and its runs so far.
 pub(crate) struct Session<'a> {
-    form: Form,
+    /// How its problems are stated.
+    pub form: Form,
     backend: &'a dyn Backend,
     observer: Option<Observer>,
     /// The solver's runs.
     pub runs: Vec<SolverRun>,
     /// The vertices that mattered so far, where not all are used.
     chosen: Vec<usize>,
+}
+
+/// A program in units of its own, with its solution.
+pub(crate) struct Solved {
+    /// The units.
+    pub scaling: Scaling,
+    /// The task in these units.
+    pub task: Task,
+    /// The program.
+    pub assembled: Assembled,
+    /// What the solver returned.
+    pub solution: Solution,
+}
+
+impl Solved {
+    /// The solver's point as numbers of a certificate, in SI units.
+    pub fn recover(&self, model: &Model) -> Option<Certificate> {
+        let values = &self.solution.values;
+        recover(model, &self.assembled.design, values, &self.scaling)
+    }
+
+    /// The conditions that carry the dual solution.
+    pub fn blocking(&self) -> Vec<Blocking> {
+        blocking(&self.assembled.problem.conditions, &self.solution)
+    }
+}
+
+/// True when a solver returned a point.
+pub(crate) fn has_point(solution: &Solution) -> bool {
+    matches!(solution.status, Status::Solved | Status::Inaccurate)
+}
+
+/// The largest magnitude of numbers that a solver returned; infinite where one is not a number.
+pub(crate) fn largest_magnitude<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let magnitudes = values.into_iter().map(|value| match value.is_nan() {
+        true => f64::INFINITY,
+        false => value.abs(),
+    });
+    magnitudes.fold(0.0, f64::max)
 }
 
 impl<'a> Session<'a> {
@@ -30,9 +78,9 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// A search with the same solver that has not begun.
+    /// A session with the same solver that has not begun.
     pub fn fresh(&self, form: Form) -> Self {
-        Session::new(form, self.backend, self.observer.clone())
+        self.with_backend(form, self.backend)
     }
 
     /// The same with another solver.
@@ -40,19 +88,85 @@ impl<'a> Session<'a> {
         Session::new(form, backend, self.observer.clone())
     }
 
-    /// The other solver.
-    pub fn alternative(&self) -> Option<Box<dyn Backend>> {
-        alternative(self.backend)
+    /// The other solver, unless it is the one named.
+    pub fn alternative_to(&self, solver: Option<Solver>) -> Option<Box<dyn Backend>> {
+        alternative(self.backend).filter(|other| other.solver() != solver)
     }
 
-    /// Time spent in solvers (s).
-    pub fn seconds(&self) -> f64 {
-        self.runs.iter().map(|run| run.seconds).sum()
+    /// What `run` returns with the other solver, in the form that it is fastest with; `None` without another solver.
+    pub fn with_other<T>(
+        &mut self,
+        run: impl FnOnce(&mut Session) -> Result<T, SynthesisError>,
+    ) -> Result<Option<T>, SynthesisError> {
+        let Some(other) = alternative(self.backend) else {
+            return Ok(None);
+        };
+        let form = self.form.for_backend(other.as_ref());
+        let mut session = self.with_backend(form, other.as_ref());
+        let found = run(&mut session);
+        self.runs.append(&mut session.runs);
+        found.map(Some)
+    }
+
+    /// Lowers and solves a problem; a run that the observer stopped is an error. The number of vertices is for the
+    /// record.
+    pub fn run(
+        &mut self,
+        problem: &LmiProblem,
+        goal: &str,
+        accuracy: Accuracy,
+        vertices: usize,
+    ) -> Result<Solution, SynthesisError> {
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let observer = self.observer.clone().map(|observer| -> Observer {
+            let cancelled = Arc::clone(&cancelled);
+            Arc::new(move |progress| {
+                let go_on = observer(progress);
+                if !go_on {
+                    cancelled.store(true, Ordering::Relaxed);
+                }
+                go_on
+            })
+        });
+        let start = Instant::now();
+        let solution = self.backend.solve(&problem.lower(), accuracy, observer)?;
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(Cancelled.into());
+        }
+        let objective = solution.objective;
+        self.runs.push(SolverRun {
+            goal: goal.to_string(),
+            vertices,
+            solver: self.backend.name(),
+            status: solution.status_text.clone(),
+            objective: if objective.is_finite() {
+                objective
+            } else {
+                0.0
+            },
+            iterations: solution.iterations,
+            seconds: start.elapsed().as_secs_f64(),
+        });
+        Ok(solution)
     }
 
     /// Solves with all vertices, or, where there are many, with those that matter: vertices that the
     /// solution violates are added until there are none, so that it solves the whole problem.
     pub fn solve(
+        &mut self,
+        (scaling, task): (Scaling, Task),
+        goal: Goal,
+    ) -> Result<Solved, SynthesisError> {
+        let (assembled, solution) = self.solve_task(&task, goal)?;
+        Ok(Solved {
+            scaling,
+            task,
+            assembled,
+            solution,
+        })
+    }
+
+    fn solve_task(
         &mut self,
         task: &Task,
         goal: Goal,
@@ -68,8 +182,7 @@ impl<'a> Session<'a> {
         loop {
             let chosen = self.chosen.clone();
             let (assembled, solution) = self.solve_at(task, goal, &chosen)?;
-            let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
-            let violated = match usable {
+            let violated = match has_point(&solution) {
                 true => active::violated(task, goal, &assembled, &solution, &chosen),
                 // A relaxation that cannot be solved decides the whole problem.
                 false => Vec::new(),
@@ -88,14 +201,8 @@ impl<'a> Session<'a> {
         chosen: &[usize],
     ) -> Result<(Assembled, Solution), SynthesisError> {
         let assembled = assemble_at(task, self.form, goal, chosen);
-        let request = SolveRequest {
-            goal: goal.name(),
-            vertices: chosen.len(),
-            accuracy: accuracy(task, goal),
-        };
-        let observer = self.observer.as_ref();
-        let (solution, run) = run_solver(self.backend, &assembled.problem, &request, observer)?;
-        self.runs.push(run);
+        let accuracy = accuracy(task, goal);
+        let solution = self.run(&assembled.problem, goal.name(), accuracy, chosen.len())?;
         Ok((assembled, solution))
     }
 }

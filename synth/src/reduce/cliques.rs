@@ -6,7 +6,7 @@
 //! is a free symmetric matrix on its separator.
 
 use crate::conditions::xu2020::{Basis, Signal, Term};
-use sdp::lmi::{Affine, SymmetricBlocks, Unknowns};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks, Unknowns};
 
 /// Splits one block off: `residual` meets only the blocks of `separator`.
 #[derive(Debug, Clone)]
@@ -19,13 +19,15 @@ pub struct Split {
     pub separator: Vec<usize>,
 }
 
-/// The splits that eliminate signals of (18) one after the other, read off its pattern: the separator of each is what
+/// The splits that eliminate the further bounded signals of (18) and then others in the given order, read off its pattern: the separator of each is what
 /// it still meets, and what is handed to the separator couples all of it.
 pub fn elimination(basis: &Basis, terms: &[Term], order: &[Signal]) -> Vec<Split> {
+    let further = basis.signals().iter();
+    let further = further.filter(|signal| matches!(signal, Signal::Further(_)));
     let mut meets = basis.pattern(terms);
     let mut remaining: Vec<bool> = basis.sizes().iter().map(|size| *size > 0).collect();
     let mut out = Vec::new();
-    for signal in order {
+    for signal in further.chain(order) {
         let Some(block) = basis.block(*signal).filter(|block| remaining[*block]) else {
             continue;
         };
@@ -91,6 +93,25 @@ pub fn split(
     }
     out.push(("root", blocks.extract(&remaining)));
     Ok(out)
+}
+
+/// `lhs < 0`, a form with the given terms and a slack matrix, as one condition for each clique; `order`: the signals that
+/// are eliminated, `None` for one clique of all.
+pub fn split_conditions(
+    lhs: Affine,
+    (basis, terms, order): (&Basis, &[Term], Option<&[Signal]>),
+    strictness: &Strictness,
+    unknowns: &mut Unknowns,
+    place: &str,
+) -> Vec<Condition> {
+    let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
+    let splits = order.map_or(Vec::new(), |order| elimination(basis, terms, order));
+    let parts = split(strict.expression(), basis.sizes(), &splits, unknowns)
+        .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
+    let named = parts.into_iter().map(|(clique, part)| {
+        Condition::semidefinite(format!("decrease {place} clique {clique}"), part)
+    });
+    named.collect()
 }
 
 struct BlockView {

@@ -6,9 +6,7 @@
 //! and the integral is split off as before; the root {x, v, x(t_k^l), x(t_k), p} stays whole, because
 //! Z_r couples its blocks.
 
-use nalgebra::DMatrix;
-
-use super::cliques;
+use super::cliques::split_conditions;
 use crate::conditions::xu2020::{
     condition_name, terms, Basis, DesignUnknowns, SamplingEnd, Signal, Strictness, DEAD_ZONE_UNIT,
 };
@@ -25,26 +23,6 @@ const COUPLED: [Signal; 4] = [
     Signal::Held,
     Signal::DeadZone,
 ];
-
-/// The rows of the reduced coordinates of some signals, block after block.
-fn select(basis: &Basis, signals: &[Signal]) -> DMatrix<f64> {
-    let sizes = basis.sizes();
-    let blocks: Vec<usize> = signals
-        .iter()
-        .filter_map(|signal| basis.block(*signal))
-        .collect();
-    let height: usize = blocks.iter().map(|&block| sizes[block]).sum();
-    let mut out = DMatrix::zeros(height, basis.side());
-    let mut row = 0;
-    for block in blocks {
-        let offset: usize = sizes[..block].iter().sum();
-        for k in 0..sizes[block] {
-            out[(row + k, offset + k)] = 1.0;
-        }
-        row += sizes[block];
-    }
-    out
-}
 
 /// The form of one rule on (x, v, x(t_k), p).
 fn rule_block(task: &Task, rule: usize, design: &DesignUnknowns, zone: usize) -> Affine {
@@ -76,7 +54,7 @@ pub fn conditions(
         let zone = basis
             .block(Signal::DeadZone)
             .map_or(0, |block| basis.sizes()[block]);
-        let place = select(&basis, &COUPLED);
+        let place = basis.selected(&COUPLED);
         let slack = unknowns.symmetric(&format!("Z{r}"), place.nrows());
         let common = terms(task, interval, &free);
         let mut lhs = basis.form(&common);
@@ -85,20 +63,13 @@ pub fn conditions(
             let total = mismatch.total(task);
             lhs += &total.congruence(&basis.mismatch_rows(task));
         }
-        let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
-        let order = cliques::elimination(&basis, &common, &ELIMINATED);
-        let parts = cliques::split(strict.expression(), basis.sizes(), &order, unknowns)
-            .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
-        for (clique, part) in parts {
-            let name = format!("decrease r={r} clique {clique}");
-            out.push(Condition::semidefinite(name, part));
-        }
+        let stated = (&basis, common.as_slice(), Some(&ELIMINATED[..]));
+        let place = format!("r={r}");
+        out.extend(split_conditions(lhs, stated, strictness, unknowns, &place));
         for rule in 0..task.system.vertices.len() {
             let part = &slack - &rule_block(task, rule, design, zone);
-            out.push(Condition::semidefinite(
-                condition_name(interval, rule),
-                part,
-            ));
+            let name = condition_name(interval, rule);
+            out.push(Condition::semidefinite(name, part));
         }
     }
     out

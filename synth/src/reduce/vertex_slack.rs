@@ -9,7 +9,7 @@
 //! eps3 is not 0, because v determines x' in terms of x, v and x(t_k^l). The slack then acts on these three;
 //! the argument is the same.
 
-use super::cliques::{self, Cliques};
+use super::cliques::{split_conditions, Cliques};
 use crate::conditions::xu2020::{
     condition_name, terms, vertex_terms_at, Basis, DesignUnknowns, SamplingEnd, Signal, Strictness,
 };
@@ -65,25 +65,14 @@ pub fn conditions(
         let common = terms(task, interval, design);
         let mut lhs = basis.form(&common);
         lhs.add_block(0, 0, &slack);
-        let strict = strictness.positive_against("", -lhs, &basis.margin_weight());
-        let order = match cliques {
-            Cliques::Split => cliques::elimination(&basis, &common, &ELIMINATED),
-            Cliques::Whole => Vec::new(),
-        };
-        let parts = cliques::split(strict.expression(), basis.sizes(), &order, unknowns)
-            .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
-        for (clique, part) in parts {
-            out.push(Condition::semidefinite(
-                format!("decrease r={r}{suffix} clique {clique}"),
-                part,
-            ));
-        }
+        let order = (cliques == Cliques::Split).then_some(&ELIMINATED[..]);
+        let stated = (&basis, common.as_slice(), order);
+        let place = format!("r={r}{suffix}");
+        out.extend(split_conditions(lhs, stated, strictness, unknowns, &place));
         for &vertex in chosen {
             let part = vertex_block(task, vertex, design, (&basis, &slack));
-            out.push(Condition::semidefinite(
-                condition_name(interval, vertex) + suffix,
-                part,
-            ));
+            let name = condition_name(interval, vertex) + suffix;
+            out.push(Condition::semidefinite(name, part));
         }
     }
     out

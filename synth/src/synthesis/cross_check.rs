@@ -4,17 +4,8 @@ use serde::Serialize;
 
 use crate::design::ProblemUnits;
 use crate::model::Model;
-use crate::programs::{assemble, scaled_task, Form, Goal};
-use sdp::solve::{Backend, Observer, SolveError, Status};
-
-/// A solver and the form of the problem it is given.
-#[derive(Clone, Copy)]
-pub struct Candidate<'a> {
-    /// The solver.
-    pub backend: &'a dyn Backend,
-    /// The form.
-    pub form: Form,
-}
+use crate::programs::{assemble, has_point, scaled_task, Form, Goal};
+use sdp::solve::{Backend, Observer, SolveError};
 
 /// One solver's smallest gain bound.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,41 +29,30 @@ pub struct CrossCheck {
     pub relative_difference: Option<f64>,
 }
 
-/// Minimises gamma with both solvers, in the given units and with (18) at every vertex.
+/// Minimises gamma with two solvers, each in its form of the problem, in the given units and with (18) at every
+/// vertex.
 pub fn cross_check(
     model: &Model,
     units: ProblemUnits,
-    candidates: [Candidate<'_>; 2],
+    [first, second]: [(&dyn Backend, Form); 2],
     observer: Option<&Observer>,
 ) -> Result<CrossCheck, SolveError> {
-    let [first, second] = candidates;
-    let found = [
-        smallest_gain(model, units, first, observer)?,
-        smallest_gain(model, units, second, observer)?,
-    ];
+    let (_, task) = scaled_task(model, units);
+    let goal = Goal::SmallestGain;
+    let smallest_gain = |(backend, form): (&dyn Backend, Form)| {
+        let problem = assemble(&task, form, goal).problem.lower();
+        let solution = backend.solve(&problem, goal.accuracy(&task), observer.cloned())?;
+        Ok(SolverOptimum {
+            solver: backend.name(),
+            gamma: has_point(&solution).then_some(solution.objective),
+            status: solution.status_text,
+            seconds: solution.seconds,
+        })
+    };
+    let found = [smallest_gain(first)?, smallest_gain(second)?];
     let both = found[0].gamma.zip(found[1].gamma);
     Ok(CrossCheck {
         relative_difference: both.map(|(a, b)| (a - b).abs() / a.abs()),
         found,
-    })
-}
-
-fn smallest_gain(
-    model: &Model,
-    units: ProblemUnits,
-    candidate: Candidate<'_>,
-    observer: Option<&Observer>,
-) -> Result<SolverOptimum, SolveError> {
-    let (_, task) = scaled_task(model, units);
-    let goal = Goal::SmallestGain;
-    let problem = assemble(&task, candidate.form, goal).problem.lower();
-    let backend = candidate.backend;
-    let solution = backend.solve(&problem, goal.accuracy(&task), observer.cloned())?;
-    let usable = matches!(solution.status, Status::Solved | Status::Inaccurate);
-    Ok(SolverOptimum {
-        solver: backend.name(),
-        status: solution.status_text,
-        gamma: usable.then_some(solution.objective),
-        seconds: solution.seconds,
     })
 }

@@ -1,17 +1,18 @@
 //! From a model to a proved design.
 
+mod attempts;
+mod coupled;
 mod cross_check;
 mod parameter_search;
 mod run;
 mod two_certificates;
 
-pub use cross_check::{cross_check, Candidate, CrossCheck, SolverOptimum};
+pub use cross_check::{cross_check, CrossCheck, SolverOptimum};
 pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
-pub use two_certificates::{
-    coupled_problem, synthesize_two_certificates, CouplingChoice, TriedCoupling,
-    TwoCertificatesOutcome,
-};
+pub use two_certificates::{coupled_problem, CouplingChoice};
+
+pub(crate) use attempts::{Attempts, Smallest, Synthesis};
 
 pub use crate::programs::{
     assemble, assemble_at, scaled_task, Assembled, Cancelled, Form, Goal, LimitingFactors, Outcome,

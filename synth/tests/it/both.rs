@@ -10,7 +10,7 @@ use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::model::Model;
 use synth::solve::Clarabel;
-use synth::synthesis::{synthesize_two_certificates, Form, TwoCertificatesOutcome};
+use synth::synthesis::{synthesize, Form, Outcome};
 
 /// The design of models/xu2020-both.json for one choice of the search.
 fn design() -> &'static Value {
@@ -23,8 +23,8 @@ fn design() -> &'static Value {
         let text = file.to_string();
         let model = Model::from_json(&text).expect("a valid model");
         let backend = Clarabel::default();
-        match synthesize_two_certificates(&model, &text, Form::Chordal, &backend, None) {
-            Ok(TwoCertificatesOutcome::Solved(design, _)) => {
+        match synthesize(&model, &text, Form::Chordal, &backend, None) {
+            Ok(Outcome::Solved(design)) => {
                 assert_eq!(design.report.verdict, Verdict::Proved);
                 serde_json::from_str(&design.file.to_json()).expect("a design file is JSON")
             }

@@ -8,9 +8,10 @@ use std::path::Path;
 
 use crate::exact::Stream;
 use crate::random::Sizes;
-use synth::feasibility::{decide, Answer, Decision, Requirement};
+use synth::feasibility::{decide, Answer, Decision};
 use synth::lmi::Semidefinite;
 use synth::model::{Model, ModelFile, PlantFile};
+use synth::programs::Parameter;
 use synth::solve::{Backend, Clarabel, Status};
 use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
 
@@ -72,18 +73,15 @@ fn random_model(stream: &mut Stream) -> Model {
 
 /// A random model whose requirement is within `NEAR` of the value at which a design ceases to exist;
 /// `None` when there is none to begin with, or always one.
-fn near_the_edge(stream: &mut Stream, requirement: Requirement) -> Option<Model> {
+fn near_the_edge(stream: &mut Stream, requirement: Parameter) -> Option<Model> {
     let model = random_model(stream);
     let (harder, range) = match requirement {
-        Requirement::InputLimit => (-1.0, RANGE),
+        Parameter::InputLimits => (-1.0, RANGE),
         // nu stays below 1.
-        Requirement::Threshold => (1.0, (0.99 / model.file.specs.nu).ln()),
+        Parameter::Threshold => (1.0, (0.99 / model.file.specs.nu).ln()),
         _ => (1.0, RANGE),
     };
-    let at = |log: f64| {
-        let scaled = requirement.scaled(&model, (harder * log).exp());
-        scaled.map(|(model, _)| model)
-    };
+    let at = |log: f64| requirement.scaled(&model, (harder * log).exp());
     let exists = |model: &Model| Some(smallest_slack(model)? < model.file.specs.margin);
     if !exists(&model)? || exists(&at(range)?)? {
         return None;
@@ -134,9 +132,9 @@ fn slack_of_csdp(model: &Model) -> Option<f64> {
 
 fn judge(seed: u64, count: usize) {
     let requirements = [
-        Requirement::InputLimit,
-        Requirement::Threshold,
-        Requirement::SamplingInterval,
+        Parameter::InputLimits,
+        Parameter::Threshold,
+        Parameter::SamplingInterval,
     ];
     let mut stream = Stream(seed);
     let (mut feasible, mut infeasible, mut unknown, mut compared) = (0, 0, 0, 0);
@@ -165,7 +163,7 @@ fn judge(seed: u64, count: usize) {
                 unknown += 1;
                 eprintln!(
                     "unknown: round {round}, {}, slack {slack:e}",
-                    requirement.symbol()
+                    requirement.field()
                 );
                 continue;
             }
@@ -177,7 +175,7 @@ fn judge(seed: u64, count: usize) {
             assert!(
                 against <= own.max(1e-7),
                 "round {round}, {}: slack {slack:e}, csdp {other:e}",
-                requirement.symbol()
+                requirement.field()
             );
             compared += 1;
         }

@@ -11,8 +11,8 @@ use nalgebra::DMatrix;
 use serde_json::Value;
 use synth::certify::infeasible::stationarity::{for_each_statement, Stationarity};
 use synth::certify::infeasible::{
-    refute, DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross,
-    Level, Moments, RegionDual, VertexDual,
+    refute, DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Level, Moments,
+    RegionDual, VertexDual,
 };
 use synth::certify::interval::Interval;
 use synth::certify::matrix::Matrix;
@@ -41,7 +41,7 @@ fn any_weights(
     let moments = |stream: &mut Stream, determined: bool| Moments {
         vertices: (0..system.vertices.len())
             .map(|vertex| VertexDual {
-                vertex,
+                vertex: vertex + 1,
                 moments: symmetric(stream, 2 * n),
             })
             .collect(),
@@ -62,14 +62,12 @@ fn any_weights(
         }),
     };
     let gain = |stream: &mut Stream, gain: usize| GainDuals {
-        gain,
+        gain: gain + 1,
         start: moments(stream, false),
         end: moments(stream, determined && gain == 0),
         integral: symmetric(stream, n),
-        integral_cross: (gain > 0).then(|| IntegralCross {
-            state: random::uniform(stream, n, n, 1.0),
-            sample: random::uniform(stream, n, n, 1.0),
-        }),
+        state_integral: (gain > 0).then(|| random::uniform(stream, n, n, 1.0)),
+        sample_integral: (gain > 0).then(|| random::uniform(stream, n, n, 1.0)),
         inputs: (0..m)
             .map(|_| InputDual {
                 state: symmetric(stream, n),
@@ -227,9 +225,9 @@ fn published_sum(
     let multiplier = point.design.multiplier.value(values);
     for (part, r, moments) in ends() {
         let interval = xu2020::SamplingEnd::BOTH[r - 1];
-        let suffix = gain_suffix(task.gains.count, part.gain);
+        let suffix = gain_suffix(task.gains.count, part.gain - 1);
         let zero = DMatrix::zeros(n, n);
-        let design = point.design.with_rule(part.gain);
+        let design = point.design.with_rule(part.gain - 1);
         let lhs = decrease(&task, &zero, interval, &design).value(values);
         let published = published_moments(stream, &task, matrices, r, &suffix);
         sum -= inner(&lhs, &published);
@@ -239,7 +237,7 @@ fn published_sum(
             only_rate.specification.multiplier_weights = [0.0, 1.0, 0.0];
             let term = vertex_term(
                 &only_rate,
-                &task.system.vertices[weight.vertex],
+                &task.system.vertices[weight.vertex - 1],
                 &multiplier,
             );
             let term = term.view((0, 0), (2 * n, 2 * n)).into_owned();
@@ -405,7 +403,7 @@ fn weights_that_do_not_belong_to_the_statement_prove_nothing() {
     let weights = file.weights(&model).expect("weights").remove(0);
     assert!(refute(&model, &weights).proved);
     let mut unknown_gain = weights.clone();
-    unknown_gain.gains[0].gain = 1;
+    unknown_gain.gains[0].gain = 2;
     let mut free_gain = weights.clone();
     free_gain.given.clear();
     let mut nothing = weights.clone();

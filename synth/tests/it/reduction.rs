@@ -6,9 +6,9 @@ use crate::random;
 use crate::random::{assert_close, positive_definite, uniform, Point, Sizes};
 use nalgebra::DMatrix;
 use synth::conditions::xu2020::{
-    decrease, decrease_form, Basis, SamplingEnd, Sector, Signal, Strictness, DEAD_ZONE_UNIT,
+    decrease, terms, Basis, SamplingEnd, Sector, Signal, Strictness, DEAD_ZONE_UNIT,
 };
-use synth::conditions::Task;
+use synth::conditions::{BoundedSignal, Task};
 use synth::lmi::{Affine, Condition, Unknowns};
 use synth::model::Model;
 use synth::reduce::cliques::{split, NotChordal, Split};
@@ -75,8 +75,46 @@ fn the_terms_make_the_printed_matrix() {
 }
 
 #[test]
+fn a_further_bounded_signal_counts_like_another_column_of_the_disturbance() {
+    use synth::reduce::cliques::{elimination, members};
+    use synth::reduce::vertex_slack::ELIMINATED;
+    let mut stream = Stream(31);
+    for case in 0..20 {
+        let sizes = Sizes::any(&mut stream);
+        let mut task = random::model(&mut stream, sizes, false).task();
+        let mut wide = task.clone();
+        let second = uniform(&mut stream, task.system.states(), 1, 1.0);
+        let columns = [&task.system.disturbance, &second].map(|of| of.column(0).into_owned());
+        wide.system.disturbance = DMatrix::from_columns(&columns);
+        task.further_signals.push(BoundedSignal {
+            name: "second disturbance",
+            coefficient: second,
+            bound: 0.1,
+        });
+        let [mut point, other] = [&task, &wide].map(|task| {
+            let mut same = Stream(100 + case as u64);
+            Point::random(&mut same, task, SECTORS[case % 2])
+        });
+        let xi = point.design.disturbance_weight.value(&point.values);
+        point.set("xi second disturbance", &xi);
+        for interval in SamplingEnd::BOTH {
+            for vertex in &task.system.vertices {
+                let found = decrease(&task, vertex, interval, &point.design);
+                let expected = decrease(&wide, vertex, interval, &other.design);
+                let (found, expected) = (found.value(&point.values), expected.value(&other.values));
+                assert_close(&found, &expected, 1e-14, "matrix of two disturbances");
+            }
+            let basis = Basis::reduced(&task, interval, &point.design);
+            let all = terms(&task, interval, &point.design);
+            let cliques = members(&basis, &elimination(&basis, &all, &ELIMINATED));
+            let own = vec![Signal::Further("second disturbance"), Signal::Multiplied];
+            assert_eq!(cliques[0], ("second disturbance", own));
+        }
+    }
+}
+
+#[test]
 fn the_cliques_read_off_the_terms_are_those_of_the_book() {
-    use synth::conditions::xu2020::terms;
     use synth::reduce::cliques::{elimination, members};
     use synth::reduce::vertex_slack::ELIMINATED;
     use Signal::{DeadZone, Disturbance, Held, Integral, Multiplied, Sample, State};
@@ -120,7 +158,9 @@ fn the_full_matrix_in_the_reduced_coordinates_is_the_common_form_plus_the_vertex
             assert_eq!(t.nrows(), t.ncols());
             assert!(t.clone().try_inverse().is_some(), "a congruence");
             let at = Basis::reduced(&task, interval, &point.design);
-            let form = decrease_form(&task, interval, &point.design, &at).value(&point.values);
+            let form = at
+                .form(&terms(&task, interval, &point.design))
+                .value(&point.values);
             for vertex in 0..sizes.vertices {
                 let a = &task.system.vertices[vertex];
                 let full = decrease(&task, a, interval, &point.design).value(&point.values);

@@ -128,6 +128,34 @@ impl<S: Scalar> Matrix<S> {
         })
     }
 
+    /// A symmetric matrix from its blocks on and above the diagonal, one list for each row of blocks, each beginning with
+    /// the block on the diagonal. Of that only the part on and above the diagonal is read.
+    ///
+    /// # Panics
+    /// When the shapes do not fit.
+    pub fn symmetric(upper: &[&[&Self]]) -> Self {
+        let side: usize = upper.iter().map(|blocks| blocks[0].rows).sum();
+        let mut out = Matrix::zeros(side, side);
+        let mut row = 0;
+        for blocks in upper {
+            let mut column = row;
+            for block in *blocks {
+                assert_eq!(block.rows, blocks[0].rows, "a row of blocks has one height");
+                for (r, c) in (0..block.rows).flat_map(|r| (0..block.columns).map(move |c| (r, c)))
+                {
+                    if row + r <= column + c {
+                        out.set(row + r, column + c, block.at(r, c).clone());
+                        out.set(column + c, row + r, block.at(r, c).clone());
+                    }
+                }
+                column += block.columns;
+            }
+            assert_eq!(column, side, "a row of blocks reaches the last column");
+            row += blocks[0].rows;
+        }
+        out
+    }
+
     fn with(&self, other: &Self, combine: impl Fn(S, S) -> S) -> Self {
         assert_eq!((self.rows, self.columns), (other.rows, other.columns));
         Matrix::from_fn(self.rows, self.columns, |r, c| {
@@ -141,47 +169,5 @@ impl Matrix<Interval> {
     pub fn magnitude_sum(&self) -> f64 {
         let entries = (0..self.nrows()).flat_map(|r| (0..self.ncols()).map(move |c| (r, c)));
         entries.fold(0.0, |sum, (r, c)| add_up(sum, self.at(r, c).magnitude()))
-    }
-}
-
-/// A symmetric block matrix; blocks on and above the diagonal are given.
-#[derive(Debug, Clone)]
-pub struct SymmetricBlockMatrix<S> {
-    offsets: Vec<usize>,
-    matrix: Matrix<S>,
-}
-
-impl<S: Scalar> SymmetricBlockMatrix<S> {
-    /// Zeros, with the given block sizes.
-    pub fn new(sizes: &[usize]) -> Self {
-        let mut offsets = vec![0];
-        for size in sizes {
-            offsets.push(offsets[offsets.len() - 1] + size);
-        }
-        let side = offsets[sizes.len()];
-        SymmetricBlockMatrix {
-            offsets,
-            matrix: Matrix::zeros(side, side),
-        }
-    }
-
-    /// Places a block; only its part on and above the matrix's diagonal is read.
-    pub fn set(&mut self, row: usize, column: usize, block: &Matrix<S>) {
-        let (r0, c0) = (self.offsets[row], self.offsets[column]);
-        assert_eq!(block.nrows(), self.offsets[row + 1] - r0);
-        assert_eq!(block.ncols(), self.offsets[column + 1] - c0);
-        for r in 0..block.nrows() {
-            for c in 0..block.ncols() {
-                if r0 + r <= c0 + c {
-                    self.matrix.set(r0 + r, c0 + c, block.at(r, c).clone());
-                    self.matrix.set(c0 + c, r0 + r, block.at(r, c).clone());
-                }
-            }
-        }
-    }
-
-    /// The whole matrix.
-    pub fn finish(self) -> Matrix<S> {
-        self.matrix
     }
 }

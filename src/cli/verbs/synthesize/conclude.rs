@@ -6,9 +6,7 @@ use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::feasibility::Decision;
 use synth::model::{FileError, Model};
-use synth::synthesis::{
-    cross_check, Candidate, CrossCheck, Form, Outcome, SynthesisError, Synthesized,
-};
+use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, SynthesisError, Synthesized};
 
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
@@ -73,10 +71,7 @@ impl Conclusion<'_> {
         let (form, other) = (self.form, solver.other());
         let forms = [form, other.form()];
         let backends = [solver.backend_for(form), other.backend_for(other.form())];
-        let candidates = [0, 1].map(|index| Candidate {
-            backend: backends[index].as_ref(),
-            form: forms[index],
-        });
+        let candidates = [0, 1].map(|index| (backends[index].as_ref(), forms[index]));
         let units = design.file.provenance.problem;
         let checked = watched("cross-check", |observer| {
             cross_check(self.model, units, candidates, Some(&observer))
@@ -92,7 +87,7 @@ impl Conclusion<'_> {
         if let Some((path, proof)) = kept {
             files::write(path, proof.to_json())?;
         }
-        let report = NoDesignReport::one(self.model, self.form, decision, status);
+        let report = NoDesignReport::new(self.model, self.form, decision, status);
         let mut lines = report.lines(self.model_path, self.what);
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))

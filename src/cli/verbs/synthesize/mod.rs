@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use synth::model::{kind_of, Kind, Model, Objective};
-use synth::synthesis::{self, synthesize_two_certificates, Form, Outcome, TwoCertificatesOutcome};
+use synth::synthesis::{self, Form};
 
 use conclude::Conclusion;
 
@@ -15,8 +15,6 @@ use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{solve, ASSEMBLING};
-use crate::cli::show::facts::{SolverStatus, NOTHING};
-use crate::cli::show::no_design::NoDesignReport;
 use crate::cli::solver::{FormArg, SolverArg};
 
 /// Arguments of `synthesize`.
@@ -82,59 +80,28 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     }
     files::check_output(args.output.as_deref(), &[&args.model])?;
     let form = args.form.map_or(args.solver.form(), Form::from);
+    let both = model.file.specs.objective == Objective::Both;
+    if both && args.cross_check {
+        let reason =
+            "--cross-check compares designs with one certificate; with --objective both it \
+                      has no meaning";
+        return Err(CliError::unsuitable(&args.model, reason));
+    }
     let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
         form,
         cross_check: args.cross_check.then_some(args.solver),
-        what: "design",
+        what: match both {
+            true => "design with both certificates",
+            false => "design",
+        },
         keeps_refutation: false,
     };
-    if model.file.specs.objective == Objective::Both {
-        return two_certificates(args, &conclusion, &text);
-    }
     let backend = args.solver.backend_for(form);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
         synthesis::synthesize(&model, &text, form, backend.as_ref(), observer)
     })?;
     conclusion.answer(outcome)
-}
-
-/// Designs, writes and proves both certificates.
-fn two_certificates(
-    args: &SynthesizeArgs,
-    conclusion: &Conclusion,
-    text: &str,
-) -> Result<Answer, CliError> {
-    if args.cross_check {
-        let reason =
-            "--cross-check compares designs with one certificate; with --objective both it \
-                      has no meaning";
-        return Err(CliError::unsuitable(&args.model, reason));
-    }
-    let (model, form) = (conclusion.model, conclusion.form);
-    let backend = args.solver.backend_for(form);
-    let found = solve(&args.model, ASSEMBLING, |observer| {
-        synthesize_two_certificates(model, text, form, backend.as_ref(), observer)
-    })?;
-    match found {
-        TwoCertificatesOutcome::Solved(design, _) => conclusion.answer(Outcome::Solved(design)),
-        TwoCertificatesOutcome::None {
-            infeasible,
-            tried,
-            blocking,
-            runs,
-        } => {
-            let status = match infeasible {
-                true => SolverStatus::Undecided,
-                false => SolverStatus::Failed,
-            };
-            let attempts = tried.len();
-            let report = NoDesignReport::two((model, form), status, attempts, &blocking, &runs);
-            let mut lines = report.lines(&args.model, "design with both certificates");
-            lines.push(NOTHING.to_string());
-            Ok(Answer::new(status.exit_without_design(), &report, &lines))
-        }
-    }
 }

@@ -24,6 +24,19 @@ impl SymmetricBlocks {
         }
     }
 
+    /// The whole matrix from its blocks on and above the diagonal, one list for each row of blocks, each beginning with
+    /// the block on the diagonal.
+    pub fn of(upper: &[&[&Affine]]) -> Affine {
+        let sizes: Vec<usize> = upper.iter().map(|blocks| blocks[0].nrows()).collect();
+        let mut out = SymmetricBlocks::new(&sizes);
+        for (row, blocks) in upper.iter().enumerate() {
+            for (k, block) in blocks.iter().enumerate() {
+                out.add(row, row + k, block);
+            }
+        }
+        out.finish()
+    }
+
     /// Adds `block` at block position (row, column), row <= column, and its transpose at the
     /// mirrored position.
     ///

@@ -1,5 +1,7 @@
 //! The lowered form that backends and file writers read.
 
+use nalgebra::DMatrix;
+
 use super::{Affine, LmiProblem};
 
 /// One entry of a symmetric matrix: row <= column, counted from 0.
@@ -41,6 +43,25 @@ pub struct Semidefinite {
 /// (`svec`): column (column + 1) / 2 + row. Off-diagonal entries are stored times sqrt(2) there.
 pub fn svec_index(row: usize, column: usize) -> usize {
     column * (column + 1) / 2 + row
+}
+
+/// `<F, Z>` of a symmetric matrix F, given by its upper entries, and a dual matrix Z.
+pub fn inner_product(entries: &[Entry], dual: &[f64]) -> f64 {
+    let term = |entry: &Entry| {
+        let count = if entry.row == entry.column { 1.0 } else { 2.0 };
+        count * entry.value * dual[svec_index(entry.row, entry.column)]
+    };
+    entries.iter().map(term).sum()
+}
+
+/// The trace of a dual matrix.
+pub fn dual_trace(side: usize, dual: &[f64]) -> f64 {
+    (0..side).map(|k| dual[svec_index(k, k)]).sum()
+}
+
+/// A dual matrix in full.
+pub fn dual_matrix(side: usize, dual: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_fn(side, side, |r, c| dual[svec_index(r.min(c), r.max(c))])
 }
 
 impl LmiProblem {

@@ -3,7 +3,7 @@
 use faer::Side;
 
 use crate::backend::Solution;
-use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
+use crate::lmi::{inner_product, svec_index, Cone, Semidefinite};
 
 /// Error measures of a candidate, in the manner of the DIMACS challenge; all are zero at an exact solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,9 +30,9 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
     let (mut dual_objective, mut lowest, mut dual_lowest) = (0.0, 0.0_f64, 0.0_f64);
     let mut largest = 0.0_f64;
     for (cone, dual) in problem.cones.iter().zip(&solution.duals) {
-        dual_objective -= inner(&cone.constant, dual);
+        dual_objective -= inner_product(&cone.constant, dual);
         for (unknown, entries) in &cone.coefficients {
-            products[*unknown] += inner(entries, dual);
+            products[*unknown] += inner_product(entries, dual);
         }
         let sizes = cone.constant.iter().map(|entry| entry.value.abs());
         largest = sizes.fold(largest, f64::max);
@@ -55,15 +55,6 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
         dual_residual: squares.sum::<f64>().sqrt() / (1.0 + largest_cost),
         dual_violation: -dual_lowest / (1.0 + largest_cost),
     }
-}
-
-/// `<F, Z>` for upper triangles.
-fn inner(entries: &[Entry], dual: &[f64]) -> f64 {
-    let term = |e: &Entry| {
-        let count = if e.row == e.column { 1.0 } else { 2.0 };
-        count * e.value * dual[svec_index(e.row, e.column)]
-    };
-    entries.iter().map(term).sum()
 }
 
 /// The matrix of a cone at a point, as its upper triangle by columns.

@@ -27,9 +27,10 @@ mod multipliers;
 mod scope;
 pub mod stationarity;
 
+pub(crate) use multipliers::{check_length, missing};
 pub use multipliers::{
-    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, IntegralCross, Moments,
-    RegionDual, VertexDual,
+    DeadZoneMoments, DualMultipliers, GainDuals, HeldMoments, InputDual, Moments, RegionDual,
+    VertexDual,
 };
 pub use scope::{limits, Limit};
 pub use stationarity::Level;

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::multipliers::{DeadZoneMoments, HeldMoments, Moments};
-use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 /// All moments of (18) that occur in it, at one end of the interval: `xv` is E[x v'] and so on.
@@ -35,7 +35,7 @@ impl<S: Scalar> EndMoments<S> {
             let matrix = Matrix::exactly(&weight.moments);
             sum = sum.plus(&matrix);
             let xv = matrix.block(0, n, n, n);
-            driven = driven.plus(&xv.times(&vertices[weight.vertex]));
+            driven = driven.plus(&xv.times(&vertices[weight.vertex - 1]));
         }
         let exactly = |matrix: &DMatrix<f64>| Matrix::<S>::exactly(matrix);
         EndMoments {
@@ -128,43 +128,20 @@ impl<S: Scalar> EndMoments<S> {
 
     /// The cliques that both ends have; `place` is `r=1` or `r=2` and the gain.
     pub fn emit(&self, place: &str, emit: &mut impl FnMut(String, Matrix<S>)) {
-        let (n, d) = (self.xx.nrows(), self.tt.nrows());
-        let mut root = SymmetricBlockMatrix::new(&[n, n, n]);
-        root.set(0, 0, &self.xx);
-        root.set(0, 1, &self.xv);
-        root.set(0, 2, &self.xk);
-        root.set(1, 1, &self.vv);
-        root.set(1, 2, &self.vk);
-        root.set(2, 2, &self.kk);
-        emit(format!("decrease {place} root"), root.finish());
-        let mut disturbance = SymmetricBlockMatrix::new(&[n, d]);
-        disturbance.set(0, 0, &self.vv);
-        disturbance.set(0, 1, &self.vt);
-        disturbance.set(1, 1, &self.tt);
-        emit(
-            format!("decrease {place} disturbance"),
-            disturbance.finish(),
-        );
+        let mut clique = |name: &str, upper: &[&[&Matrix<S>]]| {
+            emit(format!("decrease {place} {name}"), Matrix::symmetric(upper));
+        };
+        let (vv, vk, kk) = (&self.vv, &self.vk, &self.kk);
+        let root = [&self.xx, &self.xv, &self.xk];
+        clique("root", &[&root, &[vv, vk], &[kk]]);
+        clique("disturbance", &[&[vv, &self.vt], &[&self.tt]]);
         if let Some([vw, kw, ww]) = &self.held {
-            let mut held = SymmetricBlockMatrix::new(&[n, n, n]);
-            held.set(0, 0, &self.vv);
-            held.set(0, 1, &self.vk);
-            held.set(0, 2, vw);
-            held.set(1, 1, &self.kk);
-            held.set(1, 2, kw);
-            held.set(2, 2, ww);
-            emit(format!("decrease {place} held state"), held.finish());
+            clique("held state", &[&[vv, vk, vw], &[kk, kw], &[ww]]);
         }
         if let Some([vp, wp, pp]) = &self.dead_zone {
-            let ww = self.held.as_ref().map_or(&self.kk, |[_, _, ww]| ww);
-            let mut zone = SymmetricBlockMatrix::new(&[pp.nrows(), n, n]);
-            zone.set(0, 0, pp);
-            zone.set(0, 1, &vp.transposed());
-            zone.set(0, 2, &wp.transposed());
-            zone.set(1, 1, &self.vv);
-            zone.set(1, 2, self.vw());
-            zone.set(2, 2, ww);
-            emit(format!("decrease {place} dead zone"), zone.finish());
+            let ww = self.held.as_ref().map_or(kk, |[_, _, ww]| ww);
+            let zone = [pp, &vp.transposed(), &wp.transposed()];
+            clique("dead zone", &[&zone, &[vv, self.vw()], &[ww]]);
         }
     }
 }

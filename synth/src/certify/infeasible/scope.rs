@@ -6,7 +6,7 @@
 use std::fmt;
 
 use super::{DualMultipliers, Level, Refutation};
-use crate::certify::plant::DescriptorPlant;
+use crate::certify::signals::{bounded, reached_level};
 use crate::model::Model;
 use verified::interval::Interval;
 
@@ -104,7 +104,7 @@ pub fn limits<E>(
 /// xi_max taubar^2 / phi, rounded up.
 fn level_at_largest_weight(model: &Model) -> f64 {
     let specs = &model.file.specs;
-    let bound = DescriptorPlant::<Interval>::new(&model.plant).disturbance_bound;
-    let reached = Interval::from(specs.xi_max) * bound * bound / Interval::from(specs.phi_per_s);
+    let weight = |_: &_| Interval::from(specs.xi_max);
+    let reached = reached_level(&bounded(model), weight, &Interval::from(specs.phi_per_s));
     reached.hi()
 }

@@ -4,12 +4,12 @@
 use nalgebra::DMatrix;
 
 use super::moments::EndMoments;
-use super::multipliers::{DualMultipliers, GainDuals, IntegralCross, Moments};
+use super::multipliers::{DualMultipliers, GainDuals, Moments};
 use crate::certify::plant::DescriptorPlant;
-use crate::certify::theorem1::Statement;
-use crate::conditions::xu2020::gain_suffix;
+use crate::certify::signals::{bounded, reached_level};
+use crate::certify::theorem1::{gain_suffix, Statement};
 use crate::model::Model;
-use verified::matrix::{Matrix, SymmetricBlockMatrix};
+use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 /// `sum_k <G_k(y), Z_k>` as a function of the unknowns y: the constant and, where it does not vanish
@@ -35,8 +35,8 @@ pub enum Level {
 
 impl Level {
     /// k2 and the largest xi.
-    fn with<S: Scalar>(self, phi: &S, bound_squared: &S, xi_max: S) -> (S, S) {
-        let reached = xi_max.clone() * bound_squared.clone() / phi.clone();
+    fn with<S: Scalar>(self, model: &Model, phi: &S, xi_max: S) -> (S, S) {
+        let reached = reached_level(&bounded(model), |_| xi_max.clone(), phi);
         let level = reached.max(S::one());
         match self {
             // xi_max / k2 is the smaller of xi_max and phi / taubar^2.
@@ -67,9 +67,7 @@ impl<S: Scalar> Numbers<S> {
         let plant = DescriptorPlant::<S>::explicit(&model.plant);
         let phi = S::from_f64(specs.phi_per_s);
         let hbar = S::from_f64(specs.hbar_s);
-        let bound = plant.disturbance_bound.clone();
-        let square = bound.clone() * bound;
-        let (level, xi_max) = level.with(&phi, &square, S::from_f64(specs.xi_max));
+        let (level, xi_max) = level.with(model, &phi, S::from_f64(specs.xi_max));
         // 1 / e^(-a) with the divisor rounded up.
         let growth = S::one() / (-(phi.clone() * hbar.clone())).exp_upper();
         Numbers {
@@ -123,12 +121,10 @@ pub fn for_each_statement<S: Scalar>(
     }
     positivity(&numbers, weights, &parts, &mut emit);
     for (bound, weight) in numbers.plant.region.iter().zip(&weights.region) {
-        let unit = Matrix::<S>::exactly(&weight.unit);
-        let mut out = SymmetricBlockMatrix::new(&[numbers.plant.states(), unit.nrows()]);
-        out.set(0, 0, &Matrix::exactly(&weight.state));
-        out.set(0, 1, &Matrix::exactly(&weight.cross));
-        out.set(1, 1, &unit);
-        emit(format!("box {}", bound.name), out.finish());
+        let [state, cross, unit] =
+            [&weight.state, &weight.cross, &weight.unit].map(Matrix::exactly);
+        let matrix = Matrix::symmetric(&[&[&state, &cross], &[&unit]]);
+        emit(format!("box {}", bound.name), matrix);
     }
     for (index, weight) in weights.must_contain.iter().enumerate() {
         let name = format!("must contain state {}", index + 1);
@@ -152,16 +148,16 @@ fn parts<'a, S: Scalar>(
     let n = numbers.plant.states();
     let part = |part: &'a GainDuals| {
         let ends = [&part.start, &part.end];
-        let cross = |of: fn(&IntegralCross) -> &DMatrix<f64>| match &part.integral_cross {
-            Some(cross) => Matrix::exactly(of(cross)),
+        let cross = |of: &Option<DMatrix<f64>>| match of {
+            Some(cross) => Matrix::exactly(cross),
             None => Matrix::zeros(n, n),
         };
         GainMoments {
             weights: part,
             ends: ends.map(|moments| EndMoments::new(&numbers.plant.vertices, moments)),
-            gain: weights.given.get(part.gain).map(Matrix::exactly),
-            integral: [cross(|cross| &cross.state), cross(|cross| &cross.sample)],
-            suffix: gain_suffix(weights.given.len().max(1), part.gain),
+            gain: weights.given.get(part.gain - 1).map(Matrix::exactly),
+            integral: [cross(&part.state_integral), cross(&part.sample_integral)],
+            suffix: gain_suffix(weights.given.len().max(1), part.gain - 1),
         }
     };
     weights.gains.iter().map(part).collect()
@@ -248,34 +244,26 @@ impl<S: Scalar> GainMoments<'_, S> {
         let suffix = &self.suffix;
         for (r, moments) in [(1, &self.weights.start), (2, &self.weights.end)] {
             for weight in &moments.vertices {
-                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex + 1);
+                let name = format!("decrease r={r} vertex {}{suffix}", weight.vertex);
                 emit(name, Matrix::exactly(&weight.moments));
             }
         }
         for (index, end) in self.ends.iter().enumerate() {
             end.emit(&format!("r={}{suffix}", index + 1), emit);
         }
-        let n = numbers.plant.states();
-        let end = &self.ends[1];
-        let mut out = SymmetricBlockMatrix::new(&[n, n, n]);
-        out.set(0, 0, &end.xx);
-        out.set(0, 1, &end.xk);
-        out.set(0, 2, &self.integral[0]);
-        out.set(1, 1, &end.kk);
-        out.set(1, 2, &self.integral[1]);
-        out.set(2, 2, &Matrix::exactly(&self.weights.integral));
-        emit(format!("decrease r=2{suffix} integral"), out.finish());
+        let (end, [xs, ks]) = (&self.ends[1], &self.integral);
+        let ss = Matrix::exactly(&self.weights.integral);
+        let integral = Matrix::symmetric(&[&[&end.xx, &end.xk, xs], &[&end.kk, ks], &[&ss]]);
+        emit(format!("decrease r=2{suffix} integral"), integral);
         let cross = self.input_cross(numbers);
         for (input, weight) in self.weights.inputs.iter().enumerate() {
-            let unit = S::from_f64(weight.unit);
-            let mut out = SymmetricBlockMatrix::new(&[n, 1]);
-            out.set(0, 0, &Matrix::exactly(&weight.state));
-            out.set(0, 1, &cross.row(input).transposed());
-            out.set(1, 1, &Matrix::identity(1, unit));
-            emit(
-                format!("anti-windup input {}{suffix}", input + 1),
-                out.finish(),
+            let unit = Matrix::identity(1, S::from_f64(weight.unit));
+            let (state, row) = (
+                Matrix::exactly(&weight.state),
+                cross.row(input).transposed(),
             );
+            let matrix = Matrix::symmetric(&[&[&state, &row], &[&unit]]);
+            emit(format!("anti-windup input {}{suffix}", input + 1), matrix);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
-use sdp::lmi::{Condition, Strictness, SymmetricBlocks};
+use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
 /// `[ ubar_s^2/k2 Uh, (Fh_j - Nh_j)_s' ; *, 1 ] >= 0` for every gain j and input s.
 pub(super) fn anti_windup(
@@ -19,13 +19,12 @@ pub(super) fn anti_windup(
             None => at_rule.gain,
         };
         for (input, limit) in task.system.input_limit.iter().enumerate() {
-            let mut lhs = SymmetricBlocks::new(&[task.system.states(), 1]);
-            lhs.add(0, 0, &(limit * limit / level * &unknowns.lyapunov));
-            lhs.add(0, 1, &difference.row(input).transposed());
-            lhs.add(1, 1, &crate::lmi::Affine::identity(1, 1.0));
+            let scaled = limit * limit / level * &unknowns.lyapunov;
+            let beside = difference.row(input).transposed();
+            let lhs = SymmetricBlocks::of(&[&[&scaled, &beside], &[&Affine::identity(1, 1.0)]]);
             let name = format!("anti-windup input {}", input + 1);
             let name = name + &gain_suffix(unknowns.gain_count(), rule);
-            out.push(strictness.positive(name, lhs.finish()));
+            out.push(strictness.positive(name, lhs));
         }
     }
     out

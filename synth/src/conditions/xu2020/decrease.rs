@@ -68,15 +68,3 @@ pub fn full_matched_condition(
 pub fn condition_name(interval: SamplingEnd, index: usize) -> String {
     format!("decrease r={} vertex {}", interval.index(), index + 1)
 }
-
-/// (18) without its vertex term `2 v' A_i Qh' x`, as the quadratic form that bounds V' + phi V -
-/// xi |tau|^2 in (28), in any coordinates. With the vertex term added it equals [`decrease`] up to
-/// the congruence between the coordinates.
-pub fn decrease_form(
-    task: &Task,
-    interval: SamplingEnd,
-    unknowns: &DesignUnknowns,
-    basis: &Basis,
-) -> Affine {
-    basis.form(&terms(task, interval, unknowns))
-}

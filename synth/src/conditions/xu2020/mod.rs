@@ -5,20 +5,16 @@
 //! Fh = F Qh', Nh = N Qh', S = M^-1.
 
 mod anti_windup;
-mod containment;
 mod decrease;
 mod mismatch;
 mod peak_gain;
-mod region;
+mod sets;
 mod signals;
-mod start;
 mod unknowns;
 
 pub use anti_windup::gain_suffix;
-pub use containment::containment;
-pub use decrease::{
-    condition_name, decrease, decrease_form, full_condition, full_matched_condition,
-};
+pub use decrease::{condition_name, decrease, full_condition, full_matched_condition};
+pub use sets::containment;
 pub use signals::{terms, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term};
 pub use unknowns::{
     DesignUnknowns, MismatchUnknowns, RuleUnknowns, SamplingEnd, Sector, SectorUnknowns,
@@ -40,7 +36,7 @@ pub fn side_conditions(
 ) -> Vec<Condition> {
     let mut out = positivity_and_anti_windup(task, unknowns, strictness);
     out.push(peak_gain::peak_gain(task, unknowns, strictness));
-    out.push(peak_gain::gain_above_weight(task, unknowns, strictness));
+    out.extend(peak_gain::gain_above_weight(task, unknowns, strictness));
     out.extend(weight_region_and_start(task, unknowns, strictness));
     out
 }
@@ -89,8 +85,8 @@ fn weight_region_and_start(
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Vec<Condition> {
-    let mut out = vec![peak_gain::weight_bound(task, unknowns)];
-    out.extend(region::region(task, unknowns, strictness));
-    out.extend(start::must_contain(task, unknowns));
+    let mut out: Vec<Condition> = peak_gain::weight_bound(task, unknowns).collect();
+    out.extend(sets::region(task, unknowns, strictness));
+    out.extend(sets::must_contain(task, unknowns));
     out
 }

@@ -15,37 +15,46 @@ pub(super) fn peak_gain(
 ) -> Condition {
     let output = &task.system.output;
     let outputs = output.nrows();
-    let mut lhs = SymmetricBlocks::new(&[task.system.states(), outputs]);
-    lhs.add(0, 0, &(task.specification.decay_rate * &unknowns.lyapunov));
+    let decay = task.specification.decay_rate * &unknowns.lyapunov;
     let output_unit = task.disturbance_weight_unit.sqrt();
-    lhs.add(
-        0,
-        1,
-        &(&unknowns.multiplier * &(output.transpose() / output_unit)),
-    );
+    let seen = &unknowns.multiplier * &(output.transpose() / output_unit);
     let identity = DMatrix::identity(outputs, outputs) / task.disturbance_weight_unit;
-    lhs.add(1, 1, &unknowns.gain_bound.times_matrix(&identity));
-    strictness.positive("peak gain", lhs.finish())
+    let gamma = unknowns.gain_bound.times_matrix(&identity);
+    let lhs = SymmetricBlocks::of(&[&[&decay, &seen], &[&gamma]]);
+    strictness.positive("peak gain", lhs)
+}
+
+/// The name and the weight of every bounded signal.
+fn weights<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+) -> impl Iterator<Item = (&'static str, &'a Affine)> {
+    let names = task.further_signals.iter().map(|signal| signal.name);
+    let further = names.zip(&unknowns.further_weights);
+    std::iter::once(("disturbance", &unknowns.disturbance_weight)).chain(further)
 }
 
 /// gamma >= xi (in the units of xi).
-pub(super) fn gain_above_weight(
-    task: &Task,
-    unknowns: &DesignUnknowns,
-    strictness: &Strictness,
-) -> Condition {
-    let weight = &unknowns.disturbance_weight;
-    strictness.positive(
-        "gain bound above disturbance weight",
-        1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
-    )
+pub(super) fn gain_above_weight<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+    strictness: &'a Strictness,
+) -> impl Iterator<Item = Condition> + 'a {
+    weights(task, unknowns).map(|(name, weight)| {
+        strictness.positive(
+            format!("gain bound above {name} weight"),
+            1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
+        )
+    })
 }
 
 /// xi <= xi_max, which [`Task::invariant_level`] relies on.
-pub(super) fn weight_bound(task: &Task, unknowns: &DesignUnknowns) -> Condition {
+pub(super) fn weight_bound<'a>(
+    task: &'a Task,
+    unknowns: &'a DesignUnknowns,
+) -> impl Iterator<Item = Condition> + 'a {
     let largest = Affine::identity(1, task.specification.disturbance_weight_max);
-    Condition::semidefinite(
-        "disturbance weight bound",
-        &largest - &unknowns.disturbance_weight,
-    )
+    weights(task, unknowns).map(move |(name, weight)| {
+        Condition::semidefinite(format!("{name} weight bound"), &largest - weight)
+    })
 }

@@ -3,7 +3,8 @@
 //! The functional's derivative is bounded by a quadratic form in a few [`Signal`]s. [`terms`] states it once, term by
 //! term; everything else is read off it: the published matrix (rows x, x', x(t_k^l), e, p, tau, s), the form in the
 //! coordinates of the [reduction](crate::reduce), the pattern of that form, hence its cliques, and the place of a
-//! dual matrix in them. A further signal is a variant here, its terms, and its size.
+//! dual matrix in them. A further signal of bounded norm is an entry of [`Task::further_signals`]; one of another kind is a
+//! variant here, its terms, and its size.
 
 use nalgebra::DMatrix;
 
@@ -30,11 +31,15 @@ pub enum Signal {
     DeadZone,
     /// The disturbance tau, d rows.
     Disturbance,
+    /// Another signal of bounded norm, by its name.
+    Further(&'static str),
     /// The coordinate s of the integral's Schur complement, n rows; for r = 2 only.
     Integral,
 }
 
-use Signal::{DeadZone, Disturbance, Error, Held, Integral, Multiplied, Rate, Sample, State};
+use Signal::{
+    DeadZone, Disturbance, Error, Further, Held, Integral, Multiplied, Rate, Sample, State,
+};
 
 impl Signal {
     /// The name of the clique in which the signal stands alone with its neighbours.
@@ -43,18 +48,25 @@ impl Signal {
             Disturbance => "disturbance",
             DeadZone => "dead zone",
             Held => "held state",
+            Further(name) => name,
             Integral => "integral",
             State | Rate | Sample | Error | Multiplied => "root",
         }
     }
 
-    fn size(self, task: &Task, unknowns: &DesignUnknowns) -> usize {
+    /// Number of rows.
+    pub fn size(self, task: &Task, unknowns: &DesignUnknowns) -> usize {
         match self {
             DeadZone => match &unknowns.sector {
                 Some(sector) => sector.weight.nrows(),
                 None => 0,
             },
             Disturbance => task.system.disturbance.ncols(),
+            Further(name) => {
+                let mut signals = task.further_signals.iter();
+                let known = signals.find(|signal| signal.name == name);
+                known.map_or(0, |signal| signal.coefficient.ncols())
+            }
             _ => task.system.states(),
         }
     }
@@ -156,6 +168,12 @@ fn terms_with(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, rate: Af
         out.push(Term::square(DeadZone, -2.0, &sector.weight));
         out.push(Term::cross(DeadZone, Held, sector.anti_windup.clone()));
     }
+    for (signal, weight) in task.further_signals.iter().zip(&unknowns.further_weights) {
+        let (own, block) = (Further(signal.name), Affine::constant(&signal.coefficient));
+        let unit = identity(signal.coefficient.ncols());
+        out.push(Term::cross(Multiplied, own, block));
+        out.push(Term::square(own, -1.0, &weight.times_matrix(&unit)));
+    }
     match end {
         SamplingEnd::Start => {
             out.push(Term::square(Rate, specification.sampling_interval_max, yh));
@@ -242,8 +260,13 @@ impl Basis {
     }
 
     fn new(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, signals: &[Signal]) -> Self {
+        let further = task
+            .further_signals
+            .iter()
+            .map(|signal| Further(signal.name));
         let integral = (end == SamplingEnd::End).then_some(Integral);
-        let signals: Vec<Signal> = signals.iter().copied().chain(integral).collect();
+        let signals = signals.iter().copied().chain(further);
+        let signals: Vec<Signal> = signals.chain(integral).collect();
         let sizes = signals.iter().map(|signal| signal.size(task, unknowns));
         Basis {
             sizes: sizes.collect(),
@@ -323,12 +346,22 @@ impl Basis {
         let command = task.system.input.transpose() * self.map(Multiplied);
         let zone = self.map(DeadZone) / self.dead_zone_unit;
         let held = self.map(Held);
-        let parts = [command, zone, held];
+        self.stacked(&[command, zone, held])
+    }
+
+    /// The coordinates of those of some signals that are independent, block after block.
+    pub fn selected(&self, signals: &[Signal]) -> DMatrix<f64> {
+        let blocks = signals.iter().filter_map(|signal| self.block(*signal));
+        let parts: Vec<_> = blocks.map(|block| self.select(block)).collect();
+        self.stacked(&parts)
+    }
+
+    fn stacked(&self, parts: &[DMatrix<f64>]) -> DMatrix<f64> {
         let height = parts.iter().map(DMatrix::nrows).sum();
         let mut out = DMatrix::zeros(height, self.side());
         let mut row = 0;
         for part in parts {
-            out.rows_mut(row, part.nrows()).copy_from(&part);
+            out.rows_mut(row, part.nrows()).copy_from(part);
             row += part.nrows();
         }
         out
@@ -338,7 +371,8 @@ impl Basis {
     pub fn margin_weight(&self) -> DMatrix<f64> {
         let rows = [State, Rate, Sample, Error, DeadZone, Disturbance, Integral];
         let zero = DMatrix::zeros(self.side(), self.side());
-        rows.into_iter().fold(zero, |sum, signal| {
+        let further = self.signals.iter().filter(|own| matches!(own, Further(_)));
+        rows.iter().chain(further).fold(zero, |sum, &signal| {
             let map = match signal {
                 DeadZone => self.map(signal) / self.dead_zone_unit,
                 _ => self.map(signal),

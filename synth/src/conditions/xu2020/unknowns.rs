@@ -135,6 +135,8 @@ pub struct DesignUnknowns {
     pub mismatch: Vec<MismatchUnknowns>,
     /// xi: the weight of the disturbance.
     pub disturbance_weight: Affine,
+    /// The weights of [`Task::further_signals`], in their order.
+    pub further_weights: Vec<Affine>,
     /// gamma: the bound on the L-infinity gain, in SI units whatever those of the task.
     pub gain_bound: Affine,
 }
@@ -171,7 +173,12 @@ impl DesignUnknowns {
         });
         let further = further.collect();
         let mismatch = MismatchUnknowns::for_task(unknowns, task, sector.is_some());
+        let disturbance_weight = unknowns.scalar("xi");
+        let further_weights = task.further_signals.iter();
+        let further_weights =
+            further_weights.map(|signal| unknowns.scalar(&format!("xi {}", signal.name)));
         DesignUnknowns {
+            further_weights: further_weights.collect(),
             lyapunov,
             integral_weight,
             trigger_weight,
@@ -181,7 +188,7 @@ impl DesignUnknowns {
             sector,
             further,
             mismatch,
-            disturbance_weight: unknowns.scalar("xi"),
+            disturbance_weight,
             gain_bound: task.disturbance_weight_unit * unknowns.scalar("gamma"),
             multiplier,
         }

@@ -3,17 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evaluator::{Evaluator, SearchPoint};
-use super::parameters::Space;
+use super::space::Space;
 use crate::programs::SynthesisError;
 
-/// When to stop.
-#[derive(Debug, Clone, Copy)]
-pub struct Effort {
-    /// Most rounds; each solves at two points.
-    pub rounds: usize,
-    /// Increase of the objective in one round below which another round is not worth it.
-    pub increase: f64,
-}
+/// Relative increase of the objective in one round below which another round is not worth it.
+const SMALL_INCREASE: f64 = 2e-3;
 
 /// First and largest change of a coordinate in a round.
 const STEPS: [f64; 2] = [0.4, 1.2];
@@ -36,12 +30,12 @@ struct Ascent<'a> {
     longest: f64,
 }
 
-/// Maximises from a solved point. `emit` is called with every point that is better than the last; `false` stops the
+/// Maximises from a solved point, in at most so many rounds; each solves at two points. `emit` is called with every point that is better than the last; `false` stops the
 /// search.
 pub fn ascend(
     evaluator: &Evaluator<'_>,
     start: SearchPoint,
-    effort: Effort,
+    rounds: usize,
     emit: &mut dyn FnMut(&SearchPoint) -> bool,
 ) -> Result<SearchPoint, SynthesisError> {
     let size = start.coordinates.len();
@@ -53,11 +47,11 @@ pub fn ascend(
         longest: STEPS[0],
     };
     let mut small = 0;
-    for _ in 0..effort.rounds {
+    for _ in 0..rounds {
         let Some(direction) = ascent.direction() else {
             break;
         };
-        let objective = ascent.best.value.objective;
+        let objective = ascent.best.objective;
         let found = ascent.try_both(evaluator, &direction)?;
         match found {
             Some((point, whole)) => {
@@ -80,11 +74,10 @@ pub fn ascend(
                 continue;
             }
         }
-        let increase = ascent.best.value.objective - objective;
-        small = if increase < effort.increase {
-            small + 1
-        } else {
-            0
+        let increase = ascent.best.objective - objective;
+        small = match increase < SMALL_INCREASE {
+            true => small + 1,
+            false => 0,
         };
         if small >= SMALL_INCREASES {
             break;
@@ -97,9 +90,7 @@ impl Ascent<'_> {
     /// The gradient, with 0 for the coordinates that would leave their bounds.
     fn free_slope(&self) -> DVector<f64> {
         let ranges = self.space.ranges.iter();
-        let parts = ranges
-            .zip(&self.best.coordinates)
-            .zip(&self.best.value.slope);
+        let parts = ranges.zip(&self.best.coordinates).zip(&self.best.slope);
         let parts = parts.map(|((range, &at), &slope)| {
             let [low, high] = range.coordinates();
             let out = (slope > 0.0 && at >= high) || (slope < 0.0 && at <= low);
@@ -152,19 +143,16 @@ impl Ascent<'_> {
             let to: Vec<f64> = (from + direction * part).iter().copied().collect();
             self.space.inside(&to)
         };
-        let solve = |coordinates: Vec<f64>| -> Result<Option<SearchPoint>, SynthesisError> {
-            let value = evaluator.solve(&coordinates, &self.best.value.linearisation)?;
-            Ok(value.map(|value| SearchPoint { coordinates, value }))
-        };
+        let solve = |coordinates: Vec<f64>| evaluator.solve(&coordinates, &self.best.linearisation);
         let (long, short) = rayon::join(|| solve(at(1.0)), || solve(at(SHORTER)));
         let objective = |point: &Option<SearchPoint>| {
-            let objective = point.as_ref().map(|point| point.value.objective);
+            let objective = point.as_ref().map(|point| point.objective);
             objective.unwrap_or(f64::NEG_INFINITY)
         };
         let (long, short) = (long?, short?);
         let whole = objective(&long) >= objective(&short);
         let better = if whole { long } else { short };
-        let better = better.filter(|point| point.value.objective > self.best.value.objective);
+        let better = better.filter(|point| point.objective > self.best.objective);
         Ok(better.map(|point| (point, whole)))
     }
 
@@ -172,7 +160,7 @@ impl Ascent<'_> {
     fn learn(&mut self, to: &SearchPoint) {
         let vector = |values: &[f64]| DVector::from_column_slice(values);
         let step = vector(&to.coordinates) - vector(&self.best.coordinates);
-        let change = vector(&self.best.value.slope) - vector(&to.value.slope);
+        let change = vector(&self.best.slope) - vector(&to.slope);
         let along = step.dot(&change);
         let least = 1e-10 * step.norm() * change.norm();
         if along.is_nan() || least.is_nan() || along <= least {

@@ -2,18 +2,26 @@
 
 use nalgebra::DMatrix;
 
-use super::parameters::{Parameter, Space};
 use super::progress::SearchProgress;
+use super::space::{Range, Space};
 use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
 use crate::model::{Model, ModelFile};
-use crate::programs::{assemble, blocking, Assembled, Form, Goal, SynthesisError};
+use crate::programs::{
+    assemble, blocking, has_point, Assembled, Blocking, Form, Goal, Parameter, SynthesisError,
+};
 use crate::scaling::Scaling;
-use sdp::lmi::{svec_index, Entry, Semidefinite};
-use sdp::solve::{Backend, Solution, Status};
+use sdp::lmi::{inner_product, Semidefinite};
+use sdp::solve::{Backend, Solution};
 
-/// Multiplies one number of a model file by a factor.
-pub type Perturbation = dyn Fn(&mut ModelFile, f64);
+/// Bounds on the gain.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GainBounds {
+    /// Largest gain bound, if any.
+    pub gamma: Option<f64>,
+    /// Largest guaranteed gain, if any.
+    pub gain: Option<f64>,
+}
 
 /// The objective of the search.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,16 +30,33 @@ pub enum Aim {
     Reach {
         /// The sets, as matrices D of ellipsoids {D z, |z| <= 1}; SI units.
         scaled: Vec<DMatrix<f64>>,
-        /// Largest gain bound, if any.
-        gamma_max: Option<f64>,
-        /// Largest guaranteed gain, if any.
-        gain_max: Option<f64>,
+        /// What the gain must not exceed.
+        bounds: GainBounds,
     },
     /// The smallest guaranteed gain.
     Gain,
 }
 
+impl Aim {
+    /// The bounds on the gain; none where it is what is minimised.
+    pub fn bounds(&self) -> GainBounds {
+        match self {
+            Aim::Reach { bounds, .. } => *bounds,
+            Aim::Gain => GainBounds::default(),
+        }
+    }
+
+    /// The scale or the guaranteed gain of an objective.
+    pub fn value(&self, objective: f64) -> f64 {
+        match self {
+            Aim::Reach { .. } => objective.exp(),
+            Aim::Gain => (-objective).exp(),
+        }
+    }
+}
+
 /// The program that is solved at every point.
+#[derive(Clone, Copy)]
 pub struct Evaluator<'a> {
     /// What is varied.
     pub space: &'a Space,
@@ -47,9 +72,11 @@ pub struct Evaluator<'a> {
     pub progress: &'a SearchProgress,
 }
 
-/// The program's value at a point.
+/// A solved point.
 #[derive(Debug, Clone)]
-pub struct Value {
+pub struct SearchPoint {
+    /// Its coordinates.
+    pub coordinates: Vec<f64>,
     /// ln of the scale, or -ln of the guaranteed gain: to be maximised.
     pub objective: f64,
     /// Its gradient with respect to the coordinates.
@@ -57,7 +84,7 @@ pub struct Value {
     /// P = Uh^-1 Qh there, SI units.
     pub linearisation: DMatrix<f64>,
     /// The conditions' fractions of the dual solution's trace.
-    pub blocking: Vec<(String, f64)>,
+    pub blocking: Vec<Blocking>,
 }
 
 /// Least margin of the strict inequalities in the search for a region, in scaled units: a large set has entries
@@ -99,16 +126,9 @@ impl Evaluator<'_> {
 
     /// The largest g that meets the bounds on the gain, whatever xi <= xi_max.
     pub fn peak_bound(&self, task: &Task) -> Option<f64> {
-        let Aim::Reach {
-            gamma_max,
-            gain_max,
-            ..
-        } = *self.aim
-        else {
-            return None;
-        };
-        let implied = gain_max.map(|gain| gain * gain / weight_max(task));
-        gamma_max.into_iter().chain(implied).reduce(f64::min)
+        let bounds = self.aim.bounds();
+        let implied = bounds.gain.map(|gain| gain * gain / weight_max(task));
+        bounds.gamma.into_iter().chain(implied).reduce(f64::min)
     }
 
     fn program(
@@ -127,7 +147,7 @@ impl Evaluator<'_> {
         &self,
         point: &[f64],
         linearisation: &DMatrix<f64>,
-    ) -> Result<Option<Value>, SynthesisError> {
+    ) -> Result<Option<SearchPoint>, SynthesisError> {
         let Some(solved) = self.solved(point, linearisation)? else {
             return Ok(None);
         };
@@ -138,11 +158,11 @@ impl Evaluator<'_> {
             return Ok(None);
         };
         let d = DMatrix::from_diagonal(&self.scaling.state);
-        let d_inverse = DMatrix::from_diagonal(&self.scaling.state.map(|unit| 1.0 / unit));
-        Ok(Some(Value {
+        Ok(Some(SearchPoint {
+            coordinates: point.to_vec(),
             objective: solved.objective,
             slope: self.slope(point, linearisation, &solved),
-            linearisation: d_inverse * inverse * multiplier * d,
+            linearisation: self.scaling.to_state() * inverse * multiplier * d,
             blocking: blocking(&solved.assembled.problem.conditions, &solved.solution),
         }))
     }
@@ -152,7 +172,9 @@ impl Evaluator<'_> {
         point: &[f64],
         linearisation: &DMatrix<f64>,
     ) -> Result<Option<Solved>, SynthesisError> {
-        let Some(task) = self.task(self.space.at(point), linearisation) else {
+        let file = self.space.at(point);
+        let xi_max = file.specs.xi_max;
+        let Some(task) = self.task(file, linearisation) else {
             return Ok(None);
         };
         let goal = self.goal(&task, 1.0);
@@ -163,7 +185,7 @@ impl Evaluator<'_> {
             .backend
             .solve(&program, accuracy, Some(self.progress.evaluator()))?;
         self.progress.solved()?;
-        if !matches!(solution.status, Status::Solved | Status::Inaccurate) {
+        if !has_point(&solution) {
             return Ok(None);
         }
         let (objective, per_program_objective) = match self.aim {
@@ -182,14 +204,13 @@ impl Evaluator<'_> {
             solution,
             objective,
             per_program_objective,
+            xi_max,
         }))
     }
 
-    /// The optimum v = min c'y s.t. S(y; t) >= 0 has dv/dt = -<Z, dS/dt> with the multipliers Z.
+    /// The gradient at a solved point.
     fn slope(&self, point: &[f64], linearisation: &DMatrix<f64>, solved: &Solved) -> Vec<f64> {
-        let here = pairing(&solved.program, &solved.solution);
-        let along = |coordinate: usize| {
-            let range = &self.space.ranges[coordinate];
+        let along = |(coordinate, range): (usize, &Range)| {
             let [low, high] = range.coordinates();
             let step = match point[coordinate] > 0.5 * (low + high) {
                 true => -STEP,
@@ -197,60 +218,60 @@ impl Evaluator<'_> {
             };
             let mut moved = point.to_vec();
             moved[coordinate] += step;
-            let Some(other) = self.program(self.space.at(&moved), linearisation, 1.0) else {
-                return 0.0;
-            };
-            let change = (pairing(&other, &solved.solution) - here) / step;
-            let explicit = match (self.aim, range.parameter) {
-                (Aim::Gain, Parameter::DisturbanceWeight) => -0.5,
-                _ => 0.0,
-            };
-            explicit - solved.per_program_objective * change
+            let file = self.space.at(&moved);
+            let slope = self.derivative(solved, file, linearisation, step);
+            slope.unwrap_or(0.0)
         };
-        (0..point.len()).map(along).collect()
+        self.space.ranges.iter().enumerate().map(along).collect()
     }
 
-    /// The logarithmic derivatives of the value with respect to other numbers of the model, one for each perturbation.
+    /// The logarithmic derivatives of the value with respect to other numbers of the model.
     pub fn slopes_along(
         &self,
         point: &SearchPoint,
-        perturbations: &[&Perturbation],
+        parameters: &[Parameter],
     ) -> Result<Vec<f64>, SynthesisError> {
-        let linearisation = &point.value.linearisation;
+        let linearisation = &point.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
-            return Ok(vec![f64::NAN; perturbations.len()]);
+            return Ok(vec![f64::NAN; parameters.len()]);
         };
-        let here = pairing(&solved.program, &solved.solution);
-        let file = self.space.at(&point.coordinates);
-        let xi_max = file.specs.xi_max;
-        let along = |perturb: &&dyn Fn(&mut ModelFile, f64)| {
-            let mut perturbed = file.clone();
-            perturb(&mut perturbed, 1.0 - STEP);
-            let explicit = match self.aim {
-                Aim::Gain if perturbed.specs.xi_max != xi_max => -0.5,
-                _ => 0.0,
-            };
-            let Some(other) = self.program(perturbed, linearisation, 1.0) else {
-                return f64::NAN;
-            };
-            let change = -(pairing(&other, &solved.solution) - here) / STEP;
-            explicit - solved.per_program_objective * change
+        let along = |parameter: &Parameter| {
+            let mut file = self.space.at(&point.coordinates);
+            parameter.scale(&mut file, 1.0 - STEP);
+            let slope = self.derivative(&solved, file, linearisation, -STEP);
+            slope.unwrap_or(f64::NAN)
         };
-        Ok(perturbations.iter().map(along).collect())
+        Ok(parameters.iter().map(along).collect())
+    }
+
+    /// The derivative of the objective from a solved point to the program of another model, a step away. The optimum
+    /// v = min c'y s.t. S(y; t) >= 0 has dv/dt = -<Z, dS/dt> with the multipliers Z. `None` where there is no such
+    /// model.
+    fn derivative(
+        &self,
+        solved: &Solved,
+        file: ModelFile,
+        linearisation: &DMatrix<f64>,
+        step: f64,
+    ) -> Option<f64> {
+        // The guaranteed gain is the root of g times xi_max.
+        let explicit = match self.aim {
+            Aim::Gain if file.specs.xi_max != solved.xi_max => -0.5,
+            _ => 0.0,
+        };
+        let other = self.program(file, linearisation, 1.0)?;
+        Some(explicit - solved.per_program_objective * (solved.change(&other) / step))
     }
 
     /// The logarithmic derivative of the value with respect to the bounds on the gain.
     pub fn slope_along_gamma(&self, point: &SearchPoint) -> Result<Option<f64>, SynthesisError> {
-        let linearisation = &point.value.linearisation;
+        let linearisation = &point.linearisation;
         let Some(solved) = self.solved(&point.coordinates, linearisation)? else {
             return Ok(None);
         };
         let file = self.space.at(&point.coordinates);
-        let here = pairing(&solved.program, &solved.solution);
         let other = self.program(file, linearisation, 1.0 - STEP);
-        Ok(other.map(|other| {
-            solved.per_program_objective * (pairing(&other, &solved.solution) - here) / STEP
-        }))
+        Ok(other.map(|other| solved.per_program_objective * solved.change(&other) / STEP))
     }
 }
 
@@ -262,6 +283,14 @@ struct Solved {
     objective: f64,
     /// Derivative of the search's objective with respect to the program's.
     per_program_objective: f64,
+    xi_max: f64,
+}
+
+impl Solved {
+    /// <Z, S(y)> of another program with the same cones, less that of this one.
+    fn change(&self, other: &Semidefinite) -> f64 {
+        pairing(other, &self.solution) - pairing(&self.program, &self.solution)
+    }
 }
 
 /// xi_max in SI units.
@@ -273,16 +302,9 @@ fn weight_max(task: &Task) -> f64 {
 fn pairing(program: &Semidefinite, solution: &Solution) -> f64 {
     let mut total = 0.0;
     for (cone, dual) in program.cones.iter().zip(&solution.duals) {
-        let form = |entries: &[Entry]| -> f64 {
-            let terms = entries.iter().map(|entry| {
-                let twice = if entry.row == entry.column { 1.0 } else { 2.0 };
-                twice * entry.value * dual[svec_index(entry.row, entry.column)]
-            });
-            terms.sum()
-        };
-        total += form(&cone.constant);
+        total += inner_product(&cone.constant, dual);
         for (unknown, entries) in &cone.coefficients {
-            total += solution.values[*unknown] * form(entries);
+            total += solution.values[*unknown] * inner_product(entries, dual);
         }
     }
     total
@@ -357,13 +379,4 @@ mod tests {
         assert_slopes(&plan.aim, &plan, &model);
         assert_slopes(&Aim::Gain, &plan, &model);
     }
-}
-
-/// A solved point.
-#[derive(Debug, Clone)]
-pub struct SearchPoint {
-    /// Its coordinates.
-    pub coordinates: Vec<f64>,
-    /// The program's value there.
-    pub value: Value,
 }

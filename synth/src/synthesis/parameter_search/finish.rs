@@ -1,25 +1,22 @@
 //! From the optimum of a search to a proved design.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::evaluator::{Aim, Evaluator, SearchPoint, REGION_MARGIN};
 use super::plan::Plan;
 use super::sensitivities::sensitivities;
-use super::start;
-use super::undecided::{no_design, undecided_decision};
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
-use crate::certify::Verdict;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
-use crate::design::{add_claims, recover, rows, ProblemUnits, SearchRecord, VariedFile};
+use crate::design::{add_claims, matrix, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
-    Assembled, DesignRequest, Form, Goal, LimitingFactors, Outcome, Session, SynthesisError,
+    scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Session, SynthesisError,
     Synthesized,
 };
 use crate::scaling::Scaling;
-use sdp::solve::Status;
+use crate::synthesis::attempts::Smallest;
 
 /// Settings of one attempt at a design; they are tried in order until a design is proved.
 #[derive(Debug, Clone, Copy)]
@@ -67,20 +64,10 @@ const CLAIM_ALLOWANCE: f64 = 1e-6;
 /// Significant digits of the numbers that the search chose.
 const DIGITS: i32 = 5;
 
-/// The data of one attempt.
-struct AttemptContext<'a> {
-    model: &'a Model,
-    task: &'a Task,
-    scaling: &'a Scaling,
-    units: ProblemUnits,
-    point: &'a SearchPoint,
-}
-
 /// The search whose result becomes a design.
 pub struct Finish<'a> {
     pub model: &'a Model,
     pub model_text: &'a str,
-    pub form: Form,
     pub plan: &'a Plan,
     pub evaluator: &'a Evaluator<'a>,
 }
@@ -91,59 +78,52 @@ impl Finish<'_> {
     pub fn outcome(
         &self,
         iterates: &[SearchPoint],
-        runs: &mut Session,
+        session: &mut Session,
     ) -> Result<Outcome, SynthesisError> {
         let Some(optimum) = iterates.last() else {
-            return Ok(no_design("the search found no point".to_string(), runs));
+            let reason = LimitingFactors::unknown("the search found no point".to_string());
+            let decision = Decision::of_search(reason, Vec::new(), &session.runs);
+            return Ok(Outcome::Undecided(decision));
         };
         let (attempts, parts) = match self.evaluator.aim {
             Aim::Reach { .. } => (&REGION_ATTEMPTS[..], &POINTS[..]),
             Aim::Gain => (&GAIN_ATTEMPTS[..], &POINTS[..1]),
         };
+        let index = |part: &f64| (part * (iterates.len() - 1) as f64).round() as usize;
+        let mut indices: Vec<usize> = parts.iter().map(index).collect();
+        indices.dedup();
         let mut unproved = None;
-        let mut tried = usize::MAX;
-        for part in parts {
-            let index = (part * (iterates.len() - 1) as f64).round() as usize;
-            if index == tried {
-                continue;
-            }
-            tried = index;
+        for index in indices {
             let point = self.rounded(iterates.get(index).unwrap_or(optimum))?;
-            if let Some(outcome) = self.at(&point, attempts, runs, &mut unproved)? {
+            if let Some(outcome) = self.at(&point, attempts, session, &mut unproved)? {
                 return Ok(self.compared(outcome, optimum));
             }
         }
-        Ok(match unproved {
-            Some(design) => Outcome::Solved(closed(design, runs)),
-            None => {
-                let reason = "the search found a point, but no solver could make a design of it";
-                let limiting_factors = LimitingFactors {
-                    reason: reason.to_string(),
-                    scale: None,
-                    angle_deg: None,
-                    limits: sensitivities(self.evaluator, optimum)?,
-                };
-                Outcome::SolverFailed(undecided_decision(
-                    limiting_factors,
-                    optimum.value.blocking.clone(),
-                    runs,
-                ))
-            }
-        })
+        if let Some(design) = unproved {
+            return Ok(Outcome::Solved(design.with_runs(&session.runs)));
+        }
+        let reason = "the search found a point, but no solver could make a design of it";
+        let limiting_factors = LimitingFactors {
+            limits: sensitivities(self.evaluator, optimum)?,
+            ..LimitingFactors::unknown(reason.to_string())
+        };
+        let blocking = optimum.blocking.clone();
+        let decision = Decision::of_search(limiting_factors, blocking, &session.runs);
+        Ok(Outcome::SolverFailed(decision))
     }
 
     /// The outcome with the relative gap to the best objective of the search.
     fn compared(&self, mut outcome: Outcome, optimum: &SearchPoint) -> Outcome {
         if let Outcome::Solved(design) = &mut outcome {
-            let objective = optimum.value.objective;
+            let best = self.evaluator.aim.value(optimum.objective);
             design.optimality = match self.evaluator.aim {
                 Aim::Reach { .. } => {
                     let scale = self.extent(design).0;
-                    scale.and_then(|scale| Optimality::of_largest(scale, objective.exp()))
+                    scale.and_then(|scale| Optimality::of_largest(scale, best))
                 }
                 Aim::Gain => {
                     let gain = design.file.certificate.guaranteed_gain;
-                    Optimality::of_smallest(gain, (-objective).exp())
+                    Optimality::of_smallest(gain, best)
                 }
             };
         }
@@ -155,30 +135,33 @@ impl Finish<'_> {
         &self,
         point: &SearchPoint,
         attempts: &[AttemptSettings],
-        runs: &mut Session,
+        session: &mut Session,
         unproved: &mut Option<Box<Synthesized>>,
     ) -> Result<Option<Outcome>, SynthesisError> {
         let mut missing = None;
         for &settings in attempts {
-            let Some(design) = self.attempt(point, settings, runs)? else {
+            let Some(design) = self.attempt(point, settings, session)? else {
                 continue;
             };
+            if !design.is_proved() {
+                *unproved = Some(design);
+                continue;
+            }
+            if self.missed(&design).is_none() {
+                return Ok(Some(Outcome::Solved(design.with_runs(&session.runs))));
+            }
+            // Other settings may meet what these miss, but a larger back-off covers no more.
             let uncovered = self.extent(&design).0.is_some_and(|scale| scale < 1.0);
-            match design.report.verdict {
-                Verdict::Proved if self.missed(&design).is_none() => {
-                    return Ok(Some(Outcome::Solved(closed(design, runs))));
-                }
-                // A larger back-off cannot help.
-                Verdict::Proved if uncovered => return self.short(point, design, runs).map(Some),
-                // Other settings may meet what these miss.
-                Verdict::Proved => missing = missing.or(Some(design)),
-                Verdict::NotProved => *unproved = Some(design),
+            missing = match uncovered {
+                true => Some(design),
+                false => missing.or(Some(design)),
+            };
+            if uncovered {
+                break;
             }
         }
-        match missing {
-            Some(design) => self.short(point, design, runs).map(Some),
-            None => Ok(None),
-        }
+        let outcome = missing.map(|design| self.short(point, &design, session));
+        outcome.transpose()
     }
 
     /// The point with its parameters rounded to a few significant digits.
@@ -192,11 +175,8 @@ impl Finish<'_> {
                 value.map_or(at, |value| range.parameter.coordinate(value))
             })
             .collect();
-        let near = SearchPoint {
-            coordinates: space.inside(&coordinates),
-            value: point.value.clone(),
-        };
-        let solved = start::again(self.evaluator, &near)?;
+        let near = space.inside(&coordinates);
+        let solved = self.evaluator.solve(&near, &point.linearisation)?;
         Ok(solved.unwrap_or_else(|| point.clone()))
     }
 
@@ -213,7 +193,7 @@ impl Finish<'_> {
         }
         if let Aim::Reach { .. } = self.evaluator.aim {
             // Below scale 1 the design is for a fraction of each state.
-            let scale = point.value.objective.exp() * (1.0 - shrinking);
+            let scale = point.objective.exp() * (1.0 - shrinking);
             if scale <= 1.0 {
                 let part = scale * (1.0 - CLAIM_ALLOWANCE);
                 let states = file.specs.must_contain.iter_mut().flatten();
@@ -223,96 +203,83 @@ impl Finish<'_> {
         Model::new(file).ok()
     }
 
+    /// A design at the smallest g, or well inside a little above it.
     fn attempt(
         &self,
         point: &SearchPoint,
         settings: AttemptSettings,
-        runs: &mut Session,
+        session: &mut Session,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let Some(model) = self.model_at(point, settings.shrinking) else {
             return Ok(None);
         };
-        let mut contained = self.plan.contained.clone();
-        let mut back_off = PEAK_BACK_OFF;
-        if let Aim::Reach { scaled, .. } = self.evaluator.aim {
-            let scale = point.value.objective.exp() * (1.0 - settings.shrinking);
-            contained.extend(scaled.iter().map(|set| set * scale));
-            back_off = PEAK_BACK_OFF_OF_A_REGION;
-        }
-        let mut task = model.task();
-        task.specification.must_contain.clear();
-        task.specification.margin = task.specification.margin.max(settings.margin);
-        task.containment = Some(Containment {
-            linearisation: point.value.linearisation.clone(),
-            contained,
-            scaled: Vec::new(),
-        });
+        let wide = matches!(self.evaluator.aim, Aim::Reach { .. });
+        let task = self.task_at(point, settings, &model);
         let smallest = Scaling::automatic(&task.system, 1.0).state.min();
         let units = ProblemUnits {
             state_fraction: self.plan.unit * settings.unit / smallest,
             containment_weight: 0.5,
         };
-        let scaling = Scaling::automatic(&task.system, units.state_fraction);
-        let scaled = scaling.apply(&task);
-        let (assembled, smallest) = runs.solve(&scaled, Goal::SmallestPeak)?;
-        let usable = |status| matches!(status, Status::Solved | Status::Inaccurate);
-        let least = smallest.objective;
-        if !(usable(smallest.status) && least.is_finite() && least > 0.0) {
+        let request = DesignRequest::of_model(&model, self.model_text, &task, session.form);
+        // The design of a solver's point, checked.
+        let mut design = |goal: Goal, peak: Option<f64>| {
+            let solved = session.solve(scaled(&task, units), goal)?;
+            let least = match Smallest::of(&solved.solution) {
+                Smallest::Bound(least) => Some(least),
+                _ => None,
+            };
+            let Some(peak) = peak.or(least) else {
+                return Ok((None, None));
+            };
+            let design = solved.recover(&model).and_then(|mut certificate| {
+                let above = peak.max(certificate.disturbance_weight);
+                certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
+                add_claims(&model, &mut certificate)?;
+                let mut design = request.design(&certificate, None, units)?;
+                design.file.provenance.search = Some(self.record(point, &model.file));
+                Some(design)
+            });
+            Ok::<_, SynthesisError>((least, design))
+        };
+        let (Some(least), first) = design(Goal::SmallestPeak, None)? else {
             return Ok(None);
-        }
-        let context = AttemptContext {
-            model: &model,
-            task: &task,
-            scaling: &scaling,
-            units,
-            point,
         };
         // The smallest g leaves the model's margin in every condition, which may suffice.
-        let first = self.design(&context, &assembled, &smallest.values, least)?;
-        let wide = matches!(self.evaluator.aim, Aim::Reach { .. });
-        #[allow(clippy::borrowed_box)] // The type inside the options below.
-        let proved = |design: &Box<Synthesized>| design.report.verdict == Verdict::Proved;
-        if wide && first.as_ref().is_some_and(proved) {
+        let first = first.filter(|design| design.is_proved());
+        if wide && first.is_some() {
             return Ok(first);
         }
         let bound = self.evaluator.peak_bound(&task).unwrap_or(f64::INFINITY)
             / (1.0 + GAMMA_ALLOWANCE).powi(2);
+        let back_off = match wide {
+            true => PEAK_BACK_OFF_OF_A_REGION,
+            false => PEAK_BACK_OFF,
+        };
         // Just above the bound the requirements decide.
         let peak = (least * (1.0 + back_off)).min(bound.max(least * (1.0 + PEAK_BACK_OFF)));
-        let (assembled, inside) = runs.solve(&scaled, Goal::LargestMarginAtPeak { peak })?;
-        let second = self.design(&context, &assembled, &inside.values, peak)?;
+        let (_, second) = design(Goal::LargestMarginAtPeak { peak }, Some(peak))?;
         Ok(match second {
-            Some(second) if proved(&second) => Some(second),
-            second => first.filter(proved).or(second),
+            Some(second) if second.is_proved() => Some(second),
+            second => first.or(second),
         })
     }
 
-    /// The design of a solver's point, checked.
-    fn design(
-        &self,
-        context: &AttemptContext<'_>,
-        assembled: &Assembled,
-        values: &[f64],
-        peak: f64,
-    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let model = context.model;
-        let Ok(mut certificate) = recover(model, &assembled.design, values, context.scaling) else {
-            return Ok(None);
-        };
-        let above = peak.max(certificate.disturbance_weight);
-        certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
-        if add_claims(model, &mut certificate).is_err() {
-            return Ok(None);
+    /// The task of a model made at a point, with the sets that it must contain.
+    fn task_at(&self, point: &SearchPoint, settings: AttemptSettings, model: &Model) -> Task {
+        let mut contained = self.plan.contained.clone();
+        if let Aim::Reach { scaled, .. } = self.evaluator.aim {
+            let scale = point.objective.exp() * (1.0 - settings.shrinking);
+            contained.extend(scaled.iter().map(|set| set * scale));
         }
-        let subject = DesignRequest::of_model(model, self.model_text, context.task, self.form);
-        let mut design = match subject.design(&certificate, context.units) {
-            Ok(design) => design,
-            // Numbers that no design file may hold: a failed attempt.
-            Err(SynthesisError::Invalid(_)) => return Ok(None),
-            Err(other) => return Err(other),
-        };
-        design.file.provenance.search = Some(self.record(context.point, &model.file));
-        Ok(Some(design))
+        let mut task = model.task();
+        task.specification.must_contain.clear();
+        task.specification.margin = task.specification.margin.max(settings.margin);
+        task.containment = Some(Containment {
+            linearisation: point.linearisation.clone(),
+            contained,
+            scaled: Vec::new(),
+        });
+        task
     }
 
     fn record(&self, point: &SearchPoint, file: &ModelFile) -> SearchRecord {
@@ -333,7 +300,7 @@ impl Finish<'_> {
             .to_string(),
             evaluations: self.evaluator.progress.count(),
             varied: varied.collect(),
-            linearisation: rows(&point.value.linearisation),
+            linearisation: rows(&point.linearisation),
         }
     }
 
@@ -376,32 +343,28 @@ impl Finish<'_> {
     fn short(
         &self,
         point: &SearchPoint,
-        design: Box<Synthesized>,
-        runs: &Session,
+        design: &Synthesized,
+        session: &Session,
     ) -> Result<Outcome, SynthesisError> {
-        let (scale, angle_deg) = self.extent(&design);
+        let (scale, angle_deg) = self.extent(design);
         let limiting_factors = LimitingFactors {
-            reason: self.missed(&design).unwrap_or_default(),
+            reason: self.missed(design).unwrap_or_default(),
             scale,
             angle_deg,
             limits: sensitivities(self.evaluator, point)?,
         };
-        let blocking = point.value.blocking.clone();
-        Ok(Outcome::Undecided(undecided_decision(
-            limiting_factors,
-            blocking,
-            runs,
-        )))
+        let blocking = point.blocking.clone();
+        let decision = Decision::of_search(limiting_factors, blocking, &session.runs);
+        Ok(Outcome::Undecided(decision))
     }
 }
 
 /// How far x'Ux <= 1 goes along every state that a model must contain: proved, rounded down.
 pub fn reached(model: &Model, lyapunov: &[Vec<f64>]) -> Vec<Along> {
-    let n = lyapunov.len();
-    let matrix = DMatrix::from_fn(n, n, |r, c| lyapunov[r].get(c).copied().unwrap_or(f64::NAN));
+    let matrix = matrix(lyapunov);
     let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
     let states = model.file.specs.must_contain.iter();
-    let states = states.filter(|state| state.len() == n);
+    let states = states.filter(|state| state.len() == matrix.nrows());
     states
         .map(|state| along(&matrix, &DVector::from_column_slice(state), spacecraft))
         .collect()
@@ -413,12 +376,6 @@ fn uncovered(scale: f64, angle_deg: Option<f64>) -> String {
         "the start is not covered: a design is proved for {:.2} % of it{angle}, and the search found no more",
         100.0 * scale
     )
-}
-
-fn closed(mut design: Box<Synthesized>, runs: &Session) -> Box<Synthesized> {
-    design.solve_seconds = runs.seconds();
-    design.file.provenance.solver_runs = runs.runs.clone();
-    design
 }
 
 /// A number rounded to [`DIGITS`] significant digits.

@@ -9,40 +9,32 @@
 mod ascent;
 mod evaluator;
 mod finish;
-mod parameters;
 mod plan;
 mod progress;
 mod sensitivities;
+mod space;
 mod start;
-mod undecided;
 
 pub use finish::reached;
+pub use plan::wanted;
 
-use ascent::{ascend, Effort};
+use ascent::ascend;
 use evaluator::{Aim, Evaluator, SearchPoint};
 use finish::Finish;
 use plan::{outside_every_box, Plan};
 use progress::SearchProgress;
-use undecided::no_design;
 
 use crate::model::Model;
-use crate::programs::{Form, Outcome, Session, SynthesisError};
+use crate::programs::{Decision, Form, LimitingFactors, Outcome, Session, SynthesisError};
 use crate::scaling::Scaling;
 use sdp::solve::{Backend, Observer, Structured};
-
-/// Whether a model requests a search.
-pub fn wanted(model: &Model) -> bool {
-    Plan::wanted(model)
-}
-
-/// Relative increase of the objective in one round below which another round is not worth it.
-const SMALL_INCREASE: f64 = 2e-3;
 
 /// Scale at which the required sets count as contained, with an allowance for the next step.
 const CONTAINED: f64 = 1.02;
 
-/// Searches and makes the design. Only the check decides whether it is proved.
-pub fn search(
+/// Searches once, and makes the design with the given solver; with the other one too where that proves nothing: the
+/// better of the two outcomes is returned, with the runs of both. Only the check decides whether the design is proved.
+pub fn synthesize(
     model: &Model,
     model_text: &str,
     form: Form,
@@ -50,113 +42,110 @@ pub fn search(
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     let plan = Plan::of(model);
-    let mut runs = Session::new(form, backend, observer.clone());
-    if let Some(reason) = outside_every_box(model, &plan) {
-        return Ok(no_design(reason, &runs));
-    }
-    let progress = SearchProgress::new(observer);
+    let progress = SearchProgress::new(observer.clone());
     // Two points at a time, each on one thread.
     let mut own = Structured::default();
     own.threads = 1;
     let system = model.task().system;
     let smallest = Scaling::automatic(&system, 1.0).state.min();
-    let scaling = Scaling::automatic(&system, plan.unit / smallest);
-    let whole = ParameterSearch {
-        plan: &plan,
-        scaling: &scaling,
+    let evaluator = Evaluator {
+        space: &plan.space,
+        aim: &plan.aim,
+        contained: &plan.contained,
+        scaling: &Scaling::automatic(&system, plan.unit / smallest),
         backend: &own,
         progress: &progress,
     };
-    let points = match whole.best(model)? {
-        SearchResult::Points(points) => points,
-        SearchResult::Nothing(reason) => return Ok(no_design(reason, &runs)),
+    let search = ParameterSearch {
+        plan: &plan,
+        evaluator,
     };
-    let evaluator = whole.evaluator(&plan.aim, &plan.contained);
+    let found = match outside_every_box(model, &plan) {
+        Some(reason) => Err(reason),
+        None => search.best(model)?,
+    };
+    let points = match found {
+        Ok(points) => points,
+        Err(reason) => {
+            let decision = Decision::of_search(LimitingFactors::unknown(reason), Vec::new(), &[]);
+            return Ok(Outcome::Undecided(decision));
+        }
+    };
     let finish = Finish {
         model,
         model_text,
-        form,
         plan: &plan,
         evaluator: &evaluator,
     };
-    finish.outcome(&points, &mut runs)
+    let solved = progress.count();
+    let mut session = Session::new(form, backend, observer);
+    let first = finish.outcome(&points, &mut session)?;
+    if first.is_proved() {
+        return Ok(first);
+    }
+    // Each design records the programs that led to it.
+    progress.restart(solved);
+    let second = session.with_other(|session| finish.outcome(&points, session))?;
+    Ok(match second {
+        Some(second) if second.rank() > first.rank() => second.after(&first),
+        Some(second) => first.after(&second),
+        None => first,
+    })
 }
 
 /// The search from the first start to the optimum.
 struct ParameterSearch<'a> {
     plan: &'a Plan,
-    scaling: &'a Scaling,
-    backend: &'a Structured,
-    progress: &'a SearchProgress,
+    /// For the aim of the plan.
+    evaluator: Evaluator<'a>,
 }
 
-/// The result of a search.
-enum SearchResult {
+/// What a search found, or why it found nothing.
+type Found<T> = Result<Result<T, String>, SynthesisError>;
+
+impl ParameterSearch<'_> {
     /// The iterates, the optimum last.
-    Points(Vec<SearchPoint>),
-    /// The search found no design; the reason.
-    Nothing(String),
-}
-
-impl<'a> ParameterSearch<'a> {
-    fn evaluator(&self, aim: &'a Aim, contained: &'a [nalgebra::DMatrix<f64>]) -> Evaluator<'a> {
-        Evaluator {
-            space: &self.plan.space,
-            aim,
-            contained,
-            scaling: self.scaling,
-            backend: self.backend,
-            progress: self.progress,
-        }
-    }
-
-    fn best(&self, model: &Model) -> Result<SearchResult, SynthesisError> {
-        let evaluator = self.evaluator(&self.plan.aim, &self.plan.contained);
+    fn best(&self, model: &Model) -> Found<Vec<SearchPoint>> {
+        let evaluator = &self.evaluator;
         let begun = match self.plan.contained.is_empty() {
-            true => start::first(&evaluator)?,
+            true => start::first(evaluator)?,
             false => match self.covering(model)? {
-                Ok(point) => start::again(&evaluator, &point)?,
-                Err(reason) => return Ok(SearchResult::Nothing(reason)),
+                Ok(point) => evaluator.solve(&point.coordinates, &point.linearisation)?,
+                Err(reason) => return Ok(Err(reason)),
             },
         };
         let Some(begun) = begun else {
-            return Ok(SearchResult::Nothing(self.no_start(model)?));
+            return Ok(Err(self.no_start(model)?));
         };
         let mut iterates = vec![begun.clone()];
         // Every increase is reported, so that the last iterate is the optimum.
-        self.ascend(&evaluator, begun, f64::INFINITY, &mut |point| {
+        self.ascend(evaluator, begun, f64::INFINITY, &mut |point| {
             iterates.push(point.clone());
         })?;
-        Ok(SearchResult::Points(iterates))
+        Ok(Ok(iterates))
     }
 
     /// A point at which all required sets are contained.
-    fn covering(&self, model: &Model) -> Result<Result<SearchPoint, String>, SynthesisError> {
-        let (gamma_max, gain_max) = match self.plan.aim {
-            Aim::Reach {
-                gamma_max,
-                gain_max,
-                ..
-            } => (gamma_max, gain_max),
-            Aim::Gain => (None, None),
-        };
-        let scaled = self.plan.contained.clone();
+    fn covering(&self, model: &Model) -> Found<SearchPoint> {
         let aim = Aim::Reach {
-            scaled,
-            gamma_max,
-            gain_max,
+            scaled: self.plan.contained.clone(),
+            bounds: self.plan.aim.bounds(),
         };
-        let evaluator = self.evaluator(&aim, &[]);
+        let evaluator = Evaluator {
+            aim: &aim,
+            contained: &[],
+            ..self.evaluator
+        };
         let Some(begun) = start::first(&evaluator)? else {
             return Ok(Err(self.no_start(model)?));
         };
         let end = self.ascend(&evaluator, begun, CONTAINED.ln(), &mut |_| {})?;
-        if end.value.objective >= 0.0 {
+        if end.objective >= 0.0 {
             return Ok(Ok(end));
         }
         let mut reason = format!(
             "what must be covered could be covered up to the fraction {:.4} only",
-            end.value.objective.exp()
+            end.objective.exp()
         );
         if let Some(limit) = sensitivities::sensitivities(&evaluator, &end)?.first() {
             let (what, value, per_cent) = (&limit.what, limit.value, limit.per_cent);
@@ -173,18 +162,12 @@ impl<'a> ParameterSearch<'a> {
         enough: f64,
         passed: &mut dyn FnMut(&SearchPoint),
     ) -> Result<SearchPoint, SynthesisError> {
-        let effort = Effort {
-            rounds: self.plan.limits.rounds as usize,
-            increase: SMALL_INCREASE,
-        };
-        let mut last = begun.value.objective;
-        ascend(evaluator, begun, effort, &mut |point| {
-            let objective = point.value.objective;
-            let value = match evaluator.aim {
-                Aim::Reach { .. } => objective.exp(),
-                Aim::Gain => (-objective).exp(),
-            };
-            self.progress.reached(value, objective - last);
+        let rounds = self.plan.limits.rounds as usize;
+        let mut last = begun.objective;
+        ascend(evaluator, begun, rounds, &mut |point| {
+            let objective = point.objective;
+            let value = evaluator.aim.value(objective);
+            evaluator.progress.reached(value, objective - last);
             last = objective;
             passed(point);
             objective < enough
@@ -193,26 +176,24 @@ impl<'a> ParameterSearch<'a> {
 
     /// Why no start has a solution.
     fn no_start(&self, model: &Model) -> Result<String, SynthesisError> {
-        let bounds = match self.plan.aim {
-            Aim::Reach {
-                gamma_max,
-                gain_max,
-                ..
-            } => gamma_max.or(gain_max),
-            Aim::Gain => None,
-        };
+        let bounds = self.plan.aim.bounds();
         let none = "the search found no design at any of its starts, whatever set is asked for; `feasibility` says more";
-        let Some(bound) = bounds else {
+        let Some(bound) = bounds.gamma.or(bounds.gain) else {
             return Ok(none.to_string());
         };
         let plan = &self.plan.without_bounds(model);
-        let free = ParameterSearch { plan, ..*self };
-        let evaluator = free.evaluator(&Aim::Gain, &[]);
+        let evaluator = Evaluator {
+            space: &plan.space,
+            aim: &Aim::Gain,
+            contained: &[],
+            ..self.evaluator
+        };
+        let free = ParameterSearch { plan, evaluator };
         let Some(begun) = start::first(&evaluator)? else {
             return Ok(none.to_string());
         };
         let end = free.ascend(&evaluator, begun, f64::INFINITY, &mut |_| {})?;
-        let gain = (-end.value.objective).exp();
+        let gain = Aim::Gain.value(end.objective);
         Ok(format!(
             "no design meets the bound {bound} on the gain; the smallest guaranteed gain found, whatever its set, is {gain:.5}"
         ))

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evaluator::Aim;
-use super::parameters::{Parameter, Range, Space};
+use super::evaluator::{Aim, GainBounds};
+use super::space::{Range, Space};
 use crate::model::{Model, ModelFile, Objective, PlantFile, SearchFile};
+use crate::programs::Parameter;
 
 /// The search of a model.
 #[derive(Debug, Clone)]
@@ -39,13 +40,13 @@ const LEAST_WEIGHT: f64 = 1e-6;
 /// A unit of the state relative to the size of what must be in the set.
 const UNIT_SHARE: f64 = 0.4;
 
-impl Plan {
-    /// Whether a model requests a search.
-    pub fn wanted(model: &Model) -> bool {
-        let specs = &model.file.specs;
-        specs.search.is_some() || specs.objective == Objective::Region
-    }
+/// Whether a model requests a search.
+pub fn wanted(model: &Model) -> bool {
+    let specs = &model.file.specs;
+    specs.search.is_some() || specs.objective == Objective::Region
+}
 
+impl Plan {
     /// The plan for a model that requests a search.
     pub fn of(model: &Model) -> Self {
         let specs = &model.file.specs;
@@ -69,8 +70,10 @@ impl Plan {
                     true => vec![attitudes()],
                     false => states.clone(),
                 },
-                gamma_max: limits.gamma_max,
-                gain_max: limits.guaranteed_gain_max,
+                bounds: GainBounds {
+                    gamma: limits.gamma_max,
+                    gain: limits.guaranteed_gain_max,
+                },
             },
         };
         let mut base = model.file.clone();
@@ -99,7 +102,7 @@ impl Plan {
 }
 
 /// D with D z, |z| <= 1, all attitudes at rest.
-pub fn attitudes() -> DMatrix<f64> {
+fn attitudes() -> DMatrix<f64> {
     DMatrix::from_fn(6, 3, |r, c| if r == c + 3 { 1.0 } else { 0.0 })
 }
 
@@ -170,18 +173,10 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
 
 /// The first required state that lies outside every allowed box, as a sentence.
 pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
-    let PlantFile::Exact(exact) = &model.file.plant else {
+    if !matches!(model.file.plant, PlantFile::Exact(_)) {
         return None;
-    };
-    let limit = |parameter: Parameter, fixed: f64, pick: fn(&[f64; 2]) -> f64| {
-        let range = plan
-            .space
-            .ranges
-            .iter()
-            .find(|range| range.parameter == parameter);
-        range.map_or(fixed, |range| pick(&range.limits))
-    };
-    let least = limit(Parameter::ScalarPart, exact.q0_min, |limits| limits[0]);
+    }
+    let [least, _] = plan.space.limits(Parameter::ScalarPart);
     let longest = (1.0 - least * least).max(0.0).sqrt();
     for (index, state) in model.file.specs.must_contain.iter().enumerate() {
         let state = DVector::from_column_slice(state);
@@ -197,9 +192,7 @@ pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
             ));
         }
         for axis in 0..3 {
-            let highest = limit(Parameter::Rate(axis), exact.rate_rad_s[axis], |limits| {
-                limits[1]
-            });
+            let [_, highest] = plan.space.limits(Parameter::Rate(axis));
             if state[axis].abs() >= highest {
                 return Some(format!(
                     "must-contain state {} lies outside every box: its rate about axis {} is {} rad/s, but the box ends at \

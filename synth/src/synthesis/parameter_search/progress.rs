@@ -62,6 +62,11 @@ impl SearchProgress {
         };
     }
 
+    /// Continues from an earlier count.
+    pub fn restart(&self, count: u32) {
+        self.solves.store(count, Ordering::Relaxed);
+    }
+
     /// Programs solved so far.
     pub fn count(&self) -> u32 {
         self.solves.load(Ordering::Relaxed)

@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::evaluator::{Aim, Evaluator, SearchPoint};
-use super::parameters::Parameter;
-use crate::programs::SynthesisError;
+use super::space::Range;
+use crate::programs::{Parameter, SynthesisError};
 
 /// Weights rho of the first containment condition, for eps_1 = 1; from then on it is linearised about the
 /// last point.
@@ -23,8 +23,14 @@ pub fn first(evaluator: &Evaluator<'_>) -> Result<Option<SearchPoint>, Synthesis
     };
     let own = evaluator.space.start();
     for factor in BOXES {
-        let boxed = with_rates(evaluator, &own, factor);
-        let slow = with_slowest_decay(evaluator, &boxed);
+        let boxed = moved(evaluator, &own, |range, at| match range.parameter {
+            Parameter::Rate(_) => at + factor.ln(),
+            _ => at,
+        });
+        let slow = moved(evaluator, &boxed, |range, at| match range.parameter {
+            Parameter::DecayRate => range.coordinates()[0],
+            _ => at,
+        });
         let mut points = vec![boxed];
         if !points.contains(&slow) {
             points.push(slow);
@@ -38,24 +44,12 @@ pub fn first(evaluator: &Evaluator<'_>) -> Result<Option<SearchPoint>, Synthesis
             .map(|(coordinates, weight)| solve(evaluator, coordinates, *weight))
             .collect();
         let solved = solved?.into_iter().flatten();
-        let best = solved.max_by(|a, b| a.value.objective.total_cmp(&b.value.objective));
+        let best = solved.max_by(|a, b| a.objective.total_cmp(&b.objective));
         if best.is_some() {
             return Ok(best);
         }
     }
     Ok(None)
-}
-
-/// The same point with another aim.
-pub fn again(
-    evaluator: &Evaluator<'_>,
-    point: &SearchPoint,
-) -> Result<Option<SearchPoint>, SynthesisError> {
-    let value = evaluator.solve(&point.coordinates, &point.value.linearisation)?;
-    Ok(value.map(|value| SearchPoint {
-        coordinates: point.coordinates.clone(),
-        value,
-    }))
 }
 
 fn solve(
@@ -68,30 +62,12 @@ fn solve(
     // With eps_1 = 0 any weight is as good as another.
     let unit = file.specs.eps[0].abs().max(1e-3);
     let linearisation = DMatrix::identity(states, states) * (weight / unit);
-    let value = evaluator.solve(coordinates, &linearisation)?;
-    Ok(value.map(|value| SearchPoint {
-        coordinates: coordinates.to_vec(),
-        value,
-    }))
+    evaluator.solve(coordinates, &linearisation)
 }
 
-fn with_rates(evaluator: &Evaluator<'_>, point: &[f64], factor: f64) -> Vec<f64> {
+/// A point with some of its coordinates moved, inside the limits.
+fn moved(evaluator: &Evaluator<'_>, point: &[f64], to: impl Fn(&Range, f64) -> f64) -> Vec<f64> {
     let ranges = evaluator.space.ranges.iter().zip(point);
-    let moved: Vec<f64> = ranges
-        .map(|(range, &at)| match range.parameter {
-            Parameter::Rate(_) => at + factor.ln(),
-            _ => at,
-        })
-        .collect();
+    let moved: Vec<f64> = ranges.map(|(range, &at)| to(range, at)).collect();
     evaluator.space.inside(&moved)
-}
-
-fn with_slowest_decay(evaluator: &Evaluator<'_>, point: &[f64]) -> Vec<f64> {
-    let ranges = evaluator.space.ranges.iter().zip(point);
-    ranges
-        .map(|(range, &at)| match range.parameter {
-            Parameter::DecayRate => range.coordinates()[0],
-            _ => at,
-        })
-        .collect()
 }

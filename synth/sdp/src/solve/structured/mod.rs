@@ -24,7 +24,7 @@ use std::time::Instant;
 use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
-use crate::lmi::{svec_index, Semidefinite};
+use crate::lmi::{inner_product, svec_index, Semidefinite};
 use exit::{Measures, SolveTask, SolverExit, Termination};
 use interior_point::ITERATIONS;
 use layout::{zero_duals, Layout};
@@ -329,11 +329,7 @@ fn contradicted(
             duals[cone][svec_index(row, column)] = direction[row] * direction[column];
         }
     }
-    let form = |entry: &crate::lmi::Entry| {
-        let count = if entry.row == entry.column { 1.0 } else { 2.0 };
-        count * entry.value * duals[cone][svec_index(entry.row, entry.column)]
-    };
-    let strength = -problem.cones[cone].constant.iter().map(form).sum::<f64>();
+    let strength = -inner_product(&problem.cones[cone].constant, &duals[cone]);
     duals[cone].iter_mut().for_each(|entry| *entry /= strength);
     Solution {
         status: Status::Infeasible,

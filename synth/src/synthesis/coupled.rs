@@ -7,21 +7,12 @@
 
 use nalgebra::DMatrix;
 
-use crate::conditions::xu2020::{
-    conditions_without_gain, side_conditions, DesignUnknowns, SectorUnknowns, Strictness,
-};
+use crate::conditions::xu2020::{DesignUnknowns, SectorUnknowns};
 use crate::conditions::Task;
 use crate::design::Coupling;
-use crate::programs::{bounded_trigger_weight, full_decrease, Form, Goal, MARGIN_UNIT};
-use crate::reduce::{self, Cliques};
+use crate::programs::{state, Form, Goal, Part};
 use crate::scaling::Scaling;
-use sdp::lmi::{Affine, Condition, LmiProblem, Unknowns};
-
-/// A task in units of its own.
-pub(super) struct Scaled {
-    pub task: Task,
-    pub scaling: Scaling,
-}
+use sdp::lmi::{Affine, LmiProblem, Unknowns};
 
 /// The problem with handles on its unknowns.
 pub(super) struct Coupled {
@@ -77,6 +68,7 @@ impl SharedUnknowns {
             free_state: unknowns.general(&named("L1h"), states, states),
             free_sample: unknowns.general(&named("L2h"), states, states),
             disturbance_weight: unknowns.scalar(&named("xi")),
+            further_weights: Vec::new(),
             multiplier: self.multiplier.clone(),
             gain: self.gain.clone(),
             trigger_weight: self.trigger_weight.clone(),
@@ -93,81 +85,25 @@ pub(super) const UNBOUNDED_GAIN: f64 = 1e30;
 
 /// States both certificates with the goal for the inner one.
 pub(super) fn assemble(
-    inner: &Scaled,
-    outer: &Scaled,
+    [(inner_units, inner), (outer_units, outer)]: &[(Scaling, Task); 2],
     coupling: Coupling,
     form: Form,
     goal: Goal,
 ) -> Coupled {
     let mut unknowns = Unknowns::new();
-    let shared = SharedUnknowns::new(&mut unknowns, &outer.task);
-    let own = shared.in_inner_units(&inner.scaling, &outer.scaling, coupling);
-    let mut inner_design = own.with_own(&mut unknowns, &inner.task, "inner");
-    let outer_design = shared.with_own(&mut unknowns, &outer.task, "outer");
-    let margin = inner.task.specification.margin;
-    let (strictness, objective) = match goal {
-        Goal::LargestMargin { gain_bound: bound } | Goal::LargestMarginAtPeak { peak: bound } => {
-            inner_design.gain_bound = Affine::identity(1, bound);
-            let margin = unknowns.scalar("margin");
-            (Strictness::unknown(MARGIN_UNIT * &margin), -margin)
-        }
-        Goal::SmallestGain
-        | Goal::SmallestSlack
-        | Goal::SmallestPeak
-        | Goal::LargestScale { .. } => {
-            let gamma = inner.task.disturbance_weight_unit * unknowns.scalar("gamma");
-            inner_design.gain_bound = gamma.clone();
-            (Strictness::fixed(margin), gamma)
-        }
-    };
-    let mut conditions = named(
-        "inner",
-        side_conditions(&inner.task, &inner_design, &strictness),
-    );
-    let outer_side = conditions_without_gain(&outer.task, &outer_design, &strictness);
-    conditions.extend(named("outer", outer_side));
-    if let Goal::LargestMargin { .. } = goal {
-        conditions.push(bounded_trigger_weight(&outer_design));
+    let shared = SharedUnknowns::new(&mut unknowns, outer);
+    let own = shared.in_inner_units(inner_units, outer_units, coupling);
+    let mut inner_design = own.with_own(&mut unknowns, inner, "inner");
+    let outer_design = shared.with_own(&mut unknowns, outer, "outer");
+    if goal == Goal::SmallestGain {
+        inner_design.gain_bound = inner.disturbance_weight_unit * unknowns.scalar("gamma");
     }
-    for (name, part, design) in [
-        ("inner", inner, &inner_design),
-        ("outer", outer, &outer_design),
-    ] {
-        let own = decrease(&part.task, &mut unknowns, design, &strictness, form);
-        conditions.extend(named(name, own));
-    }
+    let first = Part::at_every_vertex("inner", inner, inner_design);
+    let second = Part::at_every_vertex("outer", outer, outer_design.clone());
+    let (problem, inner) = state(unknowns, first, Some(second), form, goal);
     Coupled {
-        problem: LmiProblem {
-            unknowns,
-            objective,
-            conditions,
-        },
-        inner: inner_design,
+        problem,
+        inner,
         outer: outer_design,
     }
-}
-
-fn decrease(
-    task: &Task,
-    unknowns: &mut Unknowns,
-    design: &DesignUnknowns,
-    strictness: &Strictness,
-    form: Form,
-) -> Vec<Condition> {
-    let all: Vec<usize> = (0..task.system.vertices.len()).collect();
-    let cliques = match form {
-        Form::Chordal => Cliques::Split,
-        Form::VertexRelaxed => Cliques::Whole,
-        Form::Full => return full_decrease(task, &all, design, strictness),
-    };
-    reduce::decrease_conditions(task, &all, unknowns, design, strictness, cliques)
-}
-
-/// The conditions with the certificate's name before their own.
-fn named(certificate: &str, conditions: Vec<Condition>) -> Vec<Condition> {
-    let renamed = conditions.into_iter().map(|condition| {
-        let name = format!("{certificate} {}", condition.name());
-        Condition::semidefinite(name, condition.expression().clone())
-    });
-    renamed.collect()
 }
