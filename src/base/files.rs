@@ -35,18 +35,31 @@ pub enum OutputError {
     },
 }
 
+impl OutputError {
+    /// A file that cannot be read or written.
+    pub fn file(path: &Path, problem: FileError) -> Self {
+        let path = path.to_path_buf();
+        OutputError::File { path, problem }
+    }
+
+    /// A file for which the system refuses something, such as `cannot be written`.
+    pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        Self::file(path, FileError::Io { action, source })
+    }
+
+    /// A file whose contents cannot be put together.
+    pub fn unmade(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::io(path, "cannot be written", std::io::Error::other(error))
+    }
+}
+
 /// Creates a folder with those above it.
 ///
 /// # Errors
 /// A folder that cannot be created.
 pub fn create_folder(folder: &Path) -> Result<(), OutputError> {
-    std::fs::create_dir_all(folder).map_err(|source| OutputError::File {
-        path: folder.to_path_buf(),
-        problem: FileError::Io {
-            action: "cannot be created",
-            source,
-        },
-    })
+    std::fs::create_dir_all(folder)
+        .map_err(|source| OutputError::io(folder, "cannot be created", source))
 }
 
 /// A file's text.
@@ -54,19 +67,13 @@ pub fn create_folder(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// A file that cannot be read.
 pub fn read(path: &Path) -> Result<String, OutputError> {
-    read_text(path).map_err(|problem| OutputError::File {
-        path: path.to_path_buf(),
-        problem,
-    })
+    read_text(path).map_err(|problem| OutputError::file(path, problem))
 }
 
 /// Writes a file whole or not at all.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, text: &str) -> Result<(), OutputError> {
-    write_atomically(path, text.as_bytes()).map_err(|problem| OutputError::File {
-        path: path.to_path_buf(),
-        problem,
-    })
+pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
+    write_atomically(path, contents.as_ref()).map_err(|problem| OutputError::file(path, problem))
 }

@@ -1,4 +1,4 @@
-//! Tables as Parquet files: typed columns with units, and text about the table in the file itself.
+//! Tables of typed columns with units, as Parquet files and as comma-separated values.
 //!
 //! The bytes depend on the table alone: the same table gives the same file.
 
@@ -6,15 +6,18 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
-use arrow_schema::{DataType, Field, Schema};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array, ArrayRef, RecordBatch};
+use arrow_schema::{ArrowError, DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
+use parquet::errors::ParquetError as LibraryError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
-use synth::model::{write_atomically, FileError};
 
-use super::files::OutputError;
+use super::csv::{self, CsvError};
+use super::files::{write, OutputError};
 use super::provenance::GENERATOR;
 
 /// Most rows of a row group.
@@ -23,28 +26,17 @@ const GROUP_ROWS: usize = 65_536;
 /// Key of a column's unit in its metadata.
 pub const UNIT_KEY: &str = "unit";
 
-/// The entries of a column; `None` is a missing entry.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cells {
-    /// Floating-point numbers.
-    Real(Vec<Option<f64>>),
-    /// Whole numbers.
-    Whole(Vec<Option<i64>>),
-    /// Texts.
-    Text(Vec<Option<String>>),
-    /// Yes or no.
-    Flag(Vec<Option<bool>>),
-}
-
-/// A named column.
-#[derive(Debug, Clone, PartialEq)]
+/// A named column of numbers, texts or answers.
+#[derive(Debug, Clone)]
 pub struct Column {
     /// Its name.
     pub name: String,
     /// Its unit, such as `N m`; empty where it has none.
     pub unit: String,
+    /// Whether no entry may be missing.
+    pub complete: bool,
     /// Its entries.
-    pub cells: Cells,
+    pub cells: ArrayRef,
 }
 
 /// Why columns make no Parquet file.
@@ -52,58 +44,76 @@ pub struct Column {
 #[error("the table cannot be written as Parquet: {0}")]
 pub struct ParquetError(String);
 
-impl Cells {
-    /// Number of entries.
-    pub fn rows(&self) -> usize {
-        match self {
-            Cells::Real(cells) => cells.len(),
-            Cells::Whole(cells) => cells.len(),
-            Cells::Text(cells) => cells.len(),
-            Cells::Flag(cells) => cells.len(),
-        }
+impl From<ArrowError> for ParquetError {
+    fn from(error: ArrowError) -> Self {
+        ParquetError(error.to_string())
     }
+}
 
-    /// An entry as text that reads back exactly; empty where it is missing.
-    pub fn text(&self, row: usize) -> String {
-        fn shown<T: ToString>(cells: &[Option<T>], row: usize) -> String {
-            let cell = cells.get(row).and_then(Option::as_ref);
-            cell.map_or(String::new(), T::to_string)
-        }
-        match self {
-            Cells::Real(cells) => shown(cells, row),
-            Cells::Whole(cells) => shown(cells, row),
-            Cells::Text(cells) => shown(cells, row),
-            Cells::Flag(cells) => shown(cells, row),
-        }
-    }
-
-    fn data_type(&self) -> DataType {
-        match self {
-            Cells::Real(_) => DataType::Float64,
-            Cells::Whole(_) => DataType::Int64,
-            Cells::Text(_) => DataType::Utf8,
-            Cells::Flag(_) => DataType::Boolean,
-        }
-    }
-
-    fn array(&self) -> ArrayRef {
-        match self {
-            Cells::Real(cells) => Arc::new(Float64Array::from_iter(cells.iter().copied())),
-            Cells::Whole(cells) => Arc::new(Int64Array::from_iter(cells.iter().copied())),
-            Cells::Text(cells) => Arc::new(StringArray::from_iter(cells.iter().cloned())),
-            Cells::Flag(cells) => Arc::new(BooleanArray::from_iter(cells.iter().copied())),
-        }
+impl From<LibraryError> for ParquetError {
+    fn from(error: LibraryError) -> Self {
+        ParquetError(error.to_string())
     }
 }
 
 impl Column {
+    /// A column of an Arrow array, whose entries may be missing.
+    pub fn new(name: impl Into<String>, unit: &str, cells: impl Array + 'static) -> Self {
+        Column {
+            name: name.into(),
+            unit: unit.to_string(),
+            complete: false,
+            cells: Arc::new(cells),
+        }
+    }
+
     fn field(&self) -> Field {
-        let field = Field::new(&self.name, self.cells.data_type(), true);
+        let field = Field::new(&self.name, self.cells.data_type().clone(), !self.complete);
         match self.unit.as_str() {
             "" => field,
             unit => field.with_metadata(HashMap::from([(UNIT_KEY.to_string(), unit.to_string())])),
         }
     }
+
+    /// An entry as text that reads back exactly; empty where it is missing.
+    fn text(&self, row: usize) -> String {
+        let cells = &self.cells;
+        match cells.data_type() {
+            _ if cells.is_null(row) => String::new(),
+            DataType::Float64 => cells.as_primitive::<Float64Type>().value(row).to_string(),
+            DataType::Int64 => cells.as_primitive::<Int64Type>().value(row).to_string(),
+            _ => {
+                let texts = cells.as_string_opt::<i32>();
+                texts.map_or(String::new(), |texts| texts.value(row).to_string())
+            }
+        }
+    }
+}
+
+/// The rows of some columns, which must be of one length.
+///
+/// # Errors
+/// Columns of different lengths.
+pub fn batch(columns: Vec<Column>) -> Result<RecordBatch, ArrowError> {
+    let fields: Vec<Field> = columns.iter().map(Column::field).collect();
+    let cells = columns.into_iter().map(|column| column.cells);
+    RecordBatch::try_new(Arc::new(Schema::new(fields)), cells.collect())
+}
+
+/// The columns as comma-separated values: a header, then the rows. Numbers read back exactly; an entry
+/// that is missing is empty.
+///
+/// # Errors
+/// Never for tables in memory, as far as is known.
+pub fn to_csv(columns: &[Column]) -> Result<String, CsvError> {
+    let rows = columns.first().map_or(0, |column| column.cells.len());
+    let header = columns.iter().map(|column| column.name.clone()).collect();
+    let record = |row| columns.iter().map(|column| column.text(row)).collect();
+    csv::to_text(
+        std::iter::once(header)
+            .chain((0..rows).map(record))
+            .collect::<Vec<Vec<String>>>(),
+    )
 }
 
 /// How every table is written, with what is said about it in the file's metadata.
@@ -119,27 +129,24 @@ pub fn properties(about: Vec<KeyValue>) -> WriterPropertiesBuilder {
 /// # Errors
 /// Columns of different lengths.
 pub fn to_bytes(columns: &[Column], about: &[(&str, String)]) -> Result<Vec<u8>, ParquetError> {
-    let failed = |error: &dyn std::fmt::Display| ParquetError(error.to_string());
     let fields: Vec<Field> = columns.iter().map(Column::field).collect();
+    let texts = || {
+        about
+            .iter()
+            .map(|(key, text)| (key.to_string(), text.clone()))
+    };
     // Readers by way of Arrow look for the texts in the schema, others in the file's metadata.
-    let texts = about
-        .iter()
-        .map(|(key, text)| (key.to_string(), text.clone()));
-    let schema = Arc::new(Schema::new_with_metadata(fields, texts.collect()));
-    let about = about
-        .iter()
-        .map(|(key, text)| KeyValue::new(key.to_string(), text.clone()));
+    let schema = Arc::new(Schema::new_with_metadata(fields, texts().collect()));
+    let about = texts().map(|(key, text)| KeyValue::new(key, text));
     let properties = properties(about.collect())
         .set_max_row_group_size(GROUP_ROWS)
         .build();
-    let mut writer = ArrowWriter::try_new(Vec::new(), Arc::clone(&schema), Some(properties))
-        .map_err(|error| failed(&error))?;
+    let mut writer = ArrowWriter::try_new(Vec::new(), Arc::clone(&schema), Some(properties))?;
     if !columns.is_empty() {
-        let arrays = columns.iter().map(|column| column.cells.array()).collect();
-        let batch = RecordBatch::try_new(schema, arrays).map_err(|error| failed(&error))?;
-        writer.write(&batch).map_err(|error| failed(&error))?;
+        let cells = columns.iter().map(|column| Arc::clone(&column.cells));
+        writer.write(&RecordBatch::try_new(schema, cells.collect())?)?;
     }
-    writer.into_inner().map_err(|error| failed(&error))
+    Ok(writer.into_inner()?)
 }
 
 /// Writes the file whole or not at all.
@@ -151,48 +158,27 @@ pub fn write_table(
     columns: &[Column],
     about: &[(&str, String)],
 ) -> Result<(), OutputError> {
-    let failed = |problem| OutputError::File {
-        path: path.to_path_buf(),
-        problem,
-    };
-    let bytes = to_bytes(columns, about).map_err(|error| {
-        failed(FileError::Io {
-            action: "cannot be written",
-            source: std::io::Error::other(error),
-        })
-    })?;
-    write_atomically(path, &bytes).map_err(failed)
+    let bytes = to_bytes(columns, about).map_err(|error| OutputError::unmade(path, error))?;
+    write(path, bytes)
 }
 
 #[cfg(test)]
 mod tests {
-    use arrow_array::cast::AsArray;
-    use arrow_array::types::{Float64Type, Int64Type};
-    use arrow_array::Array;
+    use arrow_array::{BooleanArray, Float64Array, Int64Array, StringArray};
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
     use super::*;
 
     fn columns() -> Vec<Column> {
-        let column = |name: &str, unit: &str, cells| Column {
-            name: name.to_string(),
-            unit: unit.to_string(),
-            cells,
-        };
-        let text = |text: &str| Some(text.to_string());
+        let angles = Float64Array::from(vec![Some(0.1), None, Some(-0.0)]);
+        let triggers = Int64Array::from(vec![Some(3), Some(-4), None]);
+        let verdicts = StringArray::from(vec![Some("proved"), None, Some("ä")]);
+        let met = BooleanArray::from(vec![Some(true), Some(false), None]);
         vec![
-            column(
-                "angle_deg",
-                "deg",
-                Cells::Real(vec![Some(0.1), None, Some(-0.0)]),
-            ),
-            column("triggers", "", Cells::Whole(vec![Some(3), Some(-4), None])),
-            column(
-                "verdict",
-                "",
-                Cells::Text(vec![text("proved"), None, text("ä")]),
-            ),
-            column("met", "", Cells::Flag(vec![Some(true), Some(false), None])),
+            Column::new("angle_deg", "deg", angles),
+            Column::new("triggers", "", triggers),
+            Column::new("verdict", "", verdicts),
+            Column::new("met", "", met),
         ]
     }
 
@@ -238,7 +224,7 @@ mod tests {
     #[test]
     fn columns_of_different_lengths_are_refused() {
         let mut columns = columns();
-        columns[1].cells = Cells::Whole(vec![Some(1)]);
+        columns[1].cells = Arc::new(Int64Array::from(vec![1]));
         let error = to_bytes(&columns, &[]).unwrap_err().to_string();
         assert!(error.contains("same length"), "{error}");
     }

@@ -8,7 +8,6 @@ use synth::synthesis::SynthesisError;
 
 use super::answer::Exit;
 use crate::base::files::OutputError;
-use crate::batch::campaign::plan::PlanError;
 use crate::batch::campaign::CampaignError;
 
 /// One clear sentence; the exit status is 1.
@@ -96,18 +95,11 @@ impl CliError {
         }
     }
 
-    /// A campaign that has no plan.
-    pub fn plan(scenario: &Path, problem: PlanError) -> Self {
-        match problem {
-            PlanError::File(problem) => CliError::file(scenario, problem),
-            PlanError::Campaign(problem) => CliError::campaign(scenario, problem),
-        }
-    }
-
     /// A campaign that cannot go on, with the file that it is about.
     pub fn campaign(scenario: &Path, problem: CampaignError) -> Self {
         let argument = |argument, reason: String| CliError::Argument { argument, reason };
         match problem {
+            CampaignError::Scenario(problem) => CliError::file(scenario, problem),
             CampaignError::Shards(reason) => argument("--shard", reason),
             CampaignError::TooManyShards(error) => argument("--shard", error.to_string()),
             CampaignError::Output(_) | CampaignError::Unsuitable { .. } => {

@@ -4,8 +4,6 @@ use clap::ValueEnum;
 use synth::solve::{Backend, Clarabel, DenseColumns, Structured};
 use synth::synthesis::Form;
 
-use crate::batch::sweep::subject::SolverChoice;
-
 /// A semidefinite programming solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SolverArg {
@@ -17,8 +15,11 @@ pub enum SolverArg {
 
 impl SolverArg {
     /// The solver with its usual settings.
-    pub fn backend(self) -> Box<dyn Backend> {
-        self.choice().backend()
+    pub fn backend(self) -> Box<dyn Backend + Send + Sync> {
+        match self {
+            SolverArg::Clarabel => Box::new(Clarabel::default()),
+            SolverArg::Structured => Box::new(Structured::default()),
+        }
     }
 
     /// The solver with the settings that suit a form.
@@ -32,17 +33,12 @@ impl SolverArg {
         }
     }
 
-    /// The solver for many problems.
-    pub fn choice(self) -> SolverChoice {
-        match self {
-            SolverArg::Clarabel => SolverChoice::Clarabel,
-            SolverArg::Structured => SolverChoice::Structured(Structured::default()),
-        }
-    }
-
     /// The form of the decrease condition that the solver is fastest with.
     pub fn form(self) -> Form {
-        self.choice().form()
+        match self {
+            SolverArg::Clarabel => Form::Chordal,
+            SolverArg::Structured => Form::VertexRelaxed,
+        }
     }
 
     /// The other solver.

@@ -1,7 +1,9 @@
 //! A run's trajectory with its units and provenance.
 
+use arrow_array::Float64Array;
+
 use super::mat::{texts, to_bytes, MatError, MatValue};
-use crate::base::parquet::{self, Cells, Column, ParquetError};
+use crate::base::parquet::{self, Column, ParquetError};
 use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
 use crate::base::unit::unit_of_key;
@@ -34,11 +36,9 @@ impl TrajectoryData {
     /// # Errors
     /// None for a table whose columns have names of their own.
     pub fn to_parquet(&self) -> Result<Vec<u8>, ParquetError> {
-        let columns = self.columns().map(|(name, values)| Column {
-            name: name.to_string(),
-            unit: unit(name).to_string(),
-            cells: Cells::Real(values.into_iter().map(Some).collect()),
-        });
+        let columns = self
+            .columns()
+            .map(|(name, values)| Column::new(name, unit(name), Float64Array::from(values)));
         let columns: Vec<Column> = columns.collect();
         parquet::to_bytes(&columns, &self.about)
     }

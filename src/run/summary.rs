@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::link::LinkOutcome;
-use crate::sim::metrics::{Measured, Metric, Readings};
+use crate::sim::metrics::{Limit, Measured, Metric, Readings};
 
 /// The version of the summary's format.
 pub const SUMMARY_SCHEMA_VERSION: u32 = 1;
@@ -147,6 +147,17 @@ pub struct RequirementOutcome {
     pub limit: f64,
     /// Whether it is met.
     pub met: bool,
+}
+
+impl RequirementOutcome {
+    /// The requirement and the value, with so many decimal places or as it is.
+    pub fn as_text(&self, places: Option<usize>) -> String {
+        let value = self.value.map_or("none".to_string(), |value| match places {
+            Some(places) => format!("{value:.places$}"),
+            None => value.to_string(),
+        });
+        format!("{} {}: {value}", self.name, self.limit)
+    }
 }
 
 /// What became of the design's certificate in the run.
@@ -299,16 +310,13 @@ impl Summary {
 
     fn outcome(&self, requirement: &RequirementFile) -> RequirementOutcome {
         let value = self.metric(requirement.metric);
-        let (side, limit, met) = match (requirement.at_most, requirement.at_least) {
-            (Some(limit), _) => ("at most", limit, value.is_some_and(|value| value <= limit)),
-            (None, Some(limit)) => ("at least", limit, value.is_some_and(|value| value >= limit)),
-            (None, None) => ("at most", f64::INFINITY, true),
-        };
+        let required = requirement.limit();
+        let (side, limit) = required.unwrap_or(Limit::AtMost(f64::INFINITY)).parts();
         RequirementOutcome {
             name: format!("{} {side}", requirement.metric.key()),
             value,
             limit,
-            met,
+            met: required.is_none_or(|limit| limit.is_met(value)),
         }
     }
 }

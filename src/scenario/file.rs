@@ -7,7 +7,7 @@ use super::dispersions_file::DispersionsFile;
 use super::link_file::LinkFile;
 use crate::controllers::ControllerFile;
 use crate::plants::SystemFile;
-use crate::sim::metrics::Metric;
+use crate::sim::metrics::{Limit, Metric};
 
 /// The version this program reads.
 pub const SCENARIO_SCHEMA_VERSION: u32 = 1;
@@ -201,6 +201,14 @@ pub struct RequirementFile {
     /// The metric must not be below this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
+}
+
+impl RequirementFile {
+    /// Its limit, which a checked scenario's has.
+    pub fn limit(&self) -> Option<Limit> {
+        let most = self.at_most.map(Limit::AtMost);
+        most.or(self.at_least.map(Limit::AtLeast))
+    }
 }
 
 /// What is written of the trajectory.

@@ -3,7 +3,8 @@
 //! A new metric is a row of [`METRICS`], and what it reads is set where it is measured.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::bound_utilisation::BoundUtilisation;
 use super::effort::Effort;
@@ -264,6 +265,70 @@ impl Metric {
     /// Its name as files have it.
     pub fn key(self) -> &'static str {
         self.entry().key
+    }
+}
+
+/// A metric with the value that a run has.
+pub type MetricValue = (Metric, Option<f64>);
+
+/// Writes metrics as a map by their keys, whole numbers as such.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn by_key<S: Serializer>(metrics: &[MetricValue], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(metrics.len()))?;
+    for (metric, value) in metrics {
+        match value {
+            Some(value) if metric.entry().whole => {
+                map.serialize_entry(metric.key(), &(*value as u64))?
+            }
+            value => map.serialize_entry(metric.key(), value)?,
+        }
+    }
+    map.end()
+}
+
+/// The limit of a requirement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// The metric must not be above this.
+    AtMost(f64),
+    /// The metric must not be below this.
+    AtLeast(f64),
+}
+
+impl Limit {
+    /// Its side as files have it, and its value.
+    pub fn parts(self) -> (&'static str, f64) {
+        match self {
+            Limit::AtMost(limit) => ("at most", limit),
+            Limit::AtLeast(limit) => ("at least", limit),
+        }
+    }
+
+    /// Whether a value is on its allowed side; a missing one is not.
+    pub fn is_met(self, value: Option<f64>) -> bool {
+        value.is_some_and(|value| match self {
+            Limit::AtMost(limit) => value <= limit,
+            Limit::AtLeast(limit) => value >= limit,
+        })
+    }
+
+    /// How far a value is on the allowed side, in units of the limit where that is not 0; minus
+    /// infinity for a missing one.
+    pub fn margin(self, value: Option<f64>) -> f64 {
+        let margin = value.map(|value| match self {
+            Limit::AtMost(limit) => limit - value,
+            Limit::AtLeast(limit) => value - limit,
+        });
+        let scale = match self.parts().1 {
+            0.0 => 1.0,
+            limit => limit.abs(),
+        };
+        let margin = margin.map(|margin| margin / scale);
+        margin
+            .filter(|margin| !margin.is_nan())
+            .unwrap_or(f64::NEG_INFINITY)
     }
 }
 

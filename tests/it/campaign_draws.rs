@@ -71,6 +71,37 @@ fn any_attitude_means_every_rotation_with_the_same_probability() {
 }
 
 #[test]
+fn the_columns_of_what_is_drawn_are_named_as_the_conventions_say() {
+    let normal = json!({ "normal": { "standard_deviation": 1 } });
+    let text = file(json!({
+        "initial_attitude": { "uniform": {} },
+        "initial_rate_rad_s": normal,
+        "inertia": { "products_percent": normal },
+        "disturbance": { "factor": normal },
+        "faults": [{ "from_s": normal, "effectiveness": { "choice": [0.5] } }],
+    }));
+    let plan = Plan::new(&text, None, None, 1).expect("a plan");
+    let expected = [
+        "initial_q0_scalar",
+        "initial_q1",
+        "initial_q2",
+        "initial_q3",
+        "initial_rate_1_rad_s",
+        "initial_rate_2_rad_s",
+        "initial_rate_3_rad_s",
+        "inertia_12_kg_m2",
+        "inertia_13_kg_m2",
+        "inertia_23_kg_m2",
+        "disturbance_factor",
+        "fault_1_axis",
+        "fault_1_from_s",
+        "fault_1_until_s",
+        "fault_1_effectiveness",
+    ];
+    assert_eq!(plan.columns.drawn, expected);
+}
+
+#[test]
 fn a_turn_has_the_angle_that_is_drawn_about_any_axis() {
     let angle = json!({ "uniform": { "from": 10, "to": 30 } });
     let mut scenario: Value = serde_json::from_str(&file(

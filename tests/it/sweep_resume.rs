@@ -3,7 +3,17 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+use steadfast::batch::engine::{Control, Threads};
+use steadfast::batch::sweep::points::{PointStore, SweepIdentity};
+use steadfast::batch::sweep::subject::Subject;
+use steadfast::batch::sweep::{run, SweepError};
+use steadfast::batch::variation::axis::Axis;
+use steadfast::batch::variation::grid::Grid;
+use steadfast::scenario::Scenario;
 
 use crate::support::sweeps::{everything_in, scenario, sweep};
 use crate::support::*;
@@ -203,11 +213,50 @@ fn two_sweeps_do_not_write_into_one_folder() {
     sweep(&file, &[vary], &output, &[]).ends_with(0);
 }
 
+/// Stopped by its own flag as soon as the fourth point is done: no clock plays a part.
+#[test]
+fn a_sweep_stopped_after_four_points_keeps_four_and_goes_on_from_them() {
+    let folder = folder();
+    let vary = "relative=0.4:0.6:9";
+    let (file, whole) = finished(folder.path(), vary);
+    let output = folder.path().join("stopped");
+    fs::create_dir(&output).expect("a folder");
+    let text = text(&file);
+    let (content, _) = Scenario::read(&text).expect("a scenario");
+    let subject = Subject::scenario(&content, None);
+    let axis = Axis::parse(vary).expect("an axis");
+    let grid = Grid::new(&subject.file, &[axis]).expect("a grid");
+    let identity = SweepIdentity::new(&text, &subject, &grid);
+    let store = PointStore::open(&output, &identity, &grid, false).expect("a journal");
+    let (count, stop) = (AtomicUsize::new(0), Arc::new(AtomicBool::new(false)));
+    let done = || {
+        if count.fetch_add(1, Ordering::Relaxed) == 3 {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let control = Control {
+        done: &done,
+        stop: Arc::clone(&stop),
+    };
+    let threads = Threads::new(1).expect("a thread");
+    let ended = run(&subject, &grid, &threads, &store, &control);
+    assert!(
+        matches!(ended, Err(SweepError::Interrupted(_))),
+        "{ended:?}"
+    );
+    assert_eq!((store.done(), lines(&output)), (4, 5));
+    drop(store);
+    let again = sweep(&file, &[vary], &output, &["--json"]).ends_with(0);
+    assert_eq!(again.json()["resumed"], 4);
+    assert_eq!(everything_in(&output), everything_in(&whole));
+}
+
+/// So many points that the sweep cannot end before the signal comes, whenever that is.
 #[cfg(unix)]
 #[test]
 fn control_c_keeps_what_is_done_and_says_how_to_go_on() {
     let folder = folder();
-    let (vary, file) = ("phi=0.1:0.3:60", shipped("double-integrator.json"));
+    let (vary, file) = ("phi=0.1:0.3:50000", shipped("double-integrator.json"));
     let output = folder.path().join("out");
     let mut child = start(&file, vary, &output);
     wait_for(&mut child, &output, 4);
@@ -218,8 +267,8 @@ fn control_c_keeps_what_is_done_and_says_how_to_go_on() {
     assert!(sent.expect("a shell").success());
     let message = Run::new(child.wait_with_output().expect("an end")).refusal();
     let done = lines(&output) - 1;
-    assert!(done < 60, "it was not interrupted");
-    let expected = format!("interrupted; {done} of 60 points are done and kept in");
+    assert!((3..50_000).contains(&done), "{done} points are done");
+    let expected = format!("interrupted; {done} of 50000 points are done and kept in");
     assert!(message.contains(&expected), "{message}");
     assert!(
         message.contains("the same command goes on from there"),

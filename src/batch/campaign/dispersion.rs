@@ -8,40 +8,60 @@ use synth::model::ModelError;
 use crate::batch::variation::parameter::{Parameter, ParameterError};
 use crate::plants::rigid_body::check::attitude as attitude_of;
 use crate::plants::rigid_body::{AttitudeFile, FaultFile, RigidBodyFile};
-use crate::plants::takagi_sugeno::TakagiSugenoFile;
-use crate::plants::SystemFile;
+use crate::plants::{System, SystemFile};
+use crate::run::design::Design;
 use crate::scenario::distribution::{direction, direction_of_any_size, rotation, Distribution};
-use crate::scenario::{ChangeFile, Dispersion, FaultDispersion, ScenarioFile};
+use crate::scenario::{ChangeFile, Dispersion, FaultDispersion, Scenario, ScenarioFile};
+use crate::sim::reference::Reference;
 
-/// What is sampled for every run, with what it needs to know of the scenario.
+/// What is sampled for every run.
 #[derive(Debug, Clone)]
 pub(crate) struct Sampler {
-    pub dispersion: Dispersion,
-    pub context: Context,
+    draw: Draw,
+    /// Coordinates that it uses.
+    pub numbers: usize,
+    /// Names of the columns of what is drawn, with units.
+    pub columns: Vec<String>,
 }
 
-/// What a dispersion needs to know of the scenario.
+/// A dispersion with what it needs to know of the scenario.
 #[derive(Debug, Clone)]
-pub(crate) enum Context {
-    /// Nothing.
-    Nothing,
-    /// A number's place in the file, and its value there.
-    Number(Parameter, f64),
-    /// The certified set.
+enum Draw {
+    /// A number's place in the file, its value there, what is drawn and what is done with it.
+    Number(Parameter, f64, Distribution, ChangeFile),
+    /// A start on the certified set.
     Boundary(Boundary),
+    /// All else, which needs nothing.
+    Other(Dispersion),
 }
 
 /// The set x'Ux = level.
 #[derive(Debug, Clone)]
-pub(crate) struct Boundary {
+struct Boundary {
     /// Inverse of the transpose of the Cholesky factor of U, times the square root of the level.
-    pub map: DMatrix<f64>,
+    map: DMatrix<f64>,
     /// Desired attitude, for a spacecraft.
-    pub desired: Option<Quaternion>,
+    desired: Option<Quaternion>,
 }
 
-const AXES: [&str; 6] = ["11", "22", "33", "12", "13", "23"];
-const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+/// Names and places of the moments of inertia, then of the products.
+const INERTIA: [(&str, usize, usize); 6] = [
+    ("11", 0, 0),
+    ("22", 1, 1),
+    ("33", 2, 2),
+    ("12", 0, 1),
+    ("13", 0, 2),
+    ("23", 1, 2),
+];
+
+/// The entries of the inertia matrix that are drawn: distribution, name, row and column.
+fn inertia(parts: &[Option<Distribution>; 2]) -> Vec<(&Distribution, &'static str, usize, usize)> {
+    let all = INERTIA.into_iter().enumerate();
+    let drawn = all.filter_map(|(index, (name, row, column))| {
+        Some((parts[index / 3].as_ref()?, name, row, column))
+    });
+    drawn.collect()
+}
 
 fn numbered(name: &str, unit: &str, count: usize) -> Vec<String> {
     let numbers = 1..=count;
@@ -57,67 +77,72 @@ fn attitude_columns() -> Vec<String> {
 }
 
 impl Sampler {
-    /// Coordinates that it uses.
-    pub fn numbers(&self) -> usize {
-        match &self.dispersion {
-            Dispersion::Number { .. } | Dispersion::Factor(_) => 1,
-            Dispersion::AnyAttitude | Dispersion::Turn(_) | Dispersion::Rate(_) => 3,
-            Dispersion::State(_, count) | Dispersion::Phase(_, count) => *count,
-            Dispersion::Boundary { .. } => match &self.context {
-                Context::Boundary(boundary) => boundary.map.nrows(),
-                _ => 0,
-            },
-            Dispersion::Inertia(parts) => 3 * parts.iter().flatten().count(),
-            Dispersion::Fault(_) => 5,
-        }
-    }
-
-    /// Names of the columns of what is drawn, with units.
-    pub fn columns(&self) -> Vec<String> {
-        match (&self.dispersion, &self.context) {
-            (Dispersion::Number { .. }, Context::Number(parameter, _)) => {
-                vec![parameter.name.clone()]
-            }
-            (Dispersion::AnyAttitude | Dispersion::Turn(_), _) => attitude_columns(),
-            (Dispersion::Rate(_), _) => numbered("initial_rate", "_rad_s", 3),
-            (Dispersion::State(_, count), _) => numbered("initial_state", "", *count),
-            (Dispersion::Boundary { .. }, Context::Boundary(boundary)) => match boundary.desired {
-                None => numbered("initial_state", "", boundary.map.nrows()),
-                Some(_) => [attitude_columns(), numbered("initial_rate", "_rad_s", 3)].concat(),
-            },
-            (Dispersion::Inertia(parts), _) => {
-                let (moments, products) = AXES.split_at(3);
-                let names = [moments, products].into_iter().zip(parts);
-                let names = names.filter(|(_, part)| part.is_some());
-                let names = names.flat_map(|(names, _)| names);
-                names.map(|name| format!("inertia_{name}_kg_m2")).collect()
-            }
-            (Dispersion::Factor(_), _) => vec!["disturbance_factor".to_string()],
-            (Dispersion::Phase(_, count), _) => numbered("disturbance_phase", "_deg", *count),
-            (Dispersion::Fault(fault), _) => ["axis", "from_s", "until_s", "effectiveness"]
-                .map(|name| format!("fault_{}_{name}", fault.number))
-                .into(),
-            (Dispersion::Number { .. } | Dispersion::Boundary { .. }, _) => Vec::new(),
-        }
-    }
-
-    /// Sets a number of the file; the other kinds do not apply to it.
-    pub fn set(
-        &self,
-        at: &[f64],
-        file: &mut Value,
-        drawn: &mut Vec<Option<f64>>,
-    ) -> Result<(), ParameterError> {
-        let (
+    /// The sampler of a dispersion, which has that place in its list, of a scenario and its `file`.
+    ///
+    /// # Errors
+    /// A name that is no number of the file; a certified set without a design or with a moving reference.
+    pub fn new(
+        index: usize,
+        dispersion: &Dispersion,
+        file: &Value,
+        nominal: &Scenario,
+        design: Option<&Design>,
+    ) -> Result<Self, ModelError> {
+        let mut draw = Draw::Other(dispersion.clone());
+        let (numbers, columns) = match dispersion {
             Dispersion::Number {
+                name,
                 distribution,
                 change,
-                ..
-            },
-            Context::Number(parameter, base),
-        ) = (&self.dispersion, &self.context)
-        else {
-            return Ok(());
+            } => {
+                let (parameter, base) = number(index, name, *change, file)?;
+                let columns = vec![parameter.name.clone()];
+                draw = Draw::Number(parameter, base, distribution.clone(), *change);
+                (1, columns)
+            }
+            Dispersion::Boundary { level } => {
+                let boundary = Boundary::new(*level, nominal, design)?;
+                let size = boundary.map.nrows();
+                let columns = match boundary.desired {
+                    None => numbered("initial_state", "", size),
+                    Some(_) => [attitude_columns(), numbered("initial_rate", "_rad_s", 3)].concat(),
+                };
+                draw = Draw::Boundary(boundary);
+                (size, columns)
+            }
+            Dispersion::AnyAttitude | Dispersion::Turn(_) => (3, attitude_columns()),
+            Dispersion::Rate(_) => (3, numbered("initial_rate", "_rad_s", 3)),
+            Dispersion::State(_, count) => (*count, numbered("initial_state", "", *count)),
+            Dispersion::Phase(_, count) => (*count, numbered("disturbance_phase", "_deg", *count)),
+            Dispersion::Factor(_) => (1, vec!["disturbance_factor".to_string()]),
+            Dispersion::Inertia(parts) => {
+                let names = inertia(parts).into_iter();
+                let names = names.map(|(_, name, ..)| format!("inertia_{name}_kg_m2"));
+                let names: Vec<String> = names.collect();
+                (names.len(), names)
+            }
+            Dispersion::Fault(fault) => {
+                let names = ["axis", "from_s", "until_s", "effectiveness"];
+                let names = names.map(|name| format!("fault_{}_{name}", fault.number));
+                (5, names.into())
+            }
+        };
+        Ok(Sampler {
+            draw,
+            numbers,
+            columns,
+        })
+    }
+
+    /// Whether it draws a number of the file by its name.
+    pub fn is_named(&self) -> bool {
+        matches!(self.draw, Draw::Number(..))
+    }
+
+    /// Sets a number of the file and returns it; the other kinds do not apply to it.
+    pub fn set(&self, at: &[f64], file: &mut Value) -> Result<Option<f64>, ParameterError> {
+        let Draw::Number(parameter, base, distribution, change) = &self.draw else {
+            return Ok(None);
         };
         let value = distribution.value(at[0]);
         let value = match change {
@@ -125,141 +150,133 @@ impl Sampler {
             ChangeFile::Add => base + value,
             ChangeFile::Multiply => base * value,
         };
-        drawn.push(Some(value));
-        parameter.set(file, value)
+        parameter.set(file, value)?;
+        Ok(Some(value))
     }
 
-    /// Changes the scenario.
+    /// Changes the scenario and returns what was drawn. What does not go with the plant is refused before.
     pub fn apply(
         &self,
         at: &[f64],
         file: &mut ScenarioFile,
-        drawn: &mut Vec<Option<f64>>,
-    ) -> Result<(), ModelError> {
-        let duration_s = file.duration_s;
-        match (&mut file.system, &self.context) {
-            (_, Context::Number(..)) => {}
-            (SystemFile::RigidBody(body), Context::Boundary(boundary)) => {
-                boundary.start(at, body, drawn)?;
+    ) -> Result<Vec<Option<f64>>, ModelError> {
+        let dispersion = match &self.draw {
+            Draw::Number(..) => return Ok(Vec::new()),
+            Draw::Boundary(boundary) => {
+                let drawn = boundary.start(at, &mut file.system)?;
+                return Ok(drawn.into_iter().map(Some).collect());
             }
-            (SystemFile::TakagiSugeno(model), Context::Boundary(boundary)) => {
-                let state = boundary.state(at);
-                model.initial_state = state.iter().copied().collect();
-                drawn.extend(state.iter().copied().map(Some));
+            Draw::Other(dispersion) => dispersion,
+        };
+        let drawn = match (dispersion, &mut file.system) {
+            (Dispersion::AnyAttitude, SystemFile::RigidBody(body)) => {
+                start_with(rotation([at[0], at[1], at[2]]), body)
             }
-            (SystemFile::RigidBody(body), Context::Nothing) => {
-                change_body(&self.dispersion, at, body, duration_s, drawn)?;
+            (Dispersion::Turn(distribution), SystemFile::RigidBody(body)) => {
+                let from = attitude_of("initial_attitude", &body.initial_attitude)?;
+                let half = 0.5 * distribution.value(at[0]).to_radians();
+                let (sine, cosine) = libm::sincos(half);
+                let turn = Quaternion::new(cosine, direction([at[1], at[2]]) * sine);
+                start_with((from * turn).to_scalar_first(), body)
             }
-            (SystemFile::TakagiSugeno(model), Context::Nothing) => {
-                change_model(&self.dispersion, at, model, drawn);
+            (Dispersion::Rate(distribution), SystemFile::RigidBody(body)) => {
+                add_to_each(&mut body.initial_rate_rad_s, distribution, at)
             }
-        }
-        Ok(())
-    }
-}
-
-fn change_model(
-    dispersion: &Dispersion,
-    at: &[f64],
-    model: &mut TakagiSugenoFile,
-    drawn: &mut Vec<Option<f64>>,
-) {
-    match dispersion {
-        Dispersion::State(distribution, _) => {
-            for (value, &u) in model.initial_state.iter_mut().zip(at) {
-                *value += distribution.value(u);
-                drawn.push(Some(*value));
+            (Dispersion::State(distribution, _), SystemFile::TakagiSugeno(model)) => {
+                add_to_each(&mut model.initial_state, distribution, at)
             }
-        }
-        Dispersion::Factor(distribution) => {
-            let factor = distribution.value(at[0]);
-            scale_signal(model, factor);
-            drawn.push(Some(factor));
-        }
-        Dispersion::Phase(distribution, _) => {
-            for (sine, &u) in model.disturbance.sines.iter_mut().zip(at) {
-                let phase_deg = distribution.value(u);
-                let size = sine.sine.len().max(sine.cosine.len());
-                sine.sine.resize(size, 0.0);
-                sine.cosine.resize(size, 0.0);
-                shift(phase_deg, &mut sine.sine, &mut sine.cosine);
-                drawn.push(Some(phase_deg));
+            (Dispersion::Inertia(parts), SystemFile::RigidBody(body)) => {
+                let matrix = &mut body.inertia_kg_m2;
+                let entries = inertia(parts).into_iter().zip(at);
+                let entries = entries.map(|((distribution, _, row, column), &u)| {
+                    let value = matrix[row][column] * (1.0 + 0.01 * distribution.value(u));
+                    matrix[row][column] = value;
+                    matrix[column][row] = value;
+                    value
+                });
+                entries.collect()
             }
-        }
-        // The rest is refused for this kind of plant.
-        _ => {}
-    }
-}
-
-fn change_body(
-    dispersion: &Dispersion,
-    at: &[f64],
-    body: &mut RigidBodyFile,
-    duration_s: f64,
-    drawn: &mut Vec<Option<f64>>,
-) -> Result<(), ModelError> {
-    match dispersion {
-        Dispersion::AnyAttitude => {
-            let attitude = rotation([at[0], at[1], at[2]]);
-            body.initial_attitude = AttitudeFile::QuaternionScalarFirst(attitude);
-            drawn.extend(attitude.map(Some));
-        }
-        Dispersion::Turn(distribution) => {
-            let from = attitude_of("initial_attitude", &body.initial_attitude)?;
-            let half = 0.5 * distribution.value(at[0]).to_radians();
-            let (sine, cosine) = libm::sincos(half);
-            let turn = Quaternion::new(cosine, direction([at[1], at[2]]) * sine);
-            let attitude = (from * turn).to_scalar_first();
-            body.initial_attitude = AttitudeFile::QuaternionScalarFirst(attitude);
-            drawn.extend(attitude.map(Some));
-        }
-        Dispersion::Rate(distribution) => {
-            for (rate, &u) in body.initial_rate_rad_s.iter_mut().zip(at) {
-                *rate += distribution.value(u);
-                drawn.push(Some(*rate));
+            (Dispersion::Factor(distribution), system) => {
+                let factor = distribution.value(at[0]);
+                scale_disturbance(system, factor);
+                vec![factor]
             }
-        }
-        Dispersion::Inertia(parts) => change_inertia(parts, at, body, drawn),
-        Dispersion::Factor(distribution) => {
-            let factor = distribution.value(at[0]);
-            scale_torque(body, factor);
-            drawn.push(Some(factor));
-        }
-        Dispersion::Phase(distribution, _) => {
-            for (sine, &u) in body.disturbance.sines.iter_mut().zip(at) {
-                let phase_deg = distribution.value(u);
-                shift(phase_deg, &mut sine.sine_nm, &mut sine.cosine_nm);
-                drawn.push(Some(phase_deg));
+            (Dispersion::Phase(distribution, _), system) => {
+                let phases_deg: Vec<f64> = at.iter().map(|&u| distribution.value(u)).collect();
+                shift(system, &phases_deg);
+                phases_deg
             }
-        }
-        Dispersion::Fault(dispersion) => {
-            let fault = fault_of(dispersion, at, duration_s);
-            let numbers = fault.as_ref().map(|fault| {
+            (Dispersion::Fault(dispersion), SystemFile::RigidBody(body)) => {
+                let Some(fault) = fault_of(dispersion, at, file.duration_s) else {
+                    return Ok(vec![None; 4]);
+                };
                 let axis = f64::from(fault.axis);
-                [axis, fault.from_s, fault.until_s, fault.effectiveness]
-            });
-            drawn.extend(numbers.map_or([None; 4], |numbers| numbers.map(Some)));
-            body.faults.extend(fault);
-        }
-        // These have a context of their own, or are refused for a spacecraft.
-        Dispersion::Number { .. } | Dispersion::Boundary { .. } | Dispersion::State(..) => {}
+                let drawn = vec![axis, fault.from_s, fault.until_s, fault.effectiveness];
+                body.faults.push(fault);
+                drawn
+            }
+            _ => Vec::new(),
+        };
+        Ok(drawn.into_iter().map(Some).collect())
     }
-    Ok(())
+}
+
+/// A number that is drawn by name, and its value in the file.
+fn number(
+    index: usize,
+    name: &str,
+    change: ChangeFile,
+    file: &Value,
+) -> Result<(Parameter, f64), ModelError> {
+    let wrong = |reason: String| ModelError::Choice {
+        field: format!("dispersions.values[{index}].name"),
+        reason,
+    };
+    let parameter = Parameter::find(file, name).map_err(|error| wrong(error.to_string()))?;
+    match (parameter.value(file), change) {
+        (Some(base), _) => Ok((parameter, base)),
+        (None, ChangeFile::Replace) => Ok((parameter, 0.0)),
+        (None, ChangeFile::Add | ChangeFile::Multiply) => {
+            let reason = format!("'{name}' stands for several different numbers");
+            Err(wrong(reason))
+        }
+    }
 }
 
 impl Boundary {
-    fn state(&self, at: &[f64]) -> DVector<f64> {
-        &self.map * DVector::from_vec(direction_of_any_size(at))
+    fn new(level: f64, nominal: &Scenario, design: Option<&Design>) -> Result<Self, ModelError> {
+        let wrong = |reason: &str| ModelError::Choice {
+            field: "dispersions.certified_boundary".to_string(),
+            reason: reason.to_string(),
+        };
+        let none = "the set is that of a design, and the controller has none";
+        let design = design.ok_or_else(|| wrong(none))?;
+        let desired = match &nominal.system {
+            System::TakagiSugeno(_) => None,
+            System::RigidBody(body) => match body.reference {
+                Reference::Fixed(desired) => Some(desired),
+                _ => return Err(wrong("the reference must be constant; it moves")),
+            },
+        };
+        let lower = design.certificate.lyapunov.clone().cholesky();
+        let map = lower.and_then(|factor| factor.l().transpose().try_inverse());
+        let map = map.ok_or_else(|| wrong("the design's matrix U is not positive definite"))?;
+        Ok(Boundary {
+            map: map * level.sqrt(),
+            desired,
+        })
     }
 
-    /// The attitude and rate whose errors are the state.
-    fn start(
-        &self,
-        at: &[f64],
-        body: &mut RigidBodyFile,
-        drawn: &mut Vec<Option<f64>>,
-    ) -> Result<(), ModelError> {
-        let state = self.state(at);
+    /// Starts in a state of the set; of a spacecraft, in the attitude and rate whose errors are the state.
+    fn start(&self, at: &[f64], system: &mut SystemFile) -> Result<Vec<f64>, ModelError> {
+        let state = &self.map * DVector::from_vec(direction_of_any_size(at));
+        let body = match system {
+            SystemFile::RigidBody(body) => body,
+            SystemFile::TakagiSugeno(model) => {
+                model.initial_state = state.iter().copied().collect();
+                return Ok(model.initial_state.clone());
+            }
+        };
         let part = |first: usize| {
             Vector3::from_fn(|row, _| state.get(first + row).copied().unwrap_or(0.0))
         };
@@ -277,13 +294,24 @@ impl Boundary {
         }
         let error = Quaternion::new(libm::sqrt((1.0 - length) * (1.0 + length)), vector);
         let desired = self.desired.unwrap_or_else(Quaternion::identity);
-        let attitude = (desired * error).to_scalar_first();
-        body.initial_attitude = AttitudeFile::QuaternionScalarFirst(attitude);
         body.initial_rate_rad_s = rate.into();
-        drawn.extend(attitude.map(Some));
-        drawn.extend(body.initial_rate_rad_s.map(Some));
-        Ok(())
+        let mut drawn = start_with((desired * error).to_scalar_first(), body);
+        drawn.extend(body.initial_rate_rad_s);
+        Ok(drawn)
     }
+}
+
+/// Starts with an attitude, the scalar part first.
+fn start_with(attitude: [f64; 4], body: &mut RigidBodyFile) -> Vec<f64> {
+    body.initial_attitude = AttitudeFile::QuaternionScalarFirst(attitude);
+    attitude.into()
+}
+
+/// Adds a number of its own to each value.
+fn add_to_each(values: &mut [f64], distribution: &Distribution, at: &[f64]) -> Vec<f64> {
+    let pairs = values.iter_mut().zip(at);
+    pairs.for_each(|(value, &u)| *value += distribution.value(u));
+    values.to_vec()
 }
 
 /// The fault, if it happens.
@@ -307,46 +335,50 @@ fn fault_of(dispersion: &FaultDispersion, at: &[f64], duration_s: f64) -> Option
     })
 }
 
-fn change_inertia(
-    parts: &[Option<Distribution>; 2],
-    at: &[f64],
-    body: &mut RigidBodyFile,
-    drawn: &mut Vec<Option<f64>>,
-) {
-    let (moments, products) = PLACES.split_at(3);
-    let mut at = at.iter();
-    for (part, places) in parts.iter().zip([moments, products]) {
-        let Some(distribution) = part else { continue };
-        for (&(row, column), &u) in places.iter().zip(at.by_ref().take(places.len())) {
-            let value = body.inertia_kg_m2[row][column] * (1.0 + 0.01 * distribution.value(u));
-            body.inertia_kg_m2[row][column] = value;
-            body.inertia_kg_m2[column][row] = value;
-            drawn.push(Some(value));
+/// The amplitudes of the sines and cosines of a disturbance.
+fn waves(system: &mut SystemFile) -> Vec<[&mut [f64]; 2]> {
+    match system {
+        SystemFile::RigidBody(body) => {
+            let sines = body.disturbance.sines.iter_mut();
+            sines
+                .map(|sine| [&mut sine.sine_nm[..], &mut sine.cosine_nm[..]])
+                .collect()
+        }
+        SystemFile::TakagiSugeno(model) => {
+            let sines = model.disturbance.sines.iter_mut();
+            sines
+                .map(|sine| [&mut sine.sine[..], &mut sine.cosine[..]])
+                .collect()
         }
     }
 }
 
-fn scale_torque(body: &mut RigidBodyFile, factor: f64) {
-    let disturbance = &mut body.disturbance;
-    let sines = disturbance.sines.iter_mut();
-    let sines = sines.flat_map(|sine| [&mut sine.sine_nm, &mut sine.cosine_nm]);
-    let rows = disturbance.table.iter_mut().map(|row| &mut row.torque_nm);
-    let all = sines.chain(rows).chain([&mut disturbance.bias_nm]);
-    all.flatten().for_each(|value| *value *= factor);
-}
-
-fn scale_signal(model: &mut TakagiSugenoFile, factor: f64) {
-    let disturbance = &mut model.disturbance;
-    let sines = disturbance.sines.iter_mut();
-    let sines = sines.flat_map(|sine| [&mut sine.sine, &mut sine.cosine]);
-    let all = sines.chain([&mut disturbance.bias]);
-    all.flatten().for_each(|value| *value *= factor);
+fn scale_disturbance(system: &mut SystemFile, factor: f64) {
+    let scale = |values: &mut [f64]| values.iter_mut().for_each(|value| *value *= factor);
+    waves(system).into_iter().flatten().for_each(scale);
+    match system {
+        SystemFile::RigidBody(body) => {
+            scale(&mut body.disturbance.bias_nm);
+            let table = body.disturbance.table.iter_mut();
+            table.for_each(|row| scale(&mut row.torque_nm));
+        }
+        SystemFile::TakagiSugeno(model) => scale(&mut model.disturbance.bias),
+    }
 }
 
 /// a sin(wt + p) + b cos(wt + p) = (a cos p - b sin p) sin(wt) + (a sin p + b cos p) cos(wt).
-fn shift(phase_deg: f64, sine: &mut [f64], cosine: &mut [f64]) {
-    let (sin, cos) = libm::sincos(phase_deg.to_radians());
-    for (a, b) in sine.iter_mut().zip(cosine) {
-        (*a, *b) = (*a * cos - *b * sin, *a * sin + *b * cos);
+fn shift(system: &mut SystemFile, phases_deg: &[f64]) {
+    if let SystemFile::TakagiSugeno(model) = system {
+        for sine in &mut model.disturbance.sines {
+            let size = sine.sine.len().max(sine.cosine.len());
+            sine.sine.resize(size, 0.0);
+            sine.cosine.resize(size, 0.0);
+        }
+    }
+    for ([sine, cosine], phase_deg) in waves(system).into_iter().zip(phases_deg) {
+        let (sin, cos) = libm::sincos(phase_deg.to_radians());
+        for (a, b) in sine.iter_mut().zip(cosine) {
+            (*a, *b) = (*a * cos - *b * sin, *a * sin + *b * cos);
+        }
     }
 }

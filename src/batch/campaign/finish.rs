@@ -5,38 +5,65 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use arrow_array::RecordBatch;
+use arrow_array::{BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
 use synth::model::make_readable;
 
 use super::folder::{
-    run_folder, run_folder_name, CAMPAIGN_FILE, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
+    run_folder, run_folder_name, CampaignFolder, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
     RUNS_FILE, SCENARIO_FILE,
 };
-use super::job::{inputs_text, CampaignJob};
-use super::record::{
-    CampaignFile, Inputs, ProfileGrid, RequirementCount, Results, State, CAMPAIGN_SCHEMA_VERSION,
-};
+use super::job::CampaignJob;
+use super::record::{CampaignFile, RequirementCount, Results, State};
 use super::row::Rank;
 use super::statistics::{count_missed, metric_quantiles, pass_rate_interval};
 use super::table::{
-    run_indices, run_verdicts, CampaignColumns, Content, CountedRun, TableReader, TableWriter,
+    mistyped, rows, typed, unwritten, writer, Content, COVERS_COLUMN, MARGIN_COLUMN, RUN_COLUMN,
+    VERDICT_COLUMN,
 };
 use super::CampaignError;
-use crate::base::files::{create_folder, write};
+use crate::base::files::{create_folder, write, OutputError};
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
-/// A table, what of the rows it holds, and the inputs in its metadata.
-pub(crate) struct Source {
-    pub path: PathBuf,
-    pub content: Content,
-    pub inputs: String,
+/// Writes the tables of a job whose parts are all there (of one that is complete they are), the kept runs
+/// and the record, and removes the parts. `keep`: most failed runs that are kept with their trajectory; of
+/// a job that is complete it may be another number than before.
+///
+/// # Errors
+/// A file that cannot be read or written; it was stopped. What was done before stays.
+pub fn finish(
+    job: &CampaignJob,
+    state: State,
+    keep: usize,
+    stop: &AtomicBool,
+) -> Result<Results, CampaignError> {
+    if state == State::Running {
+        let inputs = job.folder.inputs.to_json();
+        job.folder.write_tables(|_, _| {
+            let sources = job.part_files().map(|path| Source {
+                path,
+                content: Content::Whole,
+                inputs: inputs.clone(),
+            });
+            sources.collect()
+        })?;
+    }
+    let folder = &job.folder;
+    let count = folder.count(keep)?;
+    let kept = count.worst_runs();
+    keep_runs(job, &kept, stop)?;
+    let runs = folder.path.join(RUNS_FILE);
+    let requirements = count_missed(&runs, &job.plan.nominal.requirements)?;
+    let results = folder.conclude(count, kept, requirements)?;
+    remove_parts(&folder.path)?;
+    Ok(results)
 }
 
 /// What is counted while the rows pass.
 #[derive(Debug, Default)]
 pub(crate) struct RunCount {
     runs: u64,
+    passed: u64,
     verdicts: BTreeMap<String, u64>,
     covered: Option<u64>,
     /// The worst failed runs, the worst first.
@@ -44,27 +71,35 @@ pub(crate) struct RunCount {
 }
 
 impl RunCount {
-    fn add(&mut self, run: &CountedRun, keep: usize) {
-        self.runs += 1;
-        let verdict = run.verdict.name().to_string();
-        *self.verdicts.entry(verdict).or_default() += 1;
-        if let Some(covers) = run.proof_covers {
-            *self.covered.get_or_insert(0) += u64::from(covers);
+    /// Counts some rows of a table and remembers the `keep` worst failed runs.
+    fn add(&mut self, rows: &RecordBatch, keep: usize) -> Result<(), CampaignError> {
+        let verdicts = typed::<StringArray>(rows, VERDICT_COLUMN)?;
+        let covers = typed::<BooleanArray>(rows, COVERS_COLUMN)?;
+        let margins = typed::<Float64Array>(rows, MARGIN_COLUMN)?;
+        let runs = typed::<UInt64Array>(rows, RUN_COLUMN)?.values();
+        for (((&run, verdict), covers), margin) in
+            runs.iter().zip(verdicts).zip(covers).zip(margins)
+        {
+            let verdict = verdict.and_then(RunVerdict::named).ok_or_else(mistyped)?;
+            self.runs += 1;
+            *self.verdicts.entry(verdict.name().to_string()).or_default() += 1;
+            if let Some(covers) = covers {
+                *self.covered.get_or_insert(0) += u64::from(covers);
+            }
+            if verdict == RunVerdict::RequirementsMet {
+                self.passed += 1;
+                continue;
+            }
+            let rank = Rank::new(verdict, margin, run);
+            let place = self
+                .worst
+                .partition_point(|other| other.compare(&rank).is_lt());
+            if place < keep {
+                self.worst.insert(place, rank);
+                self.worst.truncate(keep);
+            }
         }
-        if run.verdict == RunVerdict::RequirementsMet {
-            return;
-        }
-        let rank = Rank::new(run.verdict, run.margin, run.run);
-        let place = self.worst.partition_point(|other| *other < rank);
-        if place < keep {
-            self.worst.insert(place, rank);
-            self.worst.truncate(keep);
-        }
-    }
-
-    fn failures(&self) -> u64 {
-        let met = self.verdicts.get(RunVerdict::RequirementsMet.name());
-        self.runs - met.copied().unwrap_or(0)
+        Ok(())
     }
 
     /// The worst failed runs, the worst first.
@@ -73,238 +108,131 @@ impl RunCount {
     }
 }
 
-/// Writes the tables, the kept runs and the record of a job whose parts are all there, and removes the
-/// parts. `keep`: most failed runs that are kept with their trajectory.
-///
-/// # Errors
-/// A file that cannot be written; it was stopped. What was done before stays.
-pub fn finish(job: &CampaignJob, keep: usize, stop: &AtomicBool) -> Result<Results, CampaignError> {
-    let sources = |_: &str, _| {
-        let sources = job.part_files().map(|path| Source {
-            path,
-            content: Content::Whole,
-            inputs: inputs_text(&job.inputs),
-        });
-        sources.collect()
-    };
-    write_tables(&job.folder, &job.plan.columns, &job.inputs, sources)?;
-    finish_again(job, keep, stop)
+/// A table, what of the rows it holds, and the inputs in its metadata.
+pub(crate) struct Source {
+    pub path: PathBuf,
+    pub content: Content,
+    pub inputs: String,
 }
 
-/// As [`finish`], from the tables of a job that is complete: another number of runs may be kept.
-///
-/// # Errors
-/// A file that cannot be read or written; it was stopped.
-pub fn finish_again(
-    job: &CampaignJob,
-    keep: usize,
-    stop: &AtomicBool,
-) -> Result<Results, CampaignError> {
-    let count = count(&job.folder, &job.plan.columns, &job.inputs, keep)?;
-    let results = recount(job, &count, stop)?;
-    remove_parts(&job.folder)?;
-    Ok(results)
-}
-
-fn recount(
-    job: &CampaignJob,
-    count: &RunCount,
-    stop: &AtomicBool,
-) -> Result<Results, CampaignError> {
-    keep_runs(job, &count.worst_runs(), stop)?;
-    let requirements = job.plan.nominal.requirements.iter();
-    let requirements = requirements.filter_map(|requirement| {
-        let (side, limit) = match (requirement.at_most, requirement.at_least) {
-            (Some(limit), _) => ("at most", limit),
-            (None, Some(limit)) => ("at least", limit),
-            (None, None) => return None,
-        };
-        let metric = requirement.metric.key();
-        Some(RequirementCount {
-            name: format!("{metric} {side}"),
-            metric: metric.to_string(),
-            limit,
-            missed: 0,
-        })
-    });
-    let profile = ProfileGrid {
-        times_s: job.plan.columns.times_s.clone(),
-        quantities: job.plan.columns.quantities.clone(),
-    };
-    let record = Record {
-        count,
-        kept: count.worst_runs(),
-        requirements: requirements.collect(),
-        profile,
-    };
-    conclude(&job.folder, &job.inputs, record)
-}
-
-/// What the record is made of beside the table of the runs.
-pub(crate) struct Record<'a> {
-    pub count: &'a RunCount,
-    /// Failed runs whose trajectory is kept, the worst first.
-    pub kept: Vec<u64>,
-    pub requirements: Vec<RequirementCount>,
-    pub profile: ProfileGrid,
-}
-
-/// Writes the record.
-pub(crate) fn conclude(
-    folder: &Path,
-    inputs: &Inputs,
-    record: Record,
-) -> Result<Results, CampaignError> {
-    let Record {
-        count,
-        kept,
-        mut requirements,
-        profile,
-    } = record;
-    let runs = folder.join(RUNS_FILE);
-    count_missed(&runs, &mut requirements)?;
-    let failures = count.failures();
-    let passed = count.runs - failures;
-    let mut verdicts: BTreeMap<String, u64> = RunVerdict::ALL
-        .map(|verdict| (verdict.name().to_string(), 0))
-        .into();
-    verdicts.extend(count.verdicts.clone());
-    let results = Results {
-        runs: count.runs,
-        failures,
-        verdicts,
-        covered_runs: count.covered,
-        pass_rate: passed as f64 / count.runs as f64,
-        pass_rate_interval: pass_rate_interval(passed, count.runs),
-        requirements,
-        metrics: metric_quantiles(&runs)?,
-        profile,
-        not_kept: failures - kept.len() as u64,
-        kept,
-    };
-    let record = CampaignFile {
-        schema_version: CAMPAIGN_SCHEMA_VERSION,
-        state: State::Complete,
-        inputs: inputs.clone(),
-        results: Some(results.clone()),
-    };
-    write(&folder.join(CAMPAIGN_FILE), &record.to_json())?;
-    Ok(results)
-}
-
-/// Writes both tables of a folder from the sources that there are for the table of a name and content.
-pub(super) fn write_tables(
-    folder: &Path,
-    columns: &CampaignColumns,
-    inputs: &Inputs,
-    sources: impl Fn(&str, Content) -> Vec<Source>,
-) -> Result<(), CampaignError> {
-    let tables = [
-        (RUNS_FILE, Content::Runs),
-        (PROFILES_FILE, Content::Profiles),
-    ];
-    for (name, content) in tables {
-        let to = folder.join(name);
-        concatenate(&sources(name, content), columns, (&to, content), inputs)?;
-    }
-    Ok(())
-}
-
-/// One table from several, which must hold the runs of `inputs` without gap or overlap.
-fn concatenate(
-    sources: &[Source],
-    columns: &CampaignColumns,
-    (path, content): (&Path, Content),
-    inputs: &Inputs,
-) -> Result<(), CampaignError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let unwritten = |source| CampaignError::written(path, source);
-    let file = tempfile::NamedTempFile::new_in(folder).map_err(unwritten)?;
-    let to = file.reopen().map_err(unwritten)?;
-    let mut table = TableWriter::new(path, to, columns, content, &inputs_text(inputs))?;
-    let mut next = inputs.first_run;
-    for source in sources {
-        let take = |rows: &RecordBatch| table.write(rows);
-        each_batch(source, columns, content, &mut next, take)?;
-    }
-    at_end(path, next, inputs.end_run)?;
-    table.finish()?.sync_all().map_err(unwritten)?;
-    make_readable(file.path()).map_err(unwritten)?;
-    file.persist(path).map_err(|error| unwritten(error.error))?;
-    Ok(())
-}
-
-/// Counts the runs in the table of a folder, which must be those of `inputs`.
-pub(super) fn count(
-    folder: &Path,
-    columns: &CampaignColumns,
-    inputs: &Inputs,
-    keep: usize,
-) -> Result<RunCount, CampaignError> {
-    let source = Source {
-        path: folder.join(RUNS_FILE),
-        content: Content::Runs,
-        inputs: inputs_text(inputs),
-    };
-    let mut count = RunCount::default();
-    let mut next = inputs.first_run;
-    each_batch(&source, columns, Content::Runs, &mut next, |rows| {
-        let runs = run_verdicts(rows)?;
-        runs.iter().for_each(|run| count.add(run, keep));
-        Ok(())
-    })?;
-    at_end(&source.path, next, inputs.end_run)?;
-    Ok(count)
-}
-
-/// Reads the columns of a content from a source, whose first run must be `next`.
-fn each_batch(
-    source: &Source,
-    columns: &CampaignColumns,
-    content: Content,
-    next: &mut u64,
-    mut take: impl FnMut(&RecordBatch) -> Result<(), CampaignError>,
-) -> Result<(), CampaignError> {
-    let contents = (source.content, content);
-    for rows in TableReader::open(&source.path, columns, contents, &source.inputs)? {
-        let rows = rows?;
-        for &run in run_indices(&rows)? {
-            in_order(&source.path, run, next)?;
+impl CampaignFolder {
+    /// Writes both tables from the sources that there are for the table of a name and content.
+    pub(super) fn write_tables(
+        &self,
+        sources: impl Fn(&str, Content) -> Vec<Source>,
+    ) -> Result<(), CampaignError> {
+        let tables = [
+            (RUNS_FILE, Content::Runs),
+            (PROFILES_FILE, Content::Profiles),
+        ];
+        for (name, content) in tables {
+            self.concatenate(&self.path.join(name), content, &sources(name, content))?;
         }
-        take(&rows)?;
+        Ok(())
     }
-    Ok(())
-}
 
-fn in_order(path: &Path, run: u64, next: &mut u64) -> Result<(), CampaignError> {
-    if run != *next {
-        return Err(CampaignError::Unsuitable {
-            path: path.to_path_buf(),
-            reason: format!("holds run {run} where run {next} is expected"),
-        });
+    /// One table from several, which must hold the runs of the inputs without gap or overlap.
+    fn concatenate(
+        &self,
+        path: &Path,
+        content: Content,
+        sources: &[Source],
+    ) -> Result<(), CampaignError> {
+        let failed = |source| OutputError::io(path, "cannot be written", source);
+        let file = tempfile::NamedTempFile::new_in(&self.path).map_err(failed)?;
+        let to = file.reopen().map_err(failed)?;
+        let mut table = writer(path, to, &self.columns, content, &self.inputs.to_json())?;
+        self.each_batch(path, content, sources, |rows| {
+            table.write(rows).map_err(|error| unwritten(path, error))
+        })?;
+        let to = table.into_inner().map_err(|error| unwritten(path, error))?;
+        to.sync_all().map_err(failed)?;
+        make_readable(file.path()).map_err(failed)?;
+        file.persist(path).map_err(|error| failed(error.error))?;
+        Ok(())
     }
-    *next += 1;
-    Ok(())
-}
 
-fn at_end(path: &Path, next: u64, end: u64) -> Result<(), CampaignError> {
-    if next == end {
-        return Ok(());
+    /// Counts the runs in the table of the runs, which must be those of the inputs. `keep`: most failed
+    /// runs that are wanted.
+    pub(super) fn count(&self, keep: usize) -> Result<RunCount, CampaignError> {
+        let path = self.path.join(RUNS_FILE);
+        let source = Source {
+            path: path.clone(),
+            content: Content::Runs,
+            inputs: self.inputs.to_json(),
+        };
+        let mut count = RunCount::default();
+        self.each_batch(&path, Content::Runs, &[source], |rows| {
+            count.add(rows, keep)
+        })?;
+        Ok(count)
     }
-    Err(CampaignError::Unsuitable {
-        path: path.to_path_buf(),
-        reason: format!(
-            "ends before run {next}; the campaign has runs up to {}",
-            end - 1
-        ),
-    })
+
+    /// Reads the columns of a content from sources, which must hold the runs of the inputs in their order.
+    fn each_batch(
+        &self,
+        path: &Path,
+        content: Content,
+        sources: &[Source],
+        mut take: impl FnMut(&RecordBatch) -> Result<(), CampaignError>,
+    ) -> Result<(), CampaignError> {
+        let mut next = self.inputs.first_run;
+        for source in sources {
+            let contents = (source.content, content);
+            for batch in rows(&source.path, &self.columns, contents, &source.inputs)? {
+                let batch = batch?;
+                for &run in typed::<UInt64Array>(&batch, RUN_COLUMN)?.values() {
+                    if run != next {
+                        let reason = format!("holds run {run} where run {next} is expected");
+                        return Err(CampaignError::unsuitable(&source.path, reason));
+                    }
+                    next += 1;
+                }
+                take(&batch)?;
+            }
+        }
+        match self.inputs.end_run {
+            end if end == next => Ok(()),
+            end => {
+                let last = end - 1;
+                let reason = format!("ends before run {next}; the campaign has runs up to {last}");
+                Err(CampaignError::unsuitable(path, reason))
+            }
+        }
+    }
+
+    /// Writes the record, with the failed runs whose trajectory is kept, the worst first.
+    pub(super) fn conclude(
+        &self,
+        count: RunCount,
+        kept: Vec<u64>,
+        requirements: Vec<RequirementCount>,
+    ) -> Result<Results, CampaignError> {
+        let RunCount { runs, passed, .. } = count;
+        let none = RunVerdict::ALL.map(|verdict| (verdict.name().to_string(), 0));
+        let results = Results {
+            runs,
+            failures: runs - passed,
+            verdicts: none.into_iter().chain(count.verdicts).collect(),
+            covered_runs: count.covered,
+            pass_rate: passed as f64 / runs as f64,
+            pass_rate_interval: pass_rate_interval(passed, runs),
+            requirements,
+            metrics: metric_quantiles(&self.path.join(RUNS_FILE))?,
+            profile: self.columns.profile.clone(),
+            not_kept: runs - passed - kept.len() as u64,
+            kept,
+        };
+        CampaignFile::write(&self.path, &self.inputs, Some(&results))?;
+        Ok(results)
+    }
 }
 
 /// Makes the failed runs again, this time with their trajectory; other folders of kept runs go away.
 fn keep_runs(job: &CampaignJob, runs: &[u64], stop: &AtomicBool) -> Result<(), CampaignError> {
-    remove_others(&job.folder.join(FAILED_FOLDER), runs)?;
+    remove_others(&job.folder.path.join(FAILED_FOLDER), runs)?;
     job.threads.each(runs.to_vec(), stop, |run| {
-        let folder = run_folder(&job.folder, run);
+        let folder = run_folder(&job.folder.path, run);
         // The summary is written last.
         if folder.join(SUMMARY_FILE).exists() {
             return Ok(());
@@ -330,7 +258,7 @@ pub(crate) fn remove_others(all: &Path, runs: &[u64]) -> Result<(), CampaignErro
         if name.starts_with("run-") && !names.contains(&name) {
             let path = entry.path();
             fs::remove_dir_all(&path)
-                .map_err(|source| CampaignError::io(&path, "cannot be removed", source))?;
+                .map_err(|source| OutputError::io(&path, "cannot be removed", source))?;
         }
     }
     // Only when nothing is left.
@@ -344,7 +272,7 @@ fn remove_parts(folder: &Path) -> Result<(), CampaignError> {
     let path = folder.join(PARTS_FOLDER);
     match fs::remove_dir_all(&path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(CampaignError::io(&path, "cannot be removed", error))
+            Err(OutputError::io(&path, "cannot be removed", error).into())
         }
         _ => Ok(()),
     }

@@ -1,9 +1,15 @@
 //! What is where in a campaign's folder.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// What was requested and what came of it.
-pub const CAMPAIGN_FILE: &str = "campaign.json";
+pub use super::record::CAMPAIGN_FILE;
+use super::record::{CampaignFile, Inputs, State};
+use super::table::CampaignColumns;
+use super::CampaignError;
+use crate::base::files::{create_folder, write};
+use crate::batch::store::lock::{lock_folder, InUse};
+
 /// One row for each run.
 pub const RUNS_FILE: &str = "runs.parquet";
 /// The error of every run on a grid of times.
@@ -27,9 +33,69 @@ pub fn run_folder(campaign: &Path, run: u64) -> PathBuf {
     campaign.join(FAILED_FOLDER).join(run_folder_name(run))
 }
 
-/// File of a part.
-pub(crate) fn part_file(campaign: &Path, part: u64) -> PathBuf {
-    campaign
-        .join(PARTS_FOLDER)
-        .join(format!("part-{part:06}.parquet"))
+/// A campaign, or a shard of it, and its folder.
+#[derive(Debug, Clone)]
+pub struct CampaignFolder {
+    /// The folder.
+    pub path: PathBuf,
+    /// Columns of the tables.
+    pub columns: CampaignColumns,
+    /// What determines every number.
+    pub inputs: Inputs,
+}
+
+/// A campaign's folder, which nobody else can write to as long as this is there.
+pub struct OpenFolder {
+    /// How far the campaign is in it.
+    pub state: State,
+    _lock: Option<File>,
+}
+
+impl CampaignFolder {
+    /// How far the campaign is in the folder; `None` when there is nothing of it.
+    ///
+    /// # Errors
+    /// A folder that holds another campaign.
+    pub fn found(&self) -> Result<Option<State>, CampaignError> {
+        if !self.path.join(CAMPAIGN_FILE).exists() {
+            return Ok(None);
+        }
+        let known = CampaignFile::read(&self.path)?;
+        match known.inputs.difference(&self.inputs) {
+            None => Ok(Some(known.state)),
+            Some(difference) => {
+                let reason = format!("holds another campaign: {difference}; choose another folder");
+                Err(CampaignError::unsuitable(&self.path, reason))
+            }
+        }
+    }
+
+    /// Creates the folder with its record, or says how far the same campaign is in it.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, that is in use or that holds another campaign.
+    pub fn open(&self, scenario: &str, design: Option<&str>) -> Result<OpenFolder, CampaignError> {
+        create_folder(&self.path)?;
+        let lock = lock_folder(&self.path).map_err(|InUse| {
+            CampaignError::unsuitable(&self.path, "is in use by another campaign".to_string())
+        })?;
+        let state = match self.found()? {
+            Some(state) => state,
+            None => {
+                write(&self.path.join(SCENARIO_FILE), scenario)?;
+                if let Some(design) = design {
+                    write(&self.path.join(DESIGN_FILE), design)?;
+                }
+                CampaignFile::write(&self.path, &self.inputs, None)?;
+                State::Running
+            }
+        };
+        Ok(OpenFolder { state, _lock: lock })
+    }
+
+    /// File of a part.
+    pub(super) fn part(&self, part: u64) -> PathBuf {
+        let parts = self.path.join(PARTS_FOLDER);
+        parts.join(format!("part-{part:06}.parquet"))
+    }
 }

@@ -1,26 +1,20 @@
 //! The work of a campaign: its runs in chunks, each of which is a table in the folder `parts` until the
 //! campaign is complete.
 
-use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
-use synth::model::write_atomically;
-
-use super::folder::{part_file, CAMPAIGN_FILE, DESIGN_FILE, PARTS_FOLDER, SCENARIO_FILE};
+use super::folder::{CampaignFolder, OpenFolder, PARTS_FOLDER};
 use super::plan::Plan;
-use super::record::{CampaignFile, Inputs, State, CAMPAIGN_SCHEMA_VERSION};
+use super::record::{Inputs, State};
 use super::row::RunRow;
 use super::table::part_table;
 use super::CampaignError;
 use crate::base::files::{create_folder, write};
-use crate::base::provenance::GENERATOR;
 use crate::batch::engine::{Control, Job, Threads};
 use crate::batch::store::chunks::{Chunks, Shard};
-use crate::batch::store::identity::{first_difference, Identity};
-use crate::batch::store::lock::{lock_folder, InUse};
 use crate::batch::store::Store;
 use crate::scenario::Scenario;
 use crate::sim::integrator::Method;
@@ -60,26 +54,17 @@ fn steps(scenario: &Scenario) -> f64 {
     (scenario.duration_s / step).max(1.0)
 }
 
-/// A campaign, or a shard of it, and its folder.
+/// The runs of a campaign, or of a shard of it.
 pub struct CampaignJob<'a> {
     /// The runs.
     pub plan: &'a Plan<'a>,
-    /// What determines every number.
-    pub inputs: Inputs,
-    /// The campaign's folder.
-    pub folder: PathBuf,
+    /// Where they are kept.
+    pub folder: CampaignFolder,
     /// Threads.
     pub threads: Threads,
     chunks: Chunks,
     /// Numbers of the chunks of this shard.
     own: Range<u64>,
-}
-
-/// A campaign's folder, which nobody else can write to as long as this is there.
-pub struct OpenFolder {
-    /// How far the campaign is in it.
-    pub state: State,
-    _lock: Option<File>,
 }
 
 impl<'a> CampaignJob<'a> {
@@ -89,29 +74,26 @@ impl<'a> CampaignJob<'a> {
     /// A shard that the campaign does not have.
     pub fn new(
         plan: &'a Plan<'a>,
-        design_sha256: Option<String>,
         shard: Option<Shard>,
         threads: Threads,
         folder: &Path,
     ) -> Result<Self, CampaignError> {
-        let chunks = chunks(plan.runs, &plan.nominal);
+        let chunks = chunks(plan.inputs.runs, &plan.nominal);
         let own = chunks.of_shard(shard)?;
         let inputs = Inputs {
-            generator: GENERATOR.to_string(),
-            scenario: plan.nominal.name.clone(),
-            scenario_sha256: plan.nominal.sha256.clone(),
-            design_sha256,
-            seed: plan.seed,
-            runs: plan.runs,
-            sampling: plan.sampling,
             shard,
             first_run: chunks.runs_of(own.start).start,
             end_run: chunks.runs_of(own.end - 1).end,
+            ..plan.inputs.clone()
+        };
+        let folder = CampaignFolder {
+            path: folder.to_path_buf(),
+            columns: plan.columns.clone(),
+            inputs,
         };
         Ok(CampaignJob {
             plan,
-            inputs,
-            folder: folder.to_path_buf(),
+            folder,
             threads,
             chunks,
             own,
@@ -130,14 +112,14 @@ impl<'a> CampaignJob<'a> {
         design: Option<&str>,
         stop: &AtomicBool,
     ) -> Result<OpenFolder, CampaignError> {
-        if found(&self.folder, &self.inputs)? != Some(State::Complete) {
+        if self.folder.found()? != Some(State::Complete) {
             self.threads.each(self.missing(), stop, |mut runs| {
                 runs.try_for_each(|run| self.plan.resolve(run).map(drop))
             })?;
         }
-        let open = prepare(&self.folder, &self.inputs, scenario, design)?;
+        let open = self.folder.open(scenario, design)?;
         if open.state == State::Running {
-            create_folder(&self.folder.join(PARTS_FOLDER))?;
+            create_folder(&self.folder.path.join(PARTS_FOLDER))?;
         }
         Ok(open)
     }
@@ -145,12 +127,12 @@ impl<'a> CampaignJob<'a> {
     /// Files of all chunks, in the order of their runs.
     pub(super) fn part_files(&self) -> impl Iterator<Item = PathBuf> + '_ {
         let own = self.own.clone();
-        own.map(|chunk| part_file(&self.folder, chunk))
+        own.map(|chunk| self.folder.part(chunk))
     }
 
     /// Number of its runs.
     pub fn runs(&self) -> u64 {
-        self.inputs.end_run - self.inputs.first_run
+        self.folder.inputs.end_run - self.folder.inputs.first_run
     }
 
     /// Number of its runs that are done while it is running.
@@ -189,99 +171,11 @@ impl Store<RunRow> for CampaignJob<'_> {
     }
 
     fn keep(&self, chunk: Range<u64>, rows: Vec<RunRow>) -> Result<(), CampaignError> {
-        let path = part_file(&self.folder, self.chunks.holding(chunk.start));
-        let bytes = part_table(&path, &self.plan.columns, &inputs_text(&self.inputs), &rows)?;
-        write_atomically(&path, &bytes).map_err(|problem| CampaignError::file(&path, problem))
+        let CampaignFolder {
+            columns, inputs, ..
+        } = &self.folder;
+        let path = self.folder.part(self.chunks.holding(chunk.start));
+        let bytes = part_table(&path, columns, &inputs.to_json(), &rows)?;
+        Ok(write(&path, bytes)?)
     }
-}
-
-/// The inputs as they are in the tables' metadata.
-pub(super) fn inputs_text(inputs: &Inputs) -> String {
-    // They hold numbers and texts only, so they can always be written.
-    serde_json::to_string(inputs).unwrap_or_default()
-}
-
-/// How far a campaign is in a folder; `None` when there is nothing of it.
-///
-/// # Errors
-/// A folder that holds another campaign.
-fn found(folder: &Path, inputs: &Inputs) -> Result<Option<State>, CampaignError> {
-    if !folder.join(CAMPAIGN_FILE).exists() {
-        return Ok(None);
-    }
-    let known = CampaignFile::read(folder)?;
-    match difference(&known.inputs, inputs) {
-        None => Ok(Some(known.state)),
-        Some(difference) => Err(CampaignError::Unsuitable {
-            path: folder.to_path_buf(),
-            reason: format!("holds another campaign: {difference}; choose another folder"),
-        }),
-    }
-}
-
-/// Creates a campaign's folder with its record, or says how far the same campaign is in it.
-///
-/// # Errors
-/// A folder that cannot be written, that is in use or that holds another campaign.
-pub(super) fn prepare(
-    folder: &Path,
-    inputs: &Inputs,
-    scenario: &str,
-    design: Option<&str>,
-) -> Result<OpenFolder, CampaignError> {
-    create_folder(folder)?;
-    let lock = lock_folder(folder).map_err(|InUse| CampaignError::Unsuitable {
-        path: folder.to_path_buf(),
-        reason: "is in use by another campaign".to_string(),
-    })?;
-    let state = match found(folder, inputs)? {
-        Some(state) => state,
-        None => begin(folder, inputs, scenario, design)?,
-    };
-    Ok(OpenFolder { state, _lock: lock })
-}
-
-fn begin(
-    folder: &Path,
-    inputs: &Inputs,
-    scenario: &str,
-    design: Option<&str>,
-) -> Result<State, CampaignError> {
-    let write = |name: &str, text: &str| write(&folder.join(name), text);
-    write(SCENARIO_FILE, scenario)?;
-    if let Some(design) = design {
-        write(DESIGN_FILE, design)?;
-    }
-    let record = CampaignFile {
-        schema_version: CAMPAIGN_SCHEMA_VERSION,
-        state: State::Running,
-        inputs: inputs.clone(),
-        results: None,
-    };
-    write(CAMPAIGN_FILE, &record.to_json())?;
-    Ok(State::Running)
-}
-
-impl Identity for Inputs {
-    const FIELDS: &'static [(&'static str, &'static str)] = &[
-        ("scenario_sha256", "scenario_sha256"),
-        ("design_sha256", "design_sha256"),
-        ("seed", "seed"),
-        ("runs", "runs"),
-        ("shard", "shard"),
-        ("sampling", "sampling"),
-        ("generator", "generator"),
-        ("scenario", "scenario"),
-        ("first_run", "first_run"),
-        ("end_run", "end_run"),
-    ];
-}
-
-/// The first input that differs, as text.
-pub(super) fn difference(known: &Inputs, requested: &Inputs) -> Option<String> {
-    let differs = first_difference(known, requested)?;
-    Some(format!(
-        "its {} is {}, not {}",
-        differs.name, differs.known, differs.requested
-    ))
 }

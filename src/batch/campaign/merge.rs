@@ -3,19 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use synth::model::read_text;
-
-use super::finish::{conclude, count, remove_others, write_tables, Record, Source};
-use super::folder::{run_folder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE};
-use super::job::{difference, inputs_text, prepare};
-use super::record::{CampaignFile, Inputs, ProfileGrid, Results};
-use super::table::{column_names, CampaignColumns};
+use super::finish::{remove_others, Source};
+use super::folder::{
+    run_folder, CampaignFolder, DESIGN_FILE, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE,
+};
+use super::record::{CampaignFile, Inputs, RequirementCount, Results};
+use super::table::{column_names, CampaignColumns, DRAWN};
 use super::CampaignError;
-use crate::base::files::create_folder;
+use crate::base::files::{create_folder, read, write, OutputError};
 use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
-
-/// Prefix of the columns of drawn numbers.
-const DRAWN: &str = "drawn.";
 
 /// A shard's folder.
 struct ShardFolder {
@@ -31,40 +27,47 @@ struct ShardFolder {
 /// Shards that are not complete, of different campaigns, missing or there twice; files that cannot be
 /// read or written.
 pub fn merge(folders: &[PathBuf], output: &Path, keep: usize) -> Result<Results, CampaignError> {
-    let mut shards = folders
-        .iter()
-        .map(|folder| read(folder))
-        .collect::<Result<Vec<_>, _>>()?;
+    let shards = folders.iter().map(|folder| shard(folder));
+    let mut shards = shards.collect::<Result<Vec<_>, _>>()?;
     shards.sort_by_key(|shard| (shard.inputs.first_run, shard.inputs.end_run));
-    check_same(&shards)?;
-    check_whole(&shards)?;
+    check(&shards)?;
     let Some(first) = shards.first() else {
         return Err(CampaignError::Shards("no folder is given".to_string()));
     };
-    let inputs = whole(&first.inputs);
     let (scenario, design) = texts(first)?;
-    let _open = prepare(output, &inputs, &scenario, design.as_deref())?;
-    let columns = columns(first)?;
-    write_tables(output, &columns, &inputs, |name, content| {
+    let whole = CampaignFolder {
+        path: output.to_path_buf(),
+        columns: columns(first)?,
+        inputs: whole(&first.inputs),
+    };
+    let _open = whole.open(&scenario, design.as_deref())?;
+    whole.write_tables(|name, content| {
         let sources = shards.iter().map(|shard| Source {
             path: shard.folder.join(name),
             content,
-            inputs: inputs_text(&shard.inputs),
+            inputs: shard.inputs.to_json(),
         });
         sources.collect()
     })?;
-    let count = count(output, &columns, &inputs, keep)?;
+    let count = whole.count(keep)?;
     let kept = copy_kept(&shards, output, &count.worst_runs())?;
-    let record = Record {
-        count: &count,
-        kept,
-        requirements: first.results.requirements.clone(),
-        profile: first.results.profile.clone(),
-    };
-    conclude(output, &inputs, record)
+    whole.conclude(count, kept, missed(&shards))
 }
 
-fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
+/// How many runs of all shards, which are of one campaign, missed each requirement.
+fn missed(shards: &[ShardFolder]) -> Vec<RequirementCount> {
+    let each = shards
+        .iter()
+        .map(|shard| shard.results.requirements.clone());
+    let all = each.reduce(|mut all, own| {
+        let pairs = all.iter_mut().zip(own);
+        pairs.for_each(|(all, own)| all.missed += own.missed);
+        all
+    });
+    all.unwrap_or_default()
+}
+
+fn shard(folder: &Path) -> Result<ShardFolder, CampaignError> {
     let record = CampaignFile::read(folder)?;
     match record.results {
         Some(results) => Ok(ShardFolder {
@@ -72,11 +75,10 @@ fn read(folder: &Path) -> Result<ShardFolder, CampaignError> {
             inputs: record.inputs,
             results,
         }),
-        None => Err(CampaignError::Unsuitable {
-            path: folder.to_path_buf(),
-            reason: "is not complete; the command that made it goes on where it stopped"
-                .to_string(),
-        }),
+        None => {
+            let reason = "is not complete; the command that made it goes on where it stopped";
+            Err(CampaignError::unsuitable(folder, reason.to_string()))
+        }
     }
 }
 
@@ -90,10 +92,11 @@ fn whole(inputs: &Inputs) -> Inputs {
     }
 }
 
-fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
-    for pair in shards.windows(2) {
-        let [one, other] = pair else { continue };
-        if let Some(difference) = difference(&whole(&other.inputs), &whole(&one.inputs)) {
+/// Refuses shards of different campaigns, gaps and overlaps.
+fn check(shards: &[ShardFolder]) -> Result<(), CampaignError> {
+    let pairs = || shards.iter().zip(shards.iter().skip(1));
+    for (one, other) in pairs() {
+        if let Some(difference) = whole(&other.inputs).difference(&whole(&one.inputs)) {
             return Err(CampaignError::Shards(format!(
                 "{} is a shard of another campaign than {}: {difference}",
                 other.folder.display(),
@@ -101,30 +104,25 @@ fn check_same(shards: &[ShardFolder]) -> Result<(), CampaignError> {
             )));
         }
     }
-    Ok(())
-}
-
-/// Refuses gaps and overlaps.
-fn check_whole(shards: &[ShardFolder]) -> Result<(), CampaignError> {
-    let mut next = 0;
-    let mut before: Option<&ShardFolder> = None;
-    for shard in shards {
-        let first = shard.inputs.first_run;
+    let begin = shards.first().map_or(0, |first| first.inputs.first_run);
+    if begin > 0 {
+        return Err(missing(0, begin));
+    }
+    for (one, other) in pairs() {
+        let (next, first) = (one.inputs.end_run, other.inputs.first_run);
         if first > next {
             return Err(missing(next, first));
         }
-        if let Some(before) = before.filter(|_| first < next) {
+        if first < next {
             return Err(CampaignError::Shards(format!(
                 "{} and {} both hold run {first}",
-                before.folder.display(),
-                shard.folder.display()
+                one.folder.display(),
+                other.folder.display()
             )));
         }
-        next = shard.inputs.end_run;
-        before = Some(shard);
     }
-    match before {
-        Some(shard) if next < shard.inputs.runs => Err(missing(next, shard.inputs.runs)),
+    match shards.last().map(|last| &last.inputs) {
+        Some(last) if last.end_run < last.runs => Err(missing(last.end_run, last.runs)),
         _ => Ok(()),
     }
 }
@@ -134,10 +132,7 @@ fn missing(from: u64, to: u64) -> CampaignError {
 }
 
 fn texts(shard: &ShardFolder) -> Result<(String, Option<String>), CampaignError> {
-    let read = |name: &str| {
-        let path = shard.folder.join(name);
-        read_text(&path).map_err(|problem| CampaignError::file(&path, problem))
-    };
+    let read = |name: &str| read(&shard.folder.join(name));
     let design = shard.inputs.design_sha256.as_ref();
     Ok((
         read(SCENARIO_FILE)?,
@@ -148,14 +143,9 @@ fn texts(shard: &ShardFolder) -> Result<(String, Option<String>), CampaignError>
 fn columns(shard: &ShardFolder) -> Result<CampaignColumns, CampaignError> {
     let names = column_names(&shard.folder.join(RUNS_FILE))?;
     let drawn = names.iter().filter_map(|name| name.strip_prefix(DRAWN));
-    let ProfileGrid {
-        times_s,
-        quantities,
-    } = shard.results.profile.clone();
     Ok(CampaignColumns {
         drawn: drawn.map(str::to_string).collect(),
-        quantities,
-        times_s,
+        profile: shard.results.profile.clone(),
     })
 }
 
@@ -176,9 +166,9 @@ fn copy_kept(
         create_folder(&to)?;
         for name in [SCENARIO_FILE, TRAJECTORY_FILE, SUMMARY_FILE] {
             let (from, to) = (from.join(name), to.join(name));
-            let bytes = fs::read(&from).map_err(|source| CampaignError::read(&from, source))?;
-            synth::model::write_atomically(&to, &bytes)
-                .map_err(|problem| CampaignError::file(&to, problem))?;
+            let bytes = fs::read(&from);
+            let bytes = bytes.map_err(|source| OutputError::io(&from, "cannot be read", source))?;
+            write(&to, bytes)?;
         }
         kept.push(run);
     }

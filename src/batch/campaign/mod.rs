@@ -17,7 +17,7 @@ pub mod table;
 
 use std::path::{Path, PathBuf};
 
-use synth::model::FileError;
+use synth::model::{FileError, ModelError};
 
 use super::engine::Interrupted;
 use super::store::chunks::TooManyShards;
@@ -31,6 +31,9 @@ pub enum CampaignError {
     /// A file cannot be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The scenario file is not valid.
+    #[error(transparent)]
+    Scenario(#[from] FileError),
     /// A file is not what it should be.
     #[error("{}: {reason}", path.display())]
     Unsuitable {
@@ -68,28 +71,18 @@ pub enum CampaignError {
 }
 
 impl CampaignError {
-    /// A file that cannot be used.
-    pub(super) fn file(path: &Path, problem: FileError) -> Self {
-        let path = path.to_path_buf();
-        CampaignError::Output(OutputError::File { path, problem })
-    }
-
-    fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
-        Self::file(path, FileError::Io { action, source })
-    }
-
-    fn read(path: &Path, source: std::io::Error) -> Self {
-        Self::io(path, "cannot be read", source)
-    }
-
-    fn written(path: &Path, source: std::io::Error) -> Self {
-        Self::io(path, "cannot be written", source)
-    }
-
     fn broken(path: &Path, error: impl std::fmt::Display) -> Self {
-        CampaignError::Unsuitable {
-            path: path.to_path_buf(),
-            reason: format!("is not a table that can be read: {error}"),
-        }
+        Self::unsuitable(path, format!("is not a table that can be read: {error}"))
+    }
+
+    fn unsuitable(path: &Path, reason: String) -> Self {
+        let path = path.to_path_buf();
+        CampaignError::Unsuitable { path, reason }
+    }
+}
+
+impl From<ModelError> for CampaignError {
+    fn from(error: ModelError) -> Self {
+        CampaignError::Scenario(error.into())
     }
 }

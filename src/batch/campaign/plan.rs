@@ -1,22 +1,21 @@
 //! The runs of a campaign: each a scenario of its own, from the campaign's seed and the run's index.
 
 use serde_json::Value;
-use synth::model::{FileError, ModelError};
+use synth::model::ModelError;
 
-use super::dispersion::{Boundary, Context, Sampler};
+use super::dispersion::Sampler;
+use super::record::{Inputs, ProfileGrid};
 use super::row::RunRow;
 use super::table::CampaignColumns;
 use super::CampaignError;
 use crate::base::bounded::from_value;
-use crate::base::provenance::sha256_of;
-use crate::batch::variation::parameter::Parameter;
+use crate::base::provenance::{sha256_of, GENERATOR};
 use crate::batch::variation::samples::Samples;
-use crate::plants::{System, SystemFile};
+use crate::plants::SystemFile;
 use crate::run::design::Design;
 use crate::run::outcome::{Outcome, Recording};
 use crate::run::{check_design, profile_quantities, simulate_recording};
-use crate::scenario::{ChangeFile, Dispersion, PlanFile, Scenario, ScenarioFile};
-use crate::sim::reference::Reference;
+use crate::scenario::{PlanFile, Scenario, ScenarioFile};
 
 /// Most runs of a campaign.
 pub const MAX_RUNS: u64 = 10_000_000;
@@ -28,12 +27,8 @@ const PROFILE_TIMES: u32 = 101;
 pub struct Plan<'a> {
     /// The scenario as it is without dispersions.
     pub nominal: Scenario,
-    /// Seed.
-    pub seed: u64,
-    /// Runs.
-    pub runs: u64,
-    /// How the drawn numbers are spread.
-    pub sampling: PlanFile,
+    /// What determines every number of the whole campaign.
+    pub inputs: Inputs,
     /// Columns of the tables.
     pub columns: CampaignColumns,
     design: Option<&'a Design>,
@@ -67,10 +62,10 @@ impl<'a> Plan<'a> {
         design: Option<&'a Design>,
         seed: Option<u64>,
         runs: u64,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, CampaignError> {
         let (file, sha256) = Scenario::read(text)?;
         let nominal = Scenario::from_file(&file, sha256)?;
-        check_design(&nominal, design).map_err(CampaignError::from)?;
+        check_design(&nominal, design)?;
         let mut template = ScenarioFile {
             dispersions: None,
             ..file
@@ -80,36 +75,37 @@ impl<'a> Plan<'a> {
         let sampling = dispersions.map_or(PlanFile::Independent, |all| all.sampling);
         let all = dispersions.map_or(&[][..], |all| &all.all);
         let value = serde_json::to_value(&template).unwrap_or_default();
-        let samplers = all
-            .iter()
-            .enumerate()
-            .map(|(index, one)| sampler(index, one, &value, &nominal, design))
+        let samplers = all.iter().enumerate();
+        let samplers = samplers
+            .map(|(index, one)| Sampler::new(index, one, &value, &nominal, design))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut all = samplers.iter();
-        let named = all.any(|one| matches!(one.context, Context::Number(..)));
-        let seed = seed.unwrap_or(nominal.seed);
-        let numbers = samplers.iter().map(Sampler::numbers).sum();
-        let last = f64::from(PROFILE_TIMES - 1);
-        let times = (0..PROFILE_TIMES).map(|time| nominal.duration_s * (f64::from(time) / last));
+        let drawn = samplers.iter().flat_map(|one| one.columns.iter().cloned());
         let columns = CampaignColumns {
-            drawn: samplers.iter().flat_map(Sampler::columns).collect(),
-            quantities: profile_quantities(&nominal.system)
-                .into_iter()
-                .map(str::to_string)
-                .collect(),
-            times_s: times.collect(),
+            drawn: drawn.collect(),
+            profile: profile(&nominal),
         };
         check_distinct(&columns.drawn)?;
-        Ok(Plan {
-            samples: Samples::new(sampling, seed, runs, numbers).map_err(CampaignError::from)?,
-            nominal,
-            seed,
+        let inputs = Inputs {
+            generator: GENERATOR.to_string(),
+            scenario: nominal.name.clone(),
+            scenario_sha256: nominal.sha256.clone(),
+            design_sha256: design.map(|design| design.sha256.clone()),
+            seed: seed.unwrap_or(nominal.seed),
             runs,
             sampling,
+            shard: None,
+            first_run: 0,
+            end_run: runs,
+        };
+        let numbers = samplers.iter().map(|one| one.numbers).sum();
+        Ok(Plan {
+            samples: Samples::new(sampling, inputs.seed, runs, numbers)?,
+            nominal,
+            inputs,
             columns,
             design,
             template,
-            value: named.then_some(value),
+            value: samplers.iter().any(Sampler::is_named).then_some(value),
             samplers,
         })
     }
@@ -127,15 +123,15 @@ impl<'a> Plan<'a> {
             Some(value) => {
                 let mut value = value.clone();
                 for (sampler, at) in self.parts(&sample.coordinates) {
-                    let set = sampler.set(at, &mut value, &mut drawn);
-                    set.map_err(|error| failed(error.to_string()))?;
+                    let set = sampler.set(at, &mut value);
+                    drawn.extend(set.map_err(|error| failed(error.to_string()))?.map(Some));
                 }
                 from_value(value).map_err(|error| failed(error.to_string()))?
             }
         };
         let invalid = |error: ModelError| failed(error.to_string());
         for (sampler, at) in self.parts(&sample.coordinates) {
-            sampler.apply(at, &mut file, &mut drawn).map_err(invalid)?;
+            drawn.extend(sampler.apply(at, &mut file).map_err(invalid)?);
         }
         file.random.seed = sample.seed;
         file.name = format!("{}, run {run}", self.template.name);
@@ -153,7 +149,7 @@ impl<'a> Plan<'a> {
     fn parts<'b>(&'b self, sample: &'b [f64]) -> impl Iterator<Item = (&'b Sampler, &'b [f64])> {
         let mut rest = sample;
         self.samplers.iter().map(move |sampler| {
-            let (own, others) = rest.split_at(sampler.numbers().min(rest.len()));
+            let (own, others) = rest.split_at(sampler.numbers.min(rest.len()));
             rest = others;
             (sampler, own)
         })
@@ -167,17 +163,13 @@ impl<'a> Plan<'a> {
         let resolved = self.resolve(run)?;
         let recording = Recording {
             trajectory: false,
-            profile_times_s: &self.columns.times_s,
+            profile_times_s: &self.columns.profile.times_s,
         };
         let outcome = self.simulate(&resolved.scenario, run, &recording)?;
-        let seed = resolved.scenario.seed;
-        Ok(RunRow::new(
-            run,
-            seed,
-            &outcome.summary,
-            resolved.drawn,
-            outcome.profile,
-        ))
+        let Resolved {
+            scenario, drawn, ..
+        } = resolved;
+        Ok(RunRow::new(run, &scenario, drawn, outcome))
     }
 
     /// Makes a run and keeps its trajectory, and its scenario as a text.
@@ -212,20 +204,14 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Why a file has no plan.
-#[derive(Debug, thiserror::Error)]
-pub enum PlanError {
-    /// The file is not valid.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// It does not go with its design.
-    #[error(transparent)]
-    Campaign(#[from] CampaignError),
-}
-
-impl From<ModelError> for PlanError {
-    fn from(error: ModelError) -> Self {
-        PlanError::File(error.into())
+/// What is recorded of every run along time.
+fn profile(nominal: &Scenario) -> ProfileGrid {
+    let last = f64::from(PROFILE_TIMES - 1);
+    let times = (0..PROFILE_TIMES).map(|time| nominal.duration_s * (f64::from(time) / last));
+    let quantities = profile_quantities(&nominal.system).into_iter();
+    ProfileGrid {
+        times_s: times.collect(),
+        quantities: quantities.map(str::to_string).collect(),
     }
 }
 
@@ -236,67 +222,8 @@ fn pin_controller(file: &mut ScenarioFile) {
     }
 }
 
-fn sampler(
-    index: usize,
-    dispersion: &Dispersion,
-    file: &Value,
-    nominal: &Scenario,
-    design: Option<&Design>,
-) -> Result<Sampler, PlanError> {
-    let wrong =
-        |field: String, reason: String| PlanError::from(ModelError::Choice { field, reason });
-    let context = match dispersion {
-        Dispersion::Number { name, change, .. } => {
-            let field = format!("dispersions.values[{index}].name");
-            let parameter = Parameter::find(file, name)
-                .map_err(|error| wrong(field.clone(), error.to_string()))?;
-            let base = match (parameter.value(file), change) {
-                (Some(base), _) => base,
-                (None, ChangeFile::Replace) => 0.0,
-                (None, ChangeFile::Add | ChangeFile::Multiply) => {
-                    let reason = format!("'{name}' stands for several different numbers");
-                    return Err(wrong(field, reason));
-                }
-            };
-            Context::Number(parameter, base)
-        }
-        Dispersion::Boundary { level } => {
-            let field = || "dispersions.certified_boundary".to_string();
-            let Some(design) = design else {
-                let reason = "the set is that of a design, and the controller has none";
-                return Err(wrong(field(), reason.to_string()));
-            };
-            let desired = match &nominal.system {
-                System::TakagiSugeno(_) => None,
-                System::RigidBody(body) => match body.reference {
-                    Reference::Fixed(desired) => Some(desired),
-                    _ => {
-                        let reason = "the reference must be constant; it moves";
-                        return Err(wrong(field(), reason.to_string()));
-                    }
-                },
-            };
-            let lower = design.certificate.lyapunov.clone().cholesky();
-            let map = lower.and_then(|factor| factor.l().transpose().try_inverse());
-            let Some(map) = map else {
-                let reason = "the design's matrix U is not positive definite";
-                return Err(wrong(field(), reason.to_string()));
-            };
-            Context::Boundary(Boundary {
-                map: map * level.sqrt(),
-                desired,
-            })
-        }
-        _ => Context::Nothing,
-    };
-    Ok(Sampler {
-        dispersion: dispersion.clone(),
-        context,
-    })
-}
-
 /// Refuses a number that is drawn by name twice.
-fn check_distinct(columns: &[String]) -> Result<(), PlanError> {
+fn check_distinct(columns: &[String]) -> Result<(), ModelError> {
     let mut sorted: Vec<&String> = columns.iter().collect();
     sorted.sort();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -304,7 +231,6 @@ fn check_distinct(columns: &[String]) -> Result<(), PlanError> {
         Some(pair) => Err(ModelError::Choice {
             field: "dispersions.values".to_string(),
             reason: format!("'{}' is drawn twice", pair[0]),
-        }
-        .into()),
+        }),
     }
 }

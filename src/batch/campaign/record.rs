@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use synth::model::read_text;
 
-use super::folder::CAMPAIGN_FILE;
 use super::CampaignError;
+use crate::base::files::{read, write, OutputError};
 use crate::batch::store::chunks::Shard;
+use crate::batch::store::identity::first_difference;
 use crate::scenario::PlanFile;
 
+/// What was requested and what came of it.
+pub const CAMPAIGN_FILE: &str = "campaign.json";
 /// The version of the format of `campaign.json`.
 pub const CAMPAIGN_SCHEMA_VERSION: u32 = 1;
 
@@ -146,6 +148,36 @@ pub struct ProfileGrid {
     pub quantities: Vec<String>,
 }
 
+impl Inputs {
+    /// As they are in the tables' metadata. They hold numbers and texts only, so they can always be written.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// The first input that differs, as text.
+    pub fn difference(&self, requested: &Self) -> Option<String> {
+        let differs = first_difference(self, requested, &IDENTITY)?;
+        Some(format!(
+            "its {} is {}, not {}",
+            differs.key, differs.known, differs.requested
+        ))
+    }
+}
+
+/// The inputs, those that explain a difference best first.
+const IDENTITY: [&str; 10] = [
+    "scenario_sha256",
+    "design_sha256",
+    "seed",
+    "runs",
+    "shard",
+    "sampling",
+    "generator",
+    "scenario",
+    "first_run",
+    "end_run",
+];
+
 impl CampaignFile {
     /// Reads a folder's record.
     ///
@@ -153,10 +185,9 @@ impl CampaignFile {
     /// A folder without a record, or with one that is not valid.
     pub fn read(folder: &Path) -> Result<Self, CampaignError> {
         let path = folder.join(CAMPAIGN_FILE);
-        let text = read_text(&path).map_err(|problem| CampaignError::file(&path, problem))?;
-        let bad = |reason: String| CampaignError::Unsuitable {
-            path: path.clone(),
-            reason: format!("not the record of a campaign: {reason}"),
+        let text = read(&path)?;
+        let bad = |reason| {
+            CampaignError::unsuitable(&path, format!("not the record of a campaign: {reason}"))
         };
         let file: Self = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
         if file.schema_version != CAMPAIGN_SCHEMA_VERSION {
@@ -168,9 +199,23 @@ impl CampaignFile {
         Ok(file)
     }
 
-    /// The record as a text.
-    pub fn to_json(&self) -> String {
+    /// Writes the record of a folder: its inputs, and what came of it where it is complete.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(
+        folder: &Path,
+        inputs: &Inputs,
+        results: Option<&Results>,
+    ) -> Result<(), OutputError> {
+        let record = CampaignFile {
+            schema_version: CAMPAIGN_SCHEMA_VERSION,
+            state: results.map_or(State::Running, |_| State::Complete),
+            inputs: inputs.clone(),
+            results: results.cloned(),
+        };
         // It holds finite numbers, strings and lists only, so it can always be written.
-        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+        let text = serde_json::to_string_pretty(&record).unwrap_or_default() + "\n";
+        write(&folder.join(CAMPAIGN_FILE), text)
     }
 }

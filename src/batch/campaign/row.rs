@@ -1,6 +1,10 @@
 //! One run as a row of the tables.
 
+use std::cmp::Ordering;
+
+use crate::run::outcome::Outcome;
 use crate::run::summary::{RunVerdict, Summary};
+use crate::scenario::{RequirementFile, Scenario};
 use crate::sim::metrics::METRICS;
 
 /// What is known of one run.
@@ -27,28 +31,22 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// The row of a run.
-    pub fn new(
-        run: u64,
-        seed: u64,
-        summary: &Summary,
-        drawn: Vec<Option<f64>>,
-        profile: Vec<f32>,
-    ) -> Self {
+    /// The row of a run of a scenario with these drawn numbers.
+    pub fn new(run: u64, scenario: &Scenario, drawn: Vec<Option<f64>>, outcome: Outcome) -> Self {
+        let summary = &outcome.summary;
         let certificate = summary.certificate.as_ref();
+        let metrics = METRICS.iter().map(|entry| summary.metric(entry.metric));
+        let finite = metrics.map(|value| value.filter(|value| value.is_finite()));
         RunRow {
             run,
-            seed,
+            seed: scenario.seed,
             verdict: summary.verdict,
             proof_covers: certificate.map(|outcome| outcome.covers_run),
             start_level: certificate.map(|outcome| outcome.start_level),
-            worst: worst(summary),
-            metrics: METRICS
-                .iter()
-                .map(|entry| finite(summary.metric(entry.metric)))
-                .collect(),
+            worst: worst(summary, &scenario.requirements),
+            metrics: finite.collect(),
             drawn,
-            profile,
+            profile: outcome.profile,
         }
     }
 
@@ -58,8 +56,8 @@ impl RunRow {
     }
 }
 
-/// How bad a run is; runs sorted by this begin with the worst.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How bad a run is.
+#[derive(Debug, Clone, Copy)]
 pub struct Rank {
     severity: usize,
     margin: f64,
@@ -76,54 +74,23 @@ impl Rank {
             run,
         }
     }
-}
 
-impl Eq for Rank {}
-
-impl PartialOrd for Rank {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Rank {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+    /// The order of two runs, the worse one first.
+    pub fn compare(&self, other: &Self) -> Ordering {
         let severity = self.severity.cmp(&other.severity);
         let margin = self.margin.total_cmp(&other.margin);
         severity.then(margin).then(self.run.cmp(&other.run))
     }
 }
 
-/// Names of the metrics' columns.
-pub fn metric_columns() -> Vec<String> {
-    METRICS.iter().map(|entry| entry.key.to_string()).collect()
-}
-
-fn finite(value: Option<f64>) -> Option<f64> {
-    value.filter(|value| value.is_finite())
-}
-
 /// The requirement with the smallest margin relative to its limit.
-fn worst(summary: &Summary) -> Option<(String, f64)> {
-    let margins = summary.requirements.iter().map(|outcome| {
-        let scale = if outcome.limit == 0.0 {
-            1.0
-        } else {
-            outcome.limit.abs()
-        };
-        let margin = match (outcome.value, outcome.name.ends_with("at least")) {
-            (None, _) => f64::NEG_INFINITY,
-            (Some(value), true) => (value - outcome.limit) / scale,
-            (Some(value), false) => (outcome.limit - value) / scale,
-        };
-        let margin = if margin.is_nan() {
-            f64::NEG_INFINITY
-        } else {
-            margin
-        };
-        (outcome.name.clone(), margin)
+fn worst(summary: &Summary, requirements: &[RequirementFile]) -> Option<(String, f64)> {
+    let outcomes = summary.requirements.iter().zip(requirements);
+    let margins = outcomes.filter_map(|(outcome, requirement)| {
+        Some((&outcome.name, requirement.limit()?.margin(outcome.value)))
     });
-    margins.min_by(|a, b| a.1.total_cmp(&b.1))
+    let worst = margins.min_by(|a, b| a.1.total_cmp(&b.1));
+    worst.map(|(name, margin)| (name.clone(), margin))
 }
 
 #[cfg(test)]
@@ -144,7 +111,7 @@ mod tests {
             rank(2, f64::NEG_INFINITY, 7),
             rank(0, 1.0, 8),
         ];
-        ranks.sort();
+        ranks.sort_by(Rank::compare);
         assert_eq!(ranks.map(|rank| rank.run), [8, 7, 2, 9, 1]);
     }
 }

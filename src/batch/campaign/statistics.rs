@@ -6,9 +6,10 @@ use std::path::Path;
 use statrs::function::beta::beta_reg;
 
 use super::record::{Interval, Quantiles, RequirementCount};
-use super::row::metric_columns;
 use super::table::column_f64;
 use super::CampaignError;
+use crate::scenario::RequirementFile;
+use crate::sim::metrics::METRICS;
 
 /// Level of the confidence interval.
 const CONFIDENCE: f64 = 0.95;
@@ -89,37 +90,37 @@ pub fn quantiles(values: &[Option<f64>]) -> Option<Quantiles> {
 /// A table that cannot be read.
 pub fn metric_quantiles(runs: &Path) -> Result<BTreeMap<String, Quantiles>, CampaignError> {
     let mut out = BTreeMap::new();
-    for name in metric_columns() {
-        if let Some(found) = quantiles(&column_f64(runs, &name)?) {
-            out.insert(name, found);
-        }
+    for entry in METRICS {
+        let found = quantiles(&column_f64(runs, entry.key)?);
+        out.extend(found.map(|found| (entry.key.to_string(), found)));
     }
     Ok(out)
 }
 
-/// Counts again how many runs missed each requirement.
+/// How many runs missed each requirement.
 ///
 /// # Errors
 /// A table that cannot be read.
 pub fn count_missed(
     runs: &Path,
-    requirements: &mut [RequirementCount],
-) -> Result<(), CampaignError> {
+    requirements: &[RequirementFile],
+) -> Result<Vec<RequirementCount>, CampaignError> {
+    let mut out = Vec::new();
     for requirement in requirements {
-        let values = column_f64(runs, &requirement.metric)?;
-        let least = requirement.name.ends_with("at least");
-        let limit = requirement.limit;
-        let met = |value: f64| {
-            if least {
-                value >= limit
-            } else {
-                value <= limit
-            }
+        let Some(required) = requirement.limit() else {
+            continue;
         };
-        let missed = values.iter().filter(|value| !value.is_some_and(met));
-        requirement.missed = missed.count() as u64;
+        let metric = requirement.metric.key();
+        let values = column_f64(runs, metric)?.into_iter();
+        let (side, limit) = required.parts();
+        out.push(RequirementCount {
+            name: format!("{metric} {side}"),
+            metric: metric.to_string(),
+            limit,
+            missed: values.filter(|value| !required.is_met(*value)).count() as u64,
+        });
     }
-    Ok(())
+    Ok(out)
 }
 
 #[cfg(test)]

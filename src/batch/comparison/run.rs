@@ -14,9 +14,9 @@ use super::table::{
 use super::task::{limit_difference, Candidate, ComparisonError};
 use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
-use crate::batch::engine::{Control, Interrupted, Job, Threads};
+use crate::batch::engine::{Control, Job, Threads};
 use crate::plants::SystemFile;
-use crate::run::outcome::{Outcome, SimulateError};
+use crate::run::outcome::Outcome;
 use crate::run::simulate;
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::scenario::Scenario;
@@ -31,30 +31,6 @@ pub struct Curves {
     pub trajectory: Table,
 }
 
-/// A run that could not be made.
-#[derive(Debug, Clone, thiserror::Error)]
-pub enum RunError {
-    /// It was stopped.
-    #[error(transparent)]
-    Interrupted(#[from] Interrupted),
-    /// A scenario does not allow a standard fault.
-    #[error("{label}: {problem}")]
-    Fault {
-        /// The controller.
-        label: String,
-        /// What is wrong.
-        problem: ModelError,
-    },
-    /// A scenario cannot be run.
-    #[error("{label}: {problem}")]
-    Simulate {
-        /// The controller.
-        label: String,
-        /// What is wrong.
-        problem: SimulateError,
-    },
-}
-
 /// Every candidate without and with each standard fault.
 pub struct ComparisonJob<'a> {
     candidates: &'a [Candidate],
@@ -65,8 +41,8 @@ pub struct ComparisonJob<'a> {
 }
 
 impl<'a> ComparisonJob<'a> {
-    /// The runs of some candidates. All must have the same task but for `taken_from`, the scenario whose task
-    /// was imposed on them.
+    /// The runs of candidates, at least one. All must have the same task but for `taken_from`, the scenario
+    /// whose task was imposed on them.
     ///
     /// # Errors
     /// Torque limits that differ.
@@ -77,9 +53,9 @@ impl<'a> ComparisonJob<'a> {
     ) -> Result<Self, ComparisonError> {
         let limit = common_limit(candidates, taken_from.is_some())?;
         let bounded = with_faults && limit.iter().all(|value| value.is_finite());
-        let faults = match candidates.first().filter(|_| bounded) {
-            Some(first) => standard_faults(first.scenario.duration_s, &limit),
-            None => Vec::new(),
+        let faults = match bounded {
+            true => standard_faults(candidates[0].scenario.duration_s, &limit),
+            false => Vec::new(),
         };
         Ok(ComparisonJob {
             candidates,
@@ -106,7 +82,7 @@ impl<'a> ComparisonJob<'a> {
         &self,
         threads: &Threads,
         control: &Control,
-    ) -> Result<(Comparison, Vec<Curves>), RunError> {
+    ) -> Result<(Comparison, Vec<Curves>), ComparisonError> {
         let mut outcomes = threads.collect(self, self.runs(), control)?;
         let mut runs = Vec::new();
         let mut curves = Vec::new();
@@ -121,11 +97,19 @@ impl<'a> ComparisonJob<'a> {
                 trajectory: healthy.trajectory.take().unwrap_or_default(),
             });
         }
+        let first = &self.candidates[0].scenario;
         let faults = self.faults.iter();
         let comparison = Comparison {
             schema_version: COMPARISON_SCHEMA_VERSION,
             generator: GENERATOR.to_string(),
-            task: self.task(),
+            task: TaskSummary {
+                taken_from: self.taken_from.clone(),
+                duration_s: first.duration_s,
+                torque_limit_nm: self.limit.into(),
+                settle_tolerance_deg: first.settle_tolerance_rad.to_degrees(),
+                tail_s: first.tail_s,
+                requirements: first.requirements.clone(),
+            },
             faults: faults
                 .map(|fault| (fault.name.to_string(), fault.description.clone()))
                 .collect(),
@@ -134,31 +118,42 @@ impl<'a> ComparisonJob<'a> {
         Ok((comparison, curves))
     }
 
-    /// What is the same for all: the first scenario says it.
-    fn task(&self) -> TaskSummary {
-        let first = self.candidates.first().map(|first| &first.scenario);
-        let tolerance_rad = first.map_or(0.0, |first| first.settle_tolerance_rad);
-        TaskSummary {
-            taken_from: self.taken_from.clone(),
-            duration_s: first.map_or(0.0, |first| first.duration_s),
-            torque_limit_nm: self.limit.into(),
-            settle_tolerance_deg: tolerance_rad.to_degrees(),
-            tail_s: first.map_or(0.0, |first| first.tail_s),
-            requirements: first.map_or(Vec::new(), |first| first.requirements.clone()),
-        }
-    }
-
     fn row(&self, candidate: &Candidate, summary: &Summary, faulty: &[Outcome]) -> ControllerRow {
-        row(candidate, summary, faulty, &self.faults, &self.limit)
+        let pairs = self.faults.iter().zip(faulty);
+        let faults: Vec<FaultOutcome> = pairs
+            .map(|(fault, outcome)| FaultOutcome::new(fault.name, &outcome.summary))
+            .collect();
+        let own = candidate.torque_limit();
+        let mut notes = summary.notes.clone();
+        if own != self.limit {
+            let [a, b, c]: [f64; 3] = own.into();
+            notes.push(format!(
+                "The controller itself commands at most {a}, {b} and {c} N m, less than can act."
+            ));
+        }
+        ControllerRow {
+            label: candidate.label.clone(),
+            controller: summary.controller.clone(),
+            sampling: sampling(&candidate.scenario.instants),
+            verdict: summary.verdict,
+            proof: summary.certificate.as_ref().map(proof),
+            metrics: compared_metrics(summary),
+            link: summary.link.clone(),
+            faults_survived: faults.iter().filter(|outcome| outcome.survived).count(),
+            faults,
+            notes,
+            scenario_sha256: summary.provenance.scenario_sha256.clone(),
+            design_sha256: summary.provenance.design_sha256.clone(),
+        }
     }
 }
 
 impl Job for ComparisonJob<'_> {
     type Record = Outcome;
-    type Error = RunError;
+    type Error = ComparisonError;
 
     /// A candidate without a fault, then with each; the candidates one after the other.
-    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<Outcome, RunError> {
+    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<Outcome, ComparisonError> {
         let (index, each) = (index as usize, self.runs_per_candidate());
         let fault = (index % each).checked_sub(1);
         let fault = fault.and_then(|fault| self.faults.get(fault));
@@ -189,64 +184,29 @@ fn common_limit(candidates: &[Candidate], imposed: bool) -> Result<Vector3<f64>,
     Ok(limit)
 }
 
-fn run(candidate: &Candidate, fault: Option<&StandardFault>) -> Result<Outcome, RunError> {
+fn run(candidate: &Candidate, fault: Option<&StandardFault>) -> Result<Outcome, ComparisonError> {
     let label = || candidate.label.clone();
     let scenario = match fault {
-        None => candidate.scenario.clone(),
-        Some(fault) => with_fault(candidate, fault).map_err(|problem| RunError::Fault {
-            label: label(),
-            problem,
-        })?,
+        None => Ok(candidate.scenario.clone()),
+        Some(fault) => with_fault(candidate, fault),
     };
-    simulate(&scenario, candidate.design.as_ref(), fault.is_none()).map_err(|problem| {
-        RunError::Simulate {
-            label: label(),
-            problem,
-        }
+    let scenario = scenario.map_err(|problem| ComparisonError::Fault {
+        label: label(),
+        problem,
+    })?;
+    let outcome = simulate(&scenario, candidate.design.as_ref(), fault.is_none());
+    outcome.map_err(|problem| ComparisonError::Simulate {
+        label: label(),
+        problem,
     })
 }
 
 fn with_fault(candidate: &Candidate, fault: &StandardFault) -> Result<Scenario, ModelError> {
-    let mut file = candidate.file.clone();
+    let mut file = candidate.entry.file.clone();
     if let SystemFile::RigidBody(body) = &mut file.system {
         body.faults.extend(fault.faults.iter().cloned());
     }
-    Scenario::from_file(&file, candidate.scenario.sha256.clone())
-}
-
-fn row(
-    candidate: &Candidate,
-    summary: &Summary,
-    faulty: &[Outcome],
-    faults: &[StandardFault],
-    limit: &Vector3<f64>,
-) -> ControllerRow {
-    let pairs = faults.iter().zip(faulty);
-    let faults: Vec<FaultOutcome> = pairs
-        .map(|(fault, outcome)| FaultOutcome::new(fault.name, &outcome.summary))
-        .collect();
-    let own = candidate.torque_limit();
-    let mut notes = summary.notes.clone();
-    if own != *limit {
-        let [a, b, c]: [f64; 3] = own.into();
-        notes.push(format!(
-            "The controller itself commands at most {a}, {b} and {c} N m, less than can act."
-        ));
-    }
-    ControllerRow {
-        label: candidate.label.clone(),
-        controller: summary.controller.clone(),
-        sampling: sampling(&candidate.scenario.instants),
-        verdict: summary.verdict,
-        proof: summary.certificate.as_ref().map(proof),
-        metrics: compared_metrics(summary),
-        link: summary.link.clone(),
-        faults_survived: faults.iter().filter(|outcome| outcome.survived).count(),
-        faults,
-        notes,
-        scenario_sha256: summary.provenance.scenario_sha256.clone(),
-        design_sha256: summary.provenance.design_sha256.clone(),
-    }
+    Scenario::from_file(&file, candidate.entry.sha256.clone())
 }
 
 fn proof(outcome: &CertificateOutcome) -> String {

@@ -1,13 +1,13 @@
 //! The table of a comparison.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::base::csv::quoted;
+use crate::base::number::short_or_none;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
-use crate::sim::metrics::{compared, Metric};
+use crate::sim::metrics::{by_key, compared, Metric, MetricValue};
 
 /// The version of the comparison's format.
 pub const COMPARISON_SCHEMA_VERSION: u32 = 1;
@@ -59,7 +59,7 @@ pub struct ControllerRow {
     pub proof: Option<String>,
     /// The compared metrics, each under its key.
     #[serde(flatten, serialize_with = "by_key")]
-    pub metrics: Vec<Compared>,
+    pub metrics: Vec<MetricValue>,
     /// What the link to the actuators carried, where there is one.
     pub link: Option<LinkOutcome>,
     /// The runs with a standard fault.
@@ -125,114 +125,79 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
         return Some("did not settle".to_string());
     }
     let missed = summary.requirements.iter().find(|outcome| !outcome.met)?;
-    let value = missed.value;
-    let value = value.map_or("none".to_string(), |value| format!("{value:.4}"));
-    Some(format!("{} {}: {value}", missed.name, missed.limit))
+    Some(missed.as_text(Some(4)))
 }
 
-/// A compared metric and its value for a controller.
-pub type Compared = (Metric, Option<f64>);
-
 /// The compared metrics of a run, then the steps outside of a bound, which no table shows.
-pub(super) fn compared_metrics(summary: &Summary) -> Vec<Compared> {
+pub(super) fn compared_metrics(summary: &Summary) -> Vec<MetricValue> {
     let shown = compared().into_iter().map(|entry| entry.metric);
     let all = shown.chain([Metric::Violations]);
     all.map(|metric| (metric, summary.metric(metric))).collect()
 }
 
-fn by_key<S: Serializer>(metrics: &[Compared], serializer: S) -> Result<S::Ok, S::Error> {
-    let mut map = serializer.serialize_map(Some(metrics.len()))?;
-    for (metric, value) in metrics {
-        match value {
-            Some(value) if metric.entry().whole => {
-                map.serialize_entry(metric.key(), &(*value as u64))?
-            }
-            value => map.serialize_entry(metric.key(), value)?,
-        }
-    }
-    map.end()
-}
-
 impl ControllerRow {
     /// The metrics that tables show.
-    pub fn shown(&self) -> &[Compared] {
+    pub fn shown(&self) -> &[MetricValue] {
         let shown = self.metrics.len().saturating_sub(1);
         &self.metrics[..shown]
     }
 }
 
-fn optional(value: Option<f64>) -> String {
-    value.map_or(String::new(), |value| value.to_string())
-}
-
 impl Comparison {
     /// Comma-separated values: one row for each controller, one column for each metric and fault.
     pub fn to_csv(&self) -> String {
+        let text = |value: Option<String>| value.unwrap_or_default();
         let mut header = vec!["label".to_string(), "verdict".to_string()];
         header.extend(compared().iter().map(|entry| entry.key.to_string()));
-        header.push("faults_survived".to_string());
-        header.extend(["link_bits".to_string(), "link_bytes".to_string()]);
+        header.extend(["faults_survived", "link_bits", "link_bytes"].map(str::to_string));
         header.extend(self.faults.iter().map(|(name, _)| format!("fault_{name}")));
-        let mut text = header.join(",") + "\n";
+        let mut csv = header.join(",") + "\n";
         for row in &self.runs {
             let mut cells = vec![quoted(&row.label), row.verdict.name().to_string()];
-            cells.extend(row.shown().iter().map(|(_, value)| optional(*value)));
+            let shown = row.shown().iter().map(|(_, value)| *value);
+            cells.extend(shown.map(|value| text(value.map(|value| value.to_string()))));
             cells.push(row.faults_survived.to_string());
-            let link = |count: fn(&LinkOutcome) -> u64| {
-                row.link
-                    .as_ref()
-                    .map_or(String::new(), |link| count(link).to_string())
-            };
-            cells.extend([link(|link| link.bits), link(|link| link.bytes)]);
+            let link = row.link.as_ref();
+            cells.push(text(link.map(|link| link.bits.to_string())));
+            cells.push(text(link.map(|link| link.bytes.to_string())));
             let outcomes = row.faults.iter();
             cells.extend(outcomes.map(|outcome| u8::from(outcome.survived).to_string()));
-            text += &(cells.join(",") + "\n");
+            csv += &(cells.join(",") + "\n");
         }
-        text
+        csv
     }
 
     /// The table as text: one column for each controller.
     pub fn to_text(&self) -> String {
-        let mut lines: Vec<Vec<String>> = Vec::new();
-        let labels = self.runs.iter().map(|row| row.label.clone());
-        lines.push(std::iter::once(String::new()).chain(labels).collect());
-        let verdicts = self.runs.iter().map(|row| row.verdict.name().to_string());
-        lines.push(
-            std::iter::once("verdict".to_string())
-                .chain(verdicts)
-                .collect(),
-        );
+        let line = |head: &str, cell: &dyn Fn(&ControllerRow) -> String| -> Vec<String> {
+            let cells = self.runs.iter().map(cell);
+            std::iter::once(head.to_string()).chain(cells).collect()
+        };
+        let mut lines = vec![
+            line("", &|row| row.label.clone()),
+            line("verdict", &|row| row.verdict.name().to_string()),
+        ];
         for (index, entry) in compared().iter().enumerate() {
-            let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
-            let cells = self.runs.iter().map(|row| rounded(&optional(value(row))));
-            let head = entry.key.to_string();
-            lines.push(std::iter::once(head).chain(cells).collect());
+            lines.push(line(entry.key, &|row| match row.shown()[index].1 {
+                Some(whole) if whole.fract() == 0.0 => whole.to_string(),
+                value => short_or_none(value),
+            }));
         }
         let total = self.faults.len();
         if total > 0 {
-            let survived = self.runs.iter().map(|row| row.faults_survived);
-            let cells = survived.map(|survived| format!("{survived} of {total}"));
-            let head = "faults_survived".to_string();
-            lines.push(std::iter::once(head).chain(cells).collect());
+            let survived = |row: &ControllerRow| format!("{} of {total}", row.faults_survived);
+            lines.push(line("faults_survived", &survived));
         }
         for (index, (name, _)) in self.faults.iter().enumerate() {
-            let cells = self.runs.iter().map(|row| match row.faults.get(index) {
-                Some(outcome) if outcome.survived => "yes".to_string(),
-                _ => "NO".to_string(),
-            });
-            let name = format!("  {name}");
-            lines.push(std::iter::once(name).chain(cells).collect());
+            lines.push(line(&format!("  {name}"), &|row| {
+                let survived = row
+                    .faults
+                    .get(index)
+                    .is_some_and(|outcome| outcome.survived);
+                if survived { "yes" } else { "NO" }.to_string()
+            }));
         }
         aligned(&lines)
-    }
-}
-
-/// A number of a table with five significant digits.
-fn rounded(text: &str) -> String {
-    match text.parse::<f64>() {
-        _ if text.is_empty() => "none".to_string(),
-        Ok(value) if text.contains(['.', 'e']) => crate::base::number::short(value),
-        _ => text.to_string(),
     }
 }
 

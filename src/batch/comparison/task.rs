@@ -1,12 +1,17 @@
 //! What is the same for every controller of a comparison.
 
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
 use nalgebra::Vector3;
 use serde_json::Value;
-use synth::model::Plant;
+use synth::model::{ModelError, Plant};
 
+use crate::batch::engine::Interrupted;
 use crate::controllers::ControllerChoice;
 use crate::plants::{System, SystemFile};
 use crate::run::design::Design;
+use crate::run::outcome::SimulateError;
 use crate::scenario::{Scenario, ScenarioFile};
 use crate::sim::embedding;
 
@@ -16,7 +21,7 @@ pub struct Candidate {
     /// Name in tables and figures.
     pub label: String,
     /// The scenario as written.
-    pub file: ScenarioFile,
+    pub entry: Entry,
     /// The checked scenario.
     pub scenario: Scenario,
     /// The design, for a scenario whose controller is one.
@@ -50,10 +55,16 @@ impl Candidate {
     }
 }
 
-/// Spacecraft, start, reference, disturbance, sensors, actuators and faults; length of the run; how
-/// errors are summed up; what is required.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Task(ScenarioFile);
+/// A scenario file to be compared.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// Where it is.
+    pub path: PathBuf,
+    /// The file.
+    pub file: ScenarioFile,
+    /// SHA-256 of its text.
+    pub sha256: String,
+}
 
 /// A field in which two tasks differ.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -89,30 +100,55 @@ pub enum ComparisonError {
         /// The first difference.
         difference: Difference,
     },
+    /// A scenario does not allow a standard fault.
+    #[error("{label}: {problem}")]
+    Fault {
+        /// The controller.
+        label: String,
+        /// What is wrong.
+        problem: ModelError,
+    },
+    /// A scenario cannot be run.
+    #[error("{label}: {problem}")]
+    Simulate {
+        /// The controller.
+        label: String,
+        /// What is wrong.
+        problem: SimulateError,
+    },
+    /// It was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
-/// Keys of the scenario file that make the task.
+/// Keys of the scenario file that make the task: spacecraft, start, reference, disturbance, sensors,
+/// actuators and faults; length of the run; how errors are summed up; what is required.
 const KEYS: [&str; 4] = ["system", "duration_s", "metrics", "requirements"];
 
-impl Task {
-    /// The task of a scenario file.
+impl Entry {
+    fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// Refuses a plant that is not a spacecraft.
     ///
     /// # Errors
-    /// A plant that is not a spacecraft.
-    pub fn of(name: &str, file: &ScenarioFile) -> Result<Self, ComparisonError> {
-        match &file.system {
-            SystemFile::RigidBody(_) => Ok(Self(file.clone())),
-            SystemFile::TakagiSugeno(_) => Err(ComparisonError::NotASpacecraft {
-                file: name.to_string(),
-            }),
+    /// It is not one.
+    pub fn check_spacecraft(&self) -> Result<(), ComparisonError> {
+        match &self.file.system {
+            SystemFile::RigidBody(_) => Ok(()),
+            SystemFile::TakagiSugeno(_) => {
+                let file = self.name();
+                Err(ComparisonError::NotASpacecraft { file })
+            }
         }
     }
 
     /// The first field in which two tasks differ. The actuators' torque limits are left out: what
     /// counts is the torque that can act, and the controllers have limits of their own.
-    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
-        let parts = |task: &Self| -> Value {
-            let mut file = task.0.clone();
+    fn first_difference(&self, other: &Self) -> Option<Difference> {
+        let parts = |entry: &Self| -> Value {
+            let mut file = entry.file.clone();
             if let SystemFile::RigidBody(body) = &mut file.system {
                 body.actuators.torque_limit_nm = None;
             }
@@ -123,20 +159,58 @@ impl Task {
         let mut keys = KEYS.iter();
         keys.find_map(|key| difference(key, &here[key], &there[key]))
     }
+}
 
-    /// The scenario with this task in place of its own. `limit`: the torque that can act, N m.
-    pub fn imposed_on(&self, file: &ScenarioFile, limit: &Vector3<f64>) -> ScenarioFile {
-        let mut system = self.0.system.clone();
-        if let SystemFile::RigidBody(body) = &mut system {
-            let finite = limit.iter().all(|value| value.is_finite());
-            body.actuators.torque_limit_nm = finite.then_some((*limit).into());
+/// Refuses entries of different tasks.
+///
+/// # Errors
+/// A plant that is not a spacecraft; a task that differs from the first.
+pub fn check_one_task(entries: &[Entry]) -> Result<(), ComparisonError> {
+    entries.iter().try_for_each(Entry::check_spacecraft)?;
+    let Some((first, others)) = entries.split_first() else {
+        return Ok(());
+    };
+    for entry in others {
+        if let Some(difference) = entry.first_difference(first) {
+            return Err(ComparisonError::Differs {
+                file: entry.name(),
+                other_file: first.name(),
+                difference,
+            });
         }
-        ScenarioFile {
-            system,
-            duration_s: self.0.duration_s,
-            metrics: self.0.metrics.clone(),
-            requirements: self.0.requirements.clone(),
-            ..file.clone()
+    }
+    Ok(())
+}
+
+/// The task of one candidate, which may be any, in place of every entry's own, with the torque that can act
+/// there as the actuators' limit.
+///
+/// # Errors
+/// A plant that is not a spacecraft.
+pub fn impose(source: &Candidate, entries: &mut [Entry]) -> Result<(), ComparisonError> {
+    let mut task = source.entry.file.clone();
+    if let SystemFile::RigidBody(body) = &mut task.system {
+        let limit = source.torque_limit();
+        let finite = limit.iter().all(|value| value.is_finite());
+        body.actuators.torque_limit_nm = finite.then_some(limit.into());
+    }
+    for entry in entries {
+        entry.check_spacecraft()?;
+        entry.file.system = task.system.clone();
+        entry.file.duration_s = task.duration_s;
+        entry.file.metrics = task.metrics.clone();
+        entry.file.requirements = task.requirements.clone();
+    }
+    Ok(())
+}
+
+/// Tells candidates of the same name apart by their files.
+pub fn name_apart(candidates: &mut [Candidate]) {
+    let names: Vec<String> = candidates.iter().map(|one| one.label.clone()).collect();
+    for candidate in candidates {
+        let alike = names.iter().filter(|name| **name == candidate.label);
+        if alike.count() > 1 {
+            candidate.label += &format!(" ({})", candidate.entry.name());
         }
     }
 }
@@ -148,18 +222,12 @@ fn difference(field: &str, here: &Value, there: &Value) -> Option<Difference> {
     }
     let inside = match (here, there) {
         (Value::Object(left), Value::Object(right)) => {
-            let keys = left.keys().chain(right.keys());
-            let mut keys: Vec<&String> = keys.collect();
-            keys.sort();
-            keys.into_iter().find_map(|key| {
-                let (a, b) = (left.get(key), right.get(key));
-                let (a, b) = (a.unwrap_or(&Value::Null), b.unwrap_or(&Value::Null));
-                difference(&format!("{field}.{key}"), a, b)
-            })
+            let keys: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
+            let mut keys = keys.into_iter();
+            keys.find_map(|key| difference(&format!("{field}.{key}"), &here[key], &there[key]))
         }
         (Value::Array(left), Value::Array(right)) if left.len() == right.len() => {
-            let pairs = left.iter().zip(right).enumerate();
-            let mut pairs = pairs.into_iter();
+            let mut pairs = (0..).zip(left.iter().zip(right));
             return pairs
                 .find_map(|(index, (a, b))| difference(&format!("{field}[{index}]"), a, b));
         }

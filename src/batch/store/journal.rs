@@ -45,11 +45,11 @@ pub enum JournalError {
     #[error(
         "{} holds the points of another sweep (the {difference} differs); choose another folder, or \
          give --restart to throw them away",
-        folder.display()
+        path.parent().unwrap_or(path).display()
     )]
     Other {
-        /// The folder.
-        folder: PathBuf,
+        /// The journal.
+        path: PathBuf,
         /// What differs.
         difference: &'static str,
     },
@@ -111,27 +111,19 @@ impl Journal {
         let mut options = OpenOptions::new();
         let options = options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(unwritten)?;
-        let unread = |source| io(&path, "read", source);
-        if !file.metadata().map_err(unread)?.is_file() {
+        let data = file
+            .metadata()
+            .map_err(|source| io(&path, "read", source))?;
+        if !data.is_file() {
             let reason = std::io::Error::other("it is not an ordinary file");
             return Err(unwritten(reason));
         }
-        let folder = || folder.to_path_buf();
-        lock(&file).map_err(|InUse| JournalError::InUse { folder: folder() })?;
+        lock(&file).map_err(|InUse| JournalError::InUse {
+            folder: folder.to_path_buf(),
+        })?;
         let whole = match restart {
             true => 0,
-            false => read(&file, take).map_err(|error| match error {
-                ReadError::Io(source) => unread(source),
-                ReadError::Line(_, LineError::Other(difference)) => JournalError::Other {
-                    folder: folder(),
-                    difference,
-                },
-                ReadError::Line(line, LineError::Damaged(reason)) => JournalError::Damaged {
-                    path: path.clone(),
-                    line,
-                    reason,
-                },
-            })?,
+            false => read(&path, &file, take)?,
         };
         begin(&mut file, whole, header).map_err(unwritten)?;
         let durable = Instant::now();
@@ -191,27 +183,28 @@ fn io(path: &Path, action: &'static str, source: std::io::Error) -> JournalError
     }
 }
 
-enum ReadError {
-    Io(std::io::Error),
-    Line(usize, LineError),
-}
-
 /// Length of the whole lines, bytes.
 fn read(
+    path: &Path,
     file: &File,
     mut take: impl FnMut(usize, &[u8]) -> Result<(), LineError>,
-) -> Result<u64, ReadError> {
+) -> Result<u64, JournalError> {
     let mut reader = BufReader::new(file);
     let mut bytes = Vec::new();
     let mut length = 0;
-    for number in 1.. {
+    for line in 1.. {
         bytes.clear();
-        let mut line = reader.by_ref().take(LONGEST_LINE);
-        line.read_until(b'\n', &mut bytes).map_err(ReadError::Io)?;
+        let mut whole = reader.by_ref().take(LONGEST_LINE);
+        let read = whole.read_until(b'\n', &mut bytes);
+        read.map_err(|source| io(path, "read", source))?;
         if bytes.last() != Some(&b'\n') {
             break;
         }
-        take(number, &bytes).map_err(|error| ReadError::Line(number, error))?;
+        let path = path.to_path_buf();
+        take(line, &bytes).map_err(|error| match error {
+            LineError::Other(difference) => JournalError::Other { path, difference },
+            LineError::Damaged(reason) => JournalError::Damaged { path, line, reason },
+        })?;
         length += bytes.len() as u64;
     }
     Ok(length)

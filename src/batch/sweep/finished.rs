@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::outcome::PointOutcome;
 use super::points::SweepIdentity;
-use super::subject::Subject;
+use super::subject::{value_of, Subject};
 use crate::batch::variation::grid::Grid;
 
 /// Name of the table as comma-separated values.
@@ -44,39 +44,27 @@ impl Finished<'_> {
 
     /// What the table says of itself.
     pub fn about(&self) -> Vec<(&'static str, String)> {
-        let identity = self.identity;
+        let identity = self.identity.clone();
         let axes = serde_json::to_string(&identity.axes).unwrap_or_default();
-        let mut about = vec![
-            ("generator", identity.generator.clone()),
-            ("kind", identity.kind.clone()),
-            ("file", self.file.to_string()),
-            ("file_sha256", identity.file_sha256.clone()),
-            ("axes", axes),
+        let about = [
+            ("generator", Some(identity.generator)),
+            ("kind", Some(identity.kind)),
+            ("file", Some(self.file.to_string())),
+            ("file_sha256", Some(identity.file_sha256)),
+            ("axes", Some(axes)),
+            ("design_sha256", identity.design_sha256),
+            ("solver", identity.solver),
         ];
-        let further = [
-            ("design_sha256", &identity.design_sha256),
-            ("solver", &identity.solver),
-        ];
-        for (key, text) in further {
-            about.extend(text.clone().map(|text| (key, text)));
-        }
-        about
+        let about = about.into_iter();
+        about.filter_map(|(key, text)| Some((key, text?))).collect()
     }
 
     /// How the table came about, as JSON.
     pub fn provenance(&self) -> String {
-        let identity = self.identity;
-        let value = json!({
-            "generator": identity.generator,
-            "file": self.file,
-            "file_sha256": identity.file_sha256,
-            "kind": identity.kind,
-            "design_sha256": identity.design_sha256,
-            "solver": identity.solver,
-            "axes": identity.axes,
-            "points": self.grid.points(),
-            "verdicts": self.verdicts(),
-        });
+        let mut value = value_of(self.identity);
+        value["file"] = json!(self.file);
+        value["points"] = json!(self.grid.points());
+        value["verdicts"] = json!(self.verdicts());
         serde_json::to_string_pretty(&value).unwrap_or_default() + "\n"
     }
 }

@@ -41,17 +41,17 @@ impl Job for SweepJob<'_> {
     type Error = SweepError;
 
     fn run(&self, index: u64, stop: &Arc<AtomicBool>) -> Result<PointOutcome, SweepError> {
-        let values = self.grid.point(index as usize);
-        let outcome = self.subject.run(self.grid, values, stop);
+        let point = index as usize;
+        let outcome = self.subject.run(self.grid, &self.grid.point(point), stop);
         // A synthesis that was stopped says nothing about its point.
         check(stop)?;
-        Ok(outcome)
+        Ok(outcome.at(point, self.grid))
     }
 
     fn failed(&self, index: u64, message: &str) -> Option<PointOutcome> {
-        let values = self.grid.point(index as usize);
         let reason = format!("the program failed here: {message}");
-        Some(PointOutcome::without_numbers(values, FAILED, reason))
+        let outcome = PointOutcome::without_numbers(FAILED, reason);
+        Some(outcome.at(index as usize, self.grid))
     }
 }
 

@@ -1,11 +1,19 @@
 //! What a point of a sweep came to.
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value};
 
-/// One row of the results.
-#[derive(Debug, Clone, PartialEq)]
+use crate::batch::variation::grid::Grid;
+
+/// One row of the results, and a line of the journal.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PointOutcome {
-    /// Values of the numbers that are varied, in the order of the axes.
+    /// The point's number in the grid.
+    pub point: usize,
+    /// Values of the numbers that are varied, in the order of the axes. In the journal the point's
+    /// number stands for them.
+    #[serde(skip)]
     pub values: Vec<f64>,
     /// The answer in one word; [`INVALID`] when the file of the point is.
     pub verdict: String,
@@ -25,20 +33,22 @@ pub const FAILED: &str = "failed";
 const YES: [&str; 2] = ["proved", "requirements_met"];
 
 impl PointOutcome {
-    /// A point without numbers.
-    pub fn without_numbers(values: Vec<f64>, verdict: &str, reason: impl ToString) -> Self {
+    /// An answer without numbers, of any point.
+    pub fn without_numbers(verdict: &str, reason: impl ToString) -> Self {
         PointOutcome {
-            values,
             verdict: verdict.to_string(),
             reason: Some(reason.to_string()),
-            metrics: Vec::new(),
-            worst_condition: None,
+            ..PointOutcome::default()
         }
     }
 
-    /// A point that could not be run.
-    pub fn invalid(values: Vec<f64>, reason: impl ToString) -> Self {
-        PointOutcome::without_numbers(values, INVALID, reason)
+    /// The same at a point of a grid.
+    pub fn at(self, point: usize, grid: &Grid) -> Self {
+        PointOutcome {
+            point,
+            values: grid.point(point),
+            ..self
+        }
     }
 
     /// A metric's value.
@@ -58,39 +68,26 @@ impl PointOutcome {
     }
 }
 
-/// Parts of a summary that are no metrics.
-const NOT_METRICS: [&str; 9] = [
-    "schema_version",
-    "scenario",
-    "source",
-    "system",
-    "controller",
-    "verdict",
-    "first_hold",
-    "scales",
-    "provenance",
-];
-
-/// Parts of a summary that hold several numbers, and are null for runs that have none of them.
-const GROUPS: [&str; 3] = ["certificate", "funnel", "threshold"];
+/// Parts of a summary whose nulls are no metrics: texts, and groups of numbers.
+const NO_METRICS: [&str; 4] = ["first_hold", "certificate", "funnel", "threshold"];
+/// Parts of a summary whose numbers are no metrics.
+const NOT_MEASURED: [&str; 3] = ["schema_version", "scales", "provenance"];
 
 /// Every number of a summary: top-level ones by their key, those of an object by `object.key`. A
 /// null number is `None`.
 pub fn numbers_of(summary: &Value) -> Vec<(String, Option<Number>)> {
-    let mut out = Vec::new();
     let fields = summary.as_object().into_iter().flatten();
-    for (key, value) in fields.filter(|(key, _)| !NOT_METRICS.contains(&key.as_str())) {
+    let fields = fields.filter(|(key, _)| !NOT_MEASURED.contains(&key.as_str()));
+    let mut out = Vec::new();
+    for (key, value) in fields {
         match value {
             Value::Number(number) => out.push((key.clone(), Some(number.clone()))),
-            Value::Null if !GROUPS.contains(&key.as_str()) => out.push((key.clone(), None)),
-            Value::Object(inner) => {
-                for (name, value) in inner {
-                    if let Value::Number(number) = value {
-                        out.push((format!("{key}.{name}"), Some(number.clone())));
-                    }
-                }
-            }
-            Value::Null | Value::Bool(_) | Value::String(_) | Value::Array(_) => {}
+            Value::Null if !NO_METRICS.contains(&key.as_str()) => out.push((key.clone(), None)),
+            Value::Object(inner) => out.extend(inner.iter().filter_map(|(name, value)| {
+                let number = value.as_number()?;
+                Some((format!("{key}.{name}"), Some(number.clone())))
+            })),
+            _ => {}
         }
     }
     out

@@ -8,15 +8,15 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
-use serde_json::Number;
 
 use super::outcome::PointOutcome;
 use super::subject::Subject;
 use crate::base::files::OutputError;
 use crate::base::provenance::{sha256_of, GENERATOR};
-use crate::batch::store::identity::{first_difference, Identity};
+use crate::batch::store::identity::first_difference;
 use crate::batch::store::journal::{Journal, JournalError, LineError};
 use crate::batch::store::Store;
+use crate::batch::variation::axis::Axis;
 use crate::batch::variation::grid::Grid;
 
 /// Name of the journal.
@@ -36,24 +36,14 @@ pub struct SweepIdentity {
     pub design_sha256: Option<String>,
     /// The solver and the form of its problems, for a model.
     pub solver: Option<String>,
-    /// The axes.
-    pub axes: Vec<AxisRecord>,
-}
-
-/// An axis: the full name of its number, and the values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisRecord {
-    /// Full name of the number.
-    pub name: String,
-    /// Its values.
-    pub values: Vec<f64>,
+    /// The axes, with the full names of their numbers.
+    pub axes: Vec<Axis>,
 }
 
 impl SweepIdentity {
     /// Of a sweep of a file with this text.
     pub fn new(text: &str, subject: &Subject, grid: &Grid) -> Self {
-        let axes = grid.axes().map(|(name, values)| AxisRecord {
+        let axes = grid.axes().map(|(name, values)| Axis {
             name: name.to_string(),
             values: values.to_vec(),
         });
@@ -68,33 +58,21 @@ impl SweepIdentity {
     }
 }
 
-impl Identity for SweepIdentity {
-    const FIELDS: &'static [(&'static str, &'static str)] = &[
-        ("file_sha256", "file"),
-        ("kind", "kind of file"),
-        ("axes", "--vary"),
-        ("design_sha256", "design"),
-        ("solver", "solver"),
-        ("generator", "version of the program"),
-    ];
-}
+/// The keys of the identity, those that explain a difference best first, and what they are called.
+const IDENTITY: [(&str, &str); 6] = [
+    ("file_sha256", "file"),
+    ("kind", "kind of file"),
+    ("axes", "--vary"),
+    ("design_sha256", "design"),
+    ("solver", "solver"),
+    ("generator", "version of the program"),
+];
 
 /// First line of the journal.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FirstRecord {
     sweep: SweepIdentity,
-}
-
-/// A line of the journal.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PointRecord {
-    point: usize,
-    verdict: String,
-    reason: Option<String>,
-    metrics: Vec<(String, Option<Number>)>,
-    worst_condition: Option<String>,
 }
 
 /// The outcomes of a sweep's points, in a folder that nobody else can write to meanwhile.
@@ -153,9 +131,7 @@ impl PointStore {
     /// It cannot be written.
     pub fn sort(self, outcomes: &[PointOutcome]) -> Result<(), OutputError> {
         let mut text = self.header;
-        for (index, outcome) in outcomes.iter().enumerate() {
-            text += &point_line(index, outcome);
-        }
+        text.extend(outcomes.iter().map(json_line));
         self.journal.replace(&text)
     }
 
@@ -176,9 +152,8 @@ impl Store<PointOutcome> for PointStore {
 
     fn keep(&self, chunk: Range<u64>, outcomes: Vec<PointOutcome>) -> Result<(), JournalError> {
         for (index, outcome) in chunk.zip(outcomes) {
-            let index = index as usize;
-            self.journal.append(&point_line(index, &outcome))?;
-            if let Some(place) = self.known().get_mut(index) {
+            self.journal.append(&json_line(&outcome))?;
+            if let Some(place) = self.known().get_mut(index as usize) {
                 *place = Some(outcome);
             }
         }
@@ -192,9 +167,13 @@ fn parse<T: for<'a> Deserialize<'a>>(line: &[u8]) -> Result<T, LineError> {
 
 fn check_header(line: &[u8], identity: &SweepIdentity) -> Result<(), LineError> {
     let header: FirstRecord = parse(line)?;
-    match first_difference(&header.sweep, identity) {
-        Some(difference) => Err(LineError::Other(difference.name)),
+    let keys = IDENTITY.map(|(key, _)| key);
+    match first_difference(&header.sweep, identity, &keys) {
         None => Ok(()),
+        Some(difference) => {
+            let named = IDENTITY.into_iter().find(|(key, _)| *key == difference.key);
+            Err(LineError::Other(named.map_or("work", |(_, name)| name)))
+        }
     }
 }
 
@@ -203,31 +182,16 @@ fn take_point(
     grid: &Grid,
     known: &mut [Option<PointOutcome>],
 ) -> Result<(), LineError> {
-    let record: PointRecord = parse(line)?;
-    let place = known.get_mut(record.point).ok_or_else(|| {
-        LineError::Damaged(format!("there is no point {} in the grid", record.point))
-    })?;
-    *place = Some(PointOutcome {
-        values: grid.point(record.point),
-        verdict: record.verdict,
-        reason: record.reason,
-        metrics: record.metrics,
-        worst_condition: record.worst_condition,
-    });
+    let outcome: PointOutcome = parse(line)?;
+    let point = outcome.point;
+    let place = known.get_mut(point);
+    let place = place
+        .ok_or_else(|| LineError::Damaged(format!("there is no point {point} in the grid")))?;
+    *place = Some(outcome.at(point, grid));
     Ok(())
 }
 
-fn point_line(index: usize, outcome: &PointOutcome) -> String {
-    json_line(&PointRecord {
-        point: index,
-        verdict: outcome.verdict.clone(),
-        reason: outcome.reason.clone(),
-        metrics: outcome.metrics.clone(),
-        worst_condition: outcome.worst_condition.clone(),
-    })
-}
-
 /// The lines' types hold finite numbers, texts and lists only, so they can always be written.
-fn json_line(value: &impl Serialize) -> String {
+fn json_line<T: Serialize>(value: &T) -> String {
     serde_json::to_string(value).unwrap_or_default() + "\n"
 }

@@ -10,10 +10,10 @@ use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::Decision;
 use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
-use synth::solve::{Backend, Clarabel, Observer, Structured};
+use synth::solve::{Backend, Observer, Solver, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
-use super::outcome::{numbers_of, PointOutcome};
+use super::outcome::{numbers_of, PointOutcome, INVALID};
 use crate::base::unit::unit_of_key;
 use crate::batch::variation::grid::Grid;
 use crate::run::design::{certified_angle_deg, Design};
@@ -22,50 +22,19 @@ use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::{Scenario, ScenarioFile};
 use crate::sim::metrics::{MetricKind, METRICS};
 
-/// What is swept. The file holds every default, so that what it leaves out can be varied too.
-pub enum Subject {
-    /// A scenario with its design, if it has one.
-    Scenario {
-        /// The file.
-        file: Value,
-        /// The design of its controller.
-        design: Option<Box<Design>>,
-    },
-    /// A model.
-    Model {
-        /// The file.
-        file: Value,
-        /// The solver.
-        solver: SolverChoice,
-    },
+/// What is swept.
+pub struct Subject {
+    /// The file, with every default, so that what it leaves out can be varied too.
+    pub file: Value,
+    work: Work,
 }
 
-/// A solver, with the form of the problems it is given.
-#[derive(Debug, Clone)]
-pub enum SolverChoice {
-    /// Clarabel.
-    Clarabel,
-    /// The structured solver, which may start from the way to the solution of the file's own model. That is the
-    /// same for every point, so that points do not depend on each other.
-    Structured(Structured),
-}
-
-impl SolverChoice {
-    /// The solver.
-    pub fn backend(&self) -> Box<dyn Backend> {
-        match self {
-            SolverChoice::Clarabel => Box::new(Clarabel::default()),
-            SolverChoice::Structured(solver) => Box::new(solver.clone()),
-        }
-    }
-
-    /// The form of the decrease condition that the solver is fastest with.
-    pub fn form(&self) -> Form {
-        match self {
-            SolverChoice::Clarabel => Form::Chordal,
-            SolverChoice::Structured(_) => Form::VertexRelaxed,
-        }
-    }
+/// What is done at each point.
+enum Work {
+    /// A scenario is run, with the design of its controller, if it has one.
+    Run(Option<Box<Design>>),
+    /// A model is synthesized with a solver, from this form of its problem.
+    Synthesis(Box<dyn Backend + Send + Sync>, Form),
 }
 
 /// Conditions that block a synthesis, as many as a row names.
@@ -74,17 +43,17 @@ const BLOCKING: usize = 3;
 impl Subject {
     /// A scenario, which must be valid, with its design.
     pub fn scenario(file: &ScenarioFile, design: Option<Box<Design>>) -> Self {
-        Subject::Scenario {
+        Subject {
             file: value_of(file),
-            design,
+            work: Work::Run(design),
         }
     }
 
-    /// A model.
-    pub fn model(model: &Model, solver: SolverChoice) -> Self {
-        Subject::Model {
+    /// A model with its solver and the form of the problems that it is given.
+    pub fn model(model: &Model, solver: Box<dyn Backend + Send + Sync>, form: Form) -> Self {
+        Subject {
             file: value_of(&model.file),
-            solver,
+            work: Work::Synthesis(solver, form),
         }
     }
 
@@ -93,45 +62,35 @@ impl Subject {
         kind_of(text) == Some(Kind::Scenario)
     }
 
-    /// The file with its defaults.
-    pub fn file(&self) -> &Value {
-        match self {
-            Subject::Scenario { file, .. } | Subject::Model { file, .. } => file,
-        }
-    }
-
     /// Kind of the file.
     pub fn kind(&self) -> Kind {
-        match self {
-            Subject::Scenario { .. } => Kind::Scenario,
-            Subject::Model { .. } => Kind::Model,
+        match &self.work {
+            Work::Run(_) => Kind::Scenario,
+            Work::Synthesis(..) => Kind::Model,
         }
     }
 
     /// SHA-256 of the design's file, for a scenario that has one.
     pub fn design_sha256(&self) -> Option<&str> {
-        match self {
-            Subject::Scenario { design, .. } => {
-                design.as_ref().map(|design| design.sha256.as_str())
-            }
-            Subject::Model { .. } => None,
+        match &self.work {
+            Work::Run(design) => Some(&design.as_ref()?.sha256),
+            Work::Synthesis(..) => None,
         }
     }
 
     /// The solver with the form of its problems, for a model.
     pub fn solver(&self) -> Option<String> {
-        match self {
-            Subject::Scenario { .. } => None,
-            Subject::Model { solver, .. } => {
-                let (backend, form) = (solver.backend(), solver.form());
-                Some(format!("{}, {} form", backend.name(), form.name()))
+        match &self.work {
+            Work::Run(_) => None,
+            Work::Synthesis(solver, form) => {
+                Some(format!("{}, {} form", solver.name(), form.name()))
             }
         }
     }
 
     /// Unit of a number that is varied or of a metric; empty where it has none.
     pub fn unit(&self, name: &str) -> &'static str {
-        let body = self.file().pointer("/system/rigid_body").is_some();
+        let body = self.file.pointer("/system/rigid_body").is_some();
         let metric = METRICS.iter().find(|entry| entry.key == name);
         match metric {
             Some(entry) if body || entry.kind != MetricKind::Effort => entry.unit,
@@ -139,43 +98,35 @@ impl Subject {
         }
     }
 
-    /// Solves the file's own model once, for the points to start from. A search takes too long for that.
+    /// Solves the file's own model once, for the points to start from: the structured solver can, and as
+    /// that start is the same for every point, points do not depend on each other. A search takes too long
+    /// for that.
     pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
-        let Subject::Model { file, solver } = self else {
+        let Work::Synthesis(solver, form) = &mut self.work else {
             return;
         };
-        let SolverChoice::Structured(solver) = solver else {
+        if solver.solver() != Some(Solver::Structured) {
             return;
-        };
-        let text = file.to_string();
-        let Ok(model) = model_of(file) else {
-            return;
-        };
-        if model.file.specs.objective == Objective::Gain {
-            let first = Structured::warm();
+        }
+        let model = model_of(&self.file).ok();
+        if let Some(model) = model.filter(|model| model.file.specs.objective == Objective::Gain) {
+            let (text, first) = (self.file.to_string(), Structured::warm());
             // Whatever comes of it: where nothing is remembered, points start cold.
-            let _ = synthesis::synthesize(
-                &model,
-                &text,
-                Form::VertexRelaxed,
-                &first,
-                Some(until(stop)),
-            );
-            *solver = first.frozen();
+            let _ = synthesis::synthesize(&model, &text, *form, &first, Some(until(stop)));
+            *solver = Box::new(first.frozen());
         }
     }
 
     /// Runs the point with these values, in the order of the axes. A synthesis ends early when `stop` is set;
     /// its outcome is of no use then.
-    pub fn run(&self, grid: &Grid, values: Vec<f64>, stop: &Arc<AtomicBool>) -> PointOutcome {
-        let found = match grid.apply(self.file(), &values) {
-            Err(error) => Err(error.to_string()),
-            Ok(file) => match self {
-                Subject::Scenario { design, .. } => run_scenario(&values, &file, design.as_deref()),
-                Subject::Model { solver, .. } => run_model(&values, &file, solver, stop),
-            },
-        };
-        found.unwrap_or_else(|reason| PointOutcome::invalid(values, reason))
+    pub fn run(&self, grid: &Grid, values: &[f64], stop: &Arc<AtomicBool>) -> PointOutcome {
+        let file = grid.apply(&self.file, values);
+        let found = file.map_err(|error| error.to_string());
+        let found = found.and_then(|file| match &self.work {
+            Work::Run(design) => run_scenario(&file, design.as_deref()),
+            Work::Synthesis(solver, form) => run_model(&file, solver.as_ref(), *form, stop),
+        });
+        found.unwrap_or_else(|reason| PointOutcome::without_numbers(INVALID, reason))
     }
 }
 
@@ -186,7 +137,7 @@ fn unit_of_last_key(name: &str) -> &'static str {
 }
 
 /// The files' types hold numbers, texts and lists only, so they can always be written.
-fn value_of<T: Serialize>(file: &T) -> Value {
+pub(super) fn value_of<T: Serialize>(file: &T) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
 
@@ -206,29 +157,21 @@ fn model_of(file: &Value) -> Result<Model, FileError> {
     Ok(Model::new(typed(file, Kind::Model)?)?)
 }
 
-fn run_scenario(
-    values: &[f64],
-    file: &Value,
-    design: Option<&Design>,
-) -> Result<PointOutcome, String> {
+fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, String> {
     let scenario = scenario_of(file).map_err(|error| error.to_string())?;
     let outcome = simulate(&scenario, design, false).map_err(|error| error.to_string())?;
     let summary = outcome.summary;
     Ok(PointOutcome {
-        values: values.to_vec(),
         verdict: summary.verdict.name().to_string(),
         reason: why_not(&summary),
         metrics: numbers_of(&value_of(&summary)),
-        worst_condition: None,
+        ..PointOutcome::default()
     })
 }
 
 fn why_not(summary: &Summary) -> Option<String> {
     let missed = summary.requirements.iter().filter(|outcome| !outcome.met);
-    let missed = missed.map(|outcome| {
-        let value = outcome.value.map_or("none".to_string(), |v| v.to_string());
-        format!("{} {}: {value}", outcome.name, outcome.limit)
-    });
+    let missed = missed.map(|outcome| outcome.as_text(None));
     match summary.verdict {
         RunVerdict::RequirementsMet => None,
         RunVerdict::RequirementsMissed => Some(missed.collect::<Vec<_>>().join("; ")),
@@ -242,22 +185,19 @@ fn until(stop: &Arc<AtomicBool>) -> Observer {
 }
 
 fn run_model(
-    values: &[f64],
     file: &Value,
-    solver: &SolverChoice,
+    solver: &dyn Backend,
+    form: Form,
     stop: &Arc<AtomicBool>,
 ) -> Result<PointOutcome, String> {
     let text = file.to_string();
     let model = model_of(file).map_err(|error| error.to_string())?;
-    let backend = solver.backend();
-    let observer = Some(until(stop));
-    let outcome = synthesis::synthesize(&model, &text, solver.form(), backend.as_ref(), observer);
-    let values = values.to_vec();
+    let outcome = synthesis::synthesize(&model, &text, form, solver, Some(until(stop)));
     Ok(match outcome.map_err(|error| error.to_string())? {
-        Outcome::Solved(design) => designed(values, &design),
-        Outcome::Infeasible(decision) => undesigned(values, "infeasible", &decision),
-        Outcome::Undecided(decision) => undesigned(values, "undecided", &decision),
-        Outcome::SolverFailed(decision) => undesigned(values, "solver_failed", &decision),
+        Outcome::Solved(design) => designed(&design),
+        Outcome::Infeasible(decision) => undesigned("infeasible", &decision),
+        Outcome::Undecided(decision) => undesigned("undecided", &decision),
+        Outcome::SolverFailed(decision) => undesigned("solver_failed", &decision),
     })
 }
 
@@ -273,36 +213,31 @@ const MODEL_METRICS: [&str; 7] = [
 ];
 
 /// The metrics of a model with the values that a point has.
-fn model_metrics(values: &[(&str, Option<f64>)]) -> Vec<(String, Option<Number>)> {
-    let of = |name: &str| {
-        let found = values.iter().find(|(own, _)| *own == name);
-        found.and_then(|(_, value)| value.and_then(Number::from_f64))
-    };
-    MODEL_METRICS
-        .map(|name| (name.to_string(), of(name)))
-        .to_vec()
+fn model_metrics(values: [Option<f64>; 7]) -> Vec<(String, Option<Number>)> {
+    let metrics = MODEL_METRICS.into_iter().zip(values);
+    metrics
+        .map(|(name, value)| (name.to_string(), value.and_then(Number::from_f64)))
+        .collect()
 }
 
-fn designed(values: Vec<f64>, design: &Synthesized) -> PointOutcome {
+fn designed(design: &Synthesized) -> PointOutcome {
     let (part, report) = (&design.file.certificate, &design.report);
     let proved = report.verdict == Verdict::Proved;
     let worst = report.worst();
     PointOutcome {
-        values,
         verdict: if proved { "proved" } else { "not_proved" }.to_string(),
         reason: (!proved).then(|| not_proved(report)),
-        metrics: model_metrics(&[
-            ("gamma", Some(part.gamma)),
-            ("guaranteed_gain", Some(part.guaranteed_gain)),
-            ("xi", Some(part.xi)),
-            (
-                "certified_angle_deg",
-                certified_angle_deg(part.certified_vector_part),
-            ),
-            ("worst_margin", worst.map(|condition| condition.margin)),
-            ("gain_norm", gain_norm(&design.file.controller.gains)),
+        metrics: model_metrics([
+            Some(part.gamma),
+            Some(part.guaranteed_gain),
+            Some(part.xi),
+            certified_angle_deg(part.certified_vector_part),
+            worst.map(|condition| condition.margin),
+            gain_norm(&design.file.controller.gains),
+            None,
         ]),
         worst_condition: worst.map(|condition| condition.name.clone()),
+        ..PointOutcome::default()
     }
 }
 
@@ -324,7 +259,7 @@ fn not_proved(report: &Report) -> String {
     }
 }
 
-fn undesigned(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutcome {
+fn undesigned(verdict: &str, decision: &Decision) -> PointOutcome {
     let blocking = decision.blocking.iter().take(BLOCKING);
     let names: Vec<&str> = blocking.map(|one| one.name.as_str()).collect();
     let reason = match names.as_slice() {
@@ -332,10 +267,7 @@ fn undesigned(values: Vec<f64>, verdict: &str, decision: &Decision) -> PointOutc
         names => format!("blocked by {}", names.join(", ")),
     };
     PointOutcome {
-        values,
-        verdict: verdict.to_string(),
-        reason: Some(reason),
-        metrics: model_metrics(&[("slack", decision.slack)]),
-        worst_condition: None,
+        metrics: model_metrics([None, None, None, None, None, None, decision.slack]),
+        ..PointOutcome::without_numbers(verdict, reason)
     }
 }

@@ -1,11 +1,12 @@
-//! The results as a table: typed columns, and comma-separated values of them.
+//! The results as a table of typed columns.
 
+use arrow_array::{Float64Array, Int64Array, StringArray};
+use serde_json::Number;
 use synth::model::Kind;
 
 use super::outcome::PointOutcome;
 use super::subject::Subject;
-use crate::base::csv::{self, CsvError};
-use crate::base::parquet::{Cells, Column};
+use crate::base::parquet::Column;
 use crate::batch::variation::grid::Grid;
 
 /// Names of the metrics in the order in which they first appear.
@@ -22,69 +23,45 @@ pub fn metric_names(outcomes: &[PointOutcome]) -> Vec<String> {
 /// The columns: the numbers that are varied, `verdict`, `reason`, the metrics, and for a model
 /// `worst_condition`. A row is a point; the rows are in the order of the grid.
 pub fn columns(subject: &Subject, grid: &Grid, outcomes: &[PointOutcome]) -> Vec<Column> {
-    let column = |name: &str, cells: Cells| Column {
-        name: name.to_string(),
-        unit: subject.unit(name).to_string(),
-        cells,
+    let numbers = |name: &str, whole: bool, of: &dyn Fn(&PointOutcome) -> Option<Number>| {
+        let (unit, values) = (subject.unit(name), outcomes.iter().map(of));
+        match whole {
+            true => {
+                let values = values.map(|value| value?.as_i64());
+                Column::new(name, unit, values.collect::<Int64Array>())
+            }
+            false => {
+                let values = values.map(|value| value?.as_f64());
+                Column::new(name, unit, values.collect::<Float64Array>())
+            }
+        }
     };
-    let mut columns: Vec<Column> = Vec::new();
-    for (index, (name, whole)) in grid.names().iter().zip(grid.whole()).enumerate() {
-        let values = outcomes
-            .iter()
-            .map(|outcome| outcome.values.get(index).copied());
-        let cells = match whole {
-            true => Cells::Whole(values.map(|value| value.map(|v| v as i64)).collect()),
-            false => Cells::Real(values.collect()),
+    let texts = |name: &str, of: fn(&PointOutcome) -> Option<&str>| {
+        let texts: StringArray = outcomes.iter().map(of).collect();
+        Column::new(name, subject.unit(name), texts)
+    };
+    let mut columns = Vec::new();
+    for (index, axis) in grid.axes.iter().enumerate() {
+        let whole = axis.parameter.whole;
+        let value = |outcome: &PointOutcome| match outcome.values.get(index) {
+            Some(&value) if whole => Some(Number::from(value as i64)),
+            value => Number::from_f64(*value?),
         };
-        columns.push(column(name, cells));
+        columns.push(numbers(&axis.parameter.name, whole, &value));
     }
-    let verdicts = outcomes.iter().map(|outcome| Some(outcome.verdict.clone()));
-    columns.push(column("verdict", Cells::Text(verdicts.collect())));
-    let reasons = outcomes.iter().map(|outcome| outcome.reason.clone());
-    columns.push(column("reason", Cells::Text(reasons.collect())));
+    columns.push(texts("verdict", |outcome| Some(&outcome.verdict)));
+    columns.push(texts("reason", |outcome| outcome.reason.as_deref()));
     for name in metric_names(outcomes) {
-        let cells = metric_cells(&name, outcomes);
-        columns.push(column(&name, cells));
+        let number = |outcome: &PointOutcome| outcome.number(&name).cloned();
+        let mut known = outcomes.iter().filter_map(number).peekable();
+        let whole = known.peek().is_some() && known.all(|number| number.is_i64());
+        columns.push(numbers(&name, whole, &number));
     }
     if subject.kind() == Kind::Model {
-        let names = outcomes
-            .iter()
-            .map(|outcome| outcome.worst_condition.clone());
-        columns.push(column("worst_condition", Cells::Text(names.collect())));
+        let worst = texts("worst_condition", |outcome| {
+            outcome.worst_condition.as_deref()
+        });
+        columns.push(worst);
     }
     columns
-}
-
-/// Whole numbers where all are.
-fn metric_cells(name: &str, outcomes: &[PointOutcome]) -> Cells {
-    let numbers = || outcomes.iter().map(|outcome| outcome.number(name));
-    let whole = numbers().flatten().all(|number| number.is_i64());
-    match whole && numbers().flatten().next().is_some() {
-        true => Cells::Whole(
-            numbers()
-                .map(|number| number.and_then(|number| number.as_i64()))
-                .collect(),
-        ),
-        false => Cells::Real(
-            numbers()
-                .map(|number| number.and_then(|number| number.as_f64()))
-                .collect(),
-        ),
-    }
-}
-
-/// The columns as comma-separated values: a header, then a row for each point. Numbers read back
-/// exactly; an entry that is missing is empty.
-///
-/// # Errors
-/// Never for tables in memory, as far as is known.
-pub fn to_csv(columns: &[Column]) -> Result<String, CsvError> {
-    let rows = columns.first().map_or(0, |column| column.cells.rows());
-    let header = columns.iter().map(|column| column.name.clone());
-    let cells = |row| -> Vec<String> {
-        let cells = columns.iter().map(|column| column.cells.text(row));
-        cells.collect()
-    };
-    let records = (0..rows).map(cells);
-    csv::to_text(std::iter::once(header.collect::<Vec<String>>()).chain(records))
 }

@@ -1,5 +1,7 @@
 //! The requirements file of the parameter search.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +10,8 @@ use synth::model::{
     ModelError,
 };
 
-use crate::base::ranges::{each, not_negative, require};
+use crate::base::bounded::{plain, NonNegative, Positive};
+use crate::base::ranges::{each, require};
 
 /// The version this program reads.
 pub const TUNE_SCHEMA_VERSION: u32 = 1;
@@ -35,7 +38,7 @@ pub struct TuneFile {
     /// How the trigger is evaluated: at this interval, above 0 (s); continuously, as in the paper, when
     /// left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sampling_interval_s: Option<f64>,
+    pub sampling_interval_s: Option<Positive>,
     /// The search.
     #[serde(default)]
     pub search: SearchFile,
@@ -48,10 +51,10 @@ pub struct SpacecraftFile {
     /// Inertia matrix, symmetric positive definite [kg m^2].
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// Largest torque of each axis, above 0 [N m].
-    pub torque_limit_nm: [f64; 3],
+    pub torque_limit_nm: [Positive; 3],
     /// Longest time for which the actuators may be on, above 0; no limit when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub longest_on_s: Option<f64>,
+    pub longest_on_s: Option<Positive>,
 }
 
 /// A turn from rest to rest.
@@ -71,10 +74,10 @@ pub struct ManoeuvreFile {
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
     /// Largest norm of the body rate, above 0 [rad/s].
-    pub rate_rad_s: f64,
+    pub rate_rad_s: Positive,
     /// From this time on, above 0, every component of the error quaternion's vector part stays within
     /// the tolerance and the attitude error within the accuracy (s).
-    pub settle_s: f64,
+    pub settle_s: Positive,
     /// The tolerance of the components, above 0 and below 0.5; that of the accuracy when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_tolerance_component: Option<f64>,
@@ -87,7 +90,7 @@ pub struct LimitsFile {
 #[serde(deny_unknown_fields)]
 pub struct DisturbanceFile {
     /// Largest norm, 0 or above [N m].
-    pub bound_nm: f64,
+    pub bound_nm: NonNegative,
     /// Angular frequency of its slower periodic part, above 0; 0.01 when left out [rad/s].
     #[serde(default = "slow")]
     pub frequency_rad_s: f64,
@@ -135,14 +138,14 @@ pub struct Requirements {
     pub inertia: Matrix3<f64>,
     /// Smallest and largest principal moment of inertia, kg m^2.
     pub moments_kg_m2: (f64, f64),
+    /// Largest torque of each axis, N m.
+    pub torque_limit_nm: Vector3<f64>,
     /// Angle at the start, rad.
     pub angle_rad: f64,
     /// Tolerance of the components.
     pub component: f64,
     /// Length of every run, s.
     pub duration_s: f64,
-    /// The search.
-    pub search: SearchFile,
 }
 
 impl Requirements {
@@ -161,23 +164,46 @@ impl Requirements {
                 expected: TUNE_SCHEMA_VERSION,
             });
         }
-        let craft = &file.spacecraft;
-        let rows: Vec<Vec<f64>> = craft.inertia_kg_m2.iter().map(|row| row.to_vec()).collect();
+        let rows: Vec<Vec<f64>> = file.spacecraft.inertia_kg_m2.map(|row| row.to_vec()).into();
         let field = "spacecraft.inertia_kg_m2";
         check_positive_definite(field, &check_matrix(field, &rows, (Some(3), Some(3)))?)?;
-        let inertia = Matrix3::from_fn(|row, column| craft.inertia_kg_m2[row][column]);
-        check_spacecraft(craft)?;
-        check_task(&file)?;
-        let duration_s = check_search(&file)?;
+        let inertia = Matrix3::from_fn(|row, column| rows[row][column]);
         let moments = inertia.symmetric_eigenvalues();
-        let accuracy = (0.5 * file.limits.accuracy_deg.to_radians()).sin();
+        let limits = &file.limits;
+        let (turn, settle_s) = (&file.manoeuvre, limits.settle_s.get());
+        check_above("manoeuvre.angle_deg", turn.angle_deg, 170.0)?;
+        if let Some(axis) = &turn.axis {
+            each("manoeuvre.axis", axis, finite)?;
+            check_positive("manoeuvre.axis", Vector3::from(*axis).norm())?;
+        }
+        if let Some(component) = limits.settle_tolerance_component {
+            check_above("limits.settle_tolerance_component", component, 0.5)?;
+        }
+        let accuracy = limits.accuracy_deg;
+        let ok = (1e-4..=10.0).contains(&accuracy);
+        require(ok, "limits.accuracy_deg", accuracy, "from 0.0001 to 10")?;
+        let frequency = file.disturbance.frequency_rad_s;
+        check_positive("disturbance.frequency_rad_s", frequency)?;
+        let search = &file.search;
+        check_count("search.candidates", search.candidates, 1..=100_000)?;
+        check_count("search.training_axes", search.training_axes, 0..=100)?;
+        check_count("search.validation_axes", search.validation_axes, 1..=1000)?;
+        let duration_s = search.duration_s.unwrap_or((4.0 * settle_s).max(700.0));
+        let allowed = "above limits.settle_s";
+        require(
+            duration_s > settle_s,
+            "search.duration_s",
+            duration_s,
+            allowed,
+        )?;
+        let component = (0.5 * accuracy.to_radians()).sin();
         Ok(Requirements {
             inertia,
             moments_kg_m2: (moments.min(), moments.max()),
-            angle_rad: file.manoeuvre.angle_deg.to_radians(),
-            component: file.limits.settle_tolerance_component.unwrap_or(accuracy),
+            torque_limit_nm: plain(&file.spacecraft.torque_limit_nm).into(),
+            angle_rad: turn.angle_deg.to_radians(),
+            component: limits.settle_tolerance_component.unwrap_or(component),
             duration_s,
-            search: file.search.clone(),
             file,
         })
     }
@@ -190,72 +216,16 @@ impl Requirements {
             disturbed: true,
         }
     }
-
-    /// Smallest torque limit, N m.
-    pub fn least_torque_nm(&self) -> f64 {
-        Vector3::from(self.file.spacecraft.torque_limit_nm).min()
-    }
 }
 
-fn check_spacecraft(craft: &SpacecraftFile) -> Result<(), ModelError> {
-    let limits = &craft.torque_limit_nm;
-    each("spacecraft.torque_limit_nm", limits, check_positive)?;
-    match craft.longest_on_s {
-        Some(longest) => check_positive("spacecraft.longest_on_s", longest),
-        None => Ok(()),
-    }
+fn check_above(field: &str, value: f64, most: f64) -> Result<(), ModelError> {
+    let allowed = format!("above 0 and at most {most}");
+    require(value > 0.0 && value <= most, field, value, &allowed)
 }
 
-fn check_task(file: &TuneFile) -> Result<(), ModelError> {
-    let limits = &file.limits;
-    within(
-        "manoeuvre.angle_deg",
-        file.manoeuvre.angle_deg,
-        (0.0, 170.0),
-    )?;
-    if let Some(axis) = &file.manoeuvre.axis {
-        each("manoeuvre.axis", axis, finite)?;
-        check_positive("manoeuvre.axis", Vector3::from(*axis).norm())?;
-    }
-    check_positive("limits.rate_rad_s", limits.rate_rad_s)?;
-    check_positive("limits.settle_s", limits.settle_s)?;
-    if let Some(component) = limits.settle_tolerance_component {
-        within("limits.settle_tolerance_component", component, (0.0, 0.5))?;
-    }
-    let accuracy = limits.accuracy_deg;
-    let ok = (1e-4..=10.0).contains(&accuracy);
-    require(ok, "limits.accuracy_deg", accuracy, "from 0.0001 to 10")?;
-    if let Some(interval) = file.sampling_interval_s {
-        check_positive("sampling_interval_s", interval)?;
-    }
-    not_negative("disturbance.bound_nm", file.disturbance.bound_nm)?;
-    check_positive(
-        "disturbance.frequency_rad_s",
-        file.disturbance.frequency_rad_s,
-    )
-}
-
-fn check_search(file: &TuneFile) -> Result<f64, ModelError> {
-    let search = &file.search;
-    let counts = [
-        ("search.candidates", search.candidates, 1, 100_000),
-        ("search.training_axes", search.training_axes, 0, 100),
-        ("search.validation_axes", search.validation_axes, 1, 1000),
-    ];
-    for (field, count, least, most) in counts {
-        let ok = (least..=most).contains(&count);
-        require(ok, field, count as f64, &format!("from {least} to {most}"))?;
-    }
-    let settle = file.limits.settle_s;
-    let duration = search.duration_s.unwrap_or((4.0 * settle).max(700.0));
-    let ok = duration > settle;
-    require(ok, "search.duration_s", duration, "above limits.settle_s")?;
-    Ok(duration)
-}
-
-fn within(field: &str, value: f64, (above, most): (f64, f64)) -> Result<(), ModelError> {
-    let allowed = format!("above {above} and at most {most}");
-    require(value > above && value <= most, field, value, &allowed)
+fn check_count(field: &str, count: usize, range: RangeInclusive<usize>) -> Result<(), ModelError> {
+    let allowed = format!("from {} to {}", range.start(), range.end());
+    require(range.contains(&count), field, count as f64, &allowed)
 }
 
 /// A start of a run, at rest.

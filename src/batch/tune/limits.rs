@@ -1,39 +1,24 @@
 //! What no controller can do.
 
-use nalgebra::Vector3;
-
 use super::file::Requirements;
 
 /// A demand that physics refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Impossible {
-    /// The torque does not turn the body in time.
+    /// The torque or the rate limit does not turn the body in time.
     #[error(
         "field 'limits.settle_s': the value {settle_s} is not allowed; no controller turns this body by \
-         {angle_deg} deg from rest to rest in less than {least_s:.4} s with these torques"
+         {angle_deg} deg from rest to rest in less than {least_s:.4} s {}", means(*rate_rad_s)
     )]
-    Torque {
+    Time {
         /// Demanded, s.
         settle_s: f64,
         /// Least possible, s.
         least_s: f64,
         /// Angle, deg.
         angle_deg: f64,
-    },
-    /// The rate limit does not turn the body in time.
-    #[error(
-        "field 'limits.settle_s': the value {settle_s} is not allowed; no controller turns this body by \
-         {angle_deg} deg from rest to rest in less than {least_s:.4} s at {rate_rad_s} rad/s or less"
-    )]
-    Rate {
-        /// Rate limit, rad/s.
-        rate_rad_s: f64,
-        /// Demanded, s.
-        settle_s: f64,
-        /// Least possible, s.
-        least_s: f64,
-        /// Angle, deg.
-        angle_deg: f64,
+        /// Rate limit, where the torque would do, rad/s.
+        rate_rad_s: Option<f64>,
     },
     /// The disturbance may be stronger than the actuators.
     #[error(
@@ -48,27 +33,36 @@ pub enum Impossible {
     },
 }
 
+fn means(rate_rad_s: Option<f64>) -> String {
+    match rate_rad_s {
+        None => "with these torques".to_string(),
+        Some(rate) => format!("at {rate} rad/s or less"),
+    }
+}
+
 /// The shortest time, s, of a turn from rest to rest by the angle without its tolerance.
 ///
 /// A lower bound for every controller: the angular momentum grows by at most the norm of all torques,
 /// so that the body rate grows by at most that over the smallest principal moment, and the angle turned
 /// is at most the integral of the rate.
 pub fn least_time_s(requirements: &Requirements) -> f64 {
-    let (angle, acceleration) = angle_and_acceleration(requirements);
-    let rate = requirements.file.limits.rate_rad_s;
-    // Up to the rate limit with full torque, and down again.
-    match angle * acceleration <= rate * rate {
-        true => 2.0 * (angle / acceleration).sqrt(),
-        false => angle / rate + rate / acceleration,
-    }
+    least_times_s(requirements)[1]
 }
 
-fn angle_and_acceleration(requirements: &Requirements) -> (f64, f64) {
+/// The shortest times, s, with the torques alone and with the rate limit too.
+fn least_times_s(requirements: &Requirements) -> [f64; 2] {
     let tolerance = 2.0 * (3f64.sqrt() * requirements.component).min(1.0).asin();
     let angle = (requirements.angle_rad - tolerance).max(0.0);
-    let limit = Vector3::from(requirements.file.spacecraft.torque_limit_nm).norm();
-    let torque = limit + requirements.file.disturbance.bound_nm;
-    (angle, torque / requirements.moments_kg_m2.0)
+    let file = &requirements.file;
+    let torque = requirements.torque_limit_nm.norm() + file.disturbance.bound_nm.get();
+    let acceleration = torque / requirements.moments_kg_m2.0;
+    let rate = file.limits.rate_rad_s.get();
+    let free = 2.0 * (angle / acceleration).sqrt();
+    // Up to the rate limit with full torque, and down again.
+    match angle * acceleration <= rate * rate {
+        true => [free, free],
+        false => [free, angle / rate + rate / acceleration],
+    }
 }
 
 /// Refuses what no controller can do.
@@ -76,33 +70,22 @@ fn angle_and_acceleration(requirements: &Requirements) -> (f64, f64) {
 /// # Errors
 /// The first demand that physics refuses, with the number that is possible.
 pub fn check_possible(requirements: &Requirements) -> Result<(), Impossible> {
-    let (limits, angle_deg) = (
-        &requirements.file.limits,
-        requirements.file.manoeuvre.angle_deg,
-    );
-    let settle_s = limits.settle_s;
-    let bound_nm = requirements.file.disturbance.bound_nm;
-    let limit_nm = requirements.least_torque_nm();
+    let file = &requirements.file;
+    let bound_nm = file.disturbance.bound_nm.get();
+    let limit_nm = requirements.torque_limit_nm.min();
     if bound_nm >= limit_nm {
         return Err(Impossible::Disturbance { bound_nm, limit_nm });
     }
-    let (angle, acceleration) = angle_and_acceleration(requirements);
-    let least_s = 2.0 * (angle / acceleration).sqrt();
-    if least_s > settle_s {
-        return Err(Impossible::Torque {
+    let settle_s = file.limits.settle_s.get();
+    let means = [None, Some(file.limits.rate_rad_s.get())];
+    let mut times = least_times_s(requirements).into_iter().zip(means);
+    match times.find(|(least_s, _)| *least_s > settle_s) {
+        None => Ok(()),
+        Some((least_s, rate_rad_s)) => Err(Impossible::Time {
             settle_s,
             least_s,
-            angle_deg,
-        });
+            angle_deg: file.manoeuvre.angle_deg,
+            rate_rad_s,
+        }),
     }
-    let least_s = least_time_s(requirements);
-    if least_s > settle_s {
-        return Err(Impossible::Rate {
-            rate_rad_s: limits.rate_rad_s,
-            settle_s,
-            least_s,
-            angle_deg,
-        });
-    }
-    Ok(())
 }

@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use file::Requirements;
 use report::TuneReport;
 use search::Search;
-use trial::{starts, Trial};
+use trial::starts;
 
 use super::engine::{Control, Interrupted, Threads};
 use crate::scenario::ScenarioFile;
@@ -45,25 +45,27 @@ pub fn tune(
     threads: &Threads,
     control: &Control,
 ) -> Result<Tuned, Interrupted> {
-    let settings = &requirements.search;
-    let with = (threads, control);
+    let settings = &requirements.file.search;
     let mut random = Random::new(settings.seed, Purpose::InitialState);
     // Drawn first, so that they do not depend on how the search goes.
     let unseen = axes(&mut random, settings.validation_axes);
     let mut training: Vec<Vector3<f64>> = (0..3).map(|axis| Vector3::ith(axis, 1.0)).collect();
     training.extend(axes(&mut random, settings.training_axes));
-    let mut search = Search::new(requirements, threads, settings.candidates);
+    let mut search = Search::new(requirements, threads, control);
     for _ in 0..ROUNDS {
-        search.run(&training, control)?;
+        search.run(&training)?;
         let fresh = axes(&mut random, settings.validation_axes);
-        let missed = missed(requirements, &search, &fresh, with)?;
+        let trials = search.trials(&search.shape, &starts(&fresh))?;
+        let missed = trials.iter().filter(|trial| !trial.met());
+        let mut missed: Vec<Vector3<f64>> = missed.map(|trial| trial.start.axis).collect();
+        missed.dedup();
         if missed.is_empty() || search.exhausted() {
             break;
         }
         training.extend(missed);
     }
-    let trials = trial::every(requirements, search.shape(), &starts(&unseen), with)?;
-    let scenario = shape::scenario(requirements, search.shape(), &requirements.start());
+    let trials = search.trials(&search.shape, &starts(&unseen))?;
+    let scenario = shape::scenario(requirements, &search.shape, &requirements.start());
     Ok(Tuned {
         report: TuneReport::new(requirements, &search, &scenario, unseen.len(), trials),
         scenario,
@@ -79,17 +81,4 @@ fn axes(random: &mut Random, count: usize) -> Vec<Vector3<f64>> {
         }
     };
     (0..count).map(|_| axis()).collect()
-}
-
-fn missed(
-    requirements: &Requirements,
-    search: &Search,
-    axes: &[Vector3<f64>],
-    with: (&Threads, &Control),
-) -> Result<Vec<Vector3<f64>>, Interrupted> {
-    let trials = trial::every(requirements, search.shape(), &starts(axes), with)?;
-    let failed = trials.iter().filter(|trial| !trial.met());
-    let mut missed: Vec<Vector3<f64>> = failed.map(|trial: &Trial| trial.start.axis).collect();
-    missed.dedup();
-    Ok(missed)
 }

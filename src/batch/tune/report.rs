@@ -1,15 +1,19 @@
 //! What a search found.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 
 use super::file::Requirements;
 use super::limits::least_time_s;
 use super::search::Search;
+use super::shape::{Number, COUNT};
 use super::trial::Trial;
 use crate::base::provenance::GENERATOR;
 use crate::controllers::lei2022::LeiFile;
 use crate::controllers::ControllerFile;
+use crate::run::summary::RequirementOutcome;
 use crate::scenario::ScenarioFile;
+use crate::sim::metrics::{by_key, Metric, MetricValue};
 
 /// The answer of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,18 +40,9 @@ pub struct TuneReport {
     /// and S2(0), and with it beta, differ.
     pub parameters: Option<LeiFile>,
     /// The numbers of the shape, by name.
-    pub shape: Vec<ShapeNumber>,
+    pub shape: [Number; COUNT],
     /// Every run.
     pub runs: Vec<RunReport>,
-}
-
-/// A number of the shape.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ShapeNumber {
-    /// What it is.
-    pub name: &'static str,
-    /// Its value.
-    pub value: f64,
 }
 
 /// One validation run.
@@ -60,28 +55,31 @@ pub struct RunReport {
     /// Whether every requirement is met.
     pub met: bool,
     /// The requirements that are missed.
-    pub missed: Vec<Missed>,
-    /// Settling time, s.
-    pub settle_seconds: Option<f64>,
-    /// Largest error from then on that is required, deg.
-    pub tail_error_deg: Option<f64>,
-    /// Largest rate, rad/s.
-    pub max_rate: Option<f64>,
-    /// Times the actuators were turned on.
-    pub turn_ons: Option<u64>,
-    /// Integral of the magnitudes of the torques, N m s.
-    pub impulse: Option<f64>,
+    #[serde(serialize_with = "without_met")]
+    pub missed: Vec<RequirementOutcome>,
+    /// The [`REPORTED`] metrics, each under its key; null where the run could not be made.
+    #[serde(flatten, serialize_with = "by_key")]
+    pub metrics: Vec<MetricValue>,
 }
 
-/// A requirement that is missed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Missed {
-    /// Its metric and side.
-    pub name: String,
-    /// What the run has; null when it has none.
-    pub value: Option<f64>,
-    /// The limit.
-    pub limit: f64,
+/// Metrics of a validation run.
+pub const REPORTED: [Metric; 5] = [
+    Metric::SettleSeconds,
+    Metric::TailErrorDeg,
+    Metric::MaxRate,
+    Metric::TurnOns,
+    Metric::Impulse,
+];
+
+/// Writes the name, value and limit of requirements, all of which are missed.
+fn without_met<S: Serializer>(
+    missed: &[RequirementOutcome],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let parts = missed.iter();
+    let parts =
+        parts.map(|one| json!({ "name": one.name, "value": one.value, "limit": one.limit }));
+    serializer.collect_seq(parts)
 }
 
 impl TuneReport {
@@ -95,13 +93,12 @@ impl TuneReport {
     ) -> Self {
         let per_axis = trials.chunks(trials.len() / axes.max(1));
         let met = per_axis.filter(|trials| trials.iter().all(Trial::met));
-        let numbers = search.shape().numbers().iter();
         TuneReport {
             name: requirements.file.name.clone(),
             generator: GENERATOR.to_string(),
-            seed: requirements.search.seed,
-            candidates: search.candidates(),
-            training_met: search.penalty() == 0.0,
+            seed: requirements.file.search.seed,
+            candidates: search.candidates,
+            training_met: search.penalty == 0.0,
             axes,
             axes_met: met.count(),
             duration_s: requirements.duration_s,
@@ -110,12 +107,7 @@ impl TuneReport {
                 ControllerFile::Lei2022(file) => Some((**file).clone()),
                 _ => None,
             },
-            shape: numbers
-                .map(|number| ShapeNumber {
-                    name: number.name,
-                    value: number.value,
-                })
-                .collect(),
+            shape: search.shape.numbers,
             runs: trials.iter().map(run_report).collect(),
         }
     }
@@ -128,20 +120,13 @@ impl TuneReport {
 
 fn run_report(trial: &Trial) -> RunReport {
     let summary = trial.summary.as_ref();
-    let missed = trial.missed().map(|outcome| Missed {
-        name: outcome.name.clone(),
-        value: outcome.value,
-        limit: outcome.limit,
-    });
     RunReport {
         axis: trial.start.axis.into(),
         disturbed: trial.start.disturbed,
         met: trial.met(),
-        missed: missed.collect(),
-        settle_seconds: summary.and_then(|summary| summary.settle_seconds),
-        tail_error_deg: summary.and_then(|summary| summary.tail_error_deg),
-        max_rate: summary.and_then(|summary| summary.max_rate),
-        turn_ons: summary.and_then(|summary| summary.turn_ons),
-        impulse: summary.map(|summary| summary.impulse),
+        missed: trial.missed().cloned().collect(),
+        metrics: REPORTED
+            .map(|metric| (metric, summary.and_then(|summary| summary.metric(metric))))
+            .into(),
     }
 }

@@ -3,11 +3,13 @@
 //! training run meets the requirements with a margin, so the shape stays near the one that it began
 //! with. There is no random number in it.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::file::{Requirements, Start};
-use super::shape::Shape;
-use super::trial::{every, starts, Trial};
+use super::shape::{Shape, COUNT};
+use super::trial::{starts, Trial, TrialJob};
 use crate::batch::engine::{Control, Interrupted, Threads};
 
 /// Factor that the search begins with.
@@ -21,65 +23,51 @@ const PROBES: usize = 4;
 pub struct Search<'a> {
     requirements: &'a Requirements,
     threads: &'a Threads,
-    shape: Shape,
-    /// Sum of the penalties of the training runs.
-    penalty: f64,
-    candidates: usize,
-    most_candidates: usize,
+    control: &'a Control<'a>,
+    /// The best shape so far.
+    pub shape: Shape,
+    /// The sum of its penalties; 0 when every training run meets the requirements with a margin.
+    pub penalty: f64,
+    /// Candidates tried.
+    pub candidates: usize,
 }
 
 impl<'a> Search<'a> {
-    /// A search that tries at most so many candidates in all.
+    /// A search that tries at most as many candidates in all as the requirements say.
     pub fn new(
         requirements: &'a Requirements,
         threads: &'a Threads,
-        most_candidates: usize,
+        control: &'a Control<'a>,
     ) -> Self {
         Search {
             requirements,
             threads,
+            control,
             shape: Shape::default(),
             penalty: f64::INFINITY,
             candidates: 0,
-            most_candidates,
         }
-    }
-
-    /// The best shape so far.
-    pub fn shape(&self) -> &Shape {
-        &self.shape
-    }
-
-    /// The sum of its penalties; 0 when every training run meets the requirements with a margin.
-    pub fn penalty(&self) -> f64 {
-        self.penalty
-    }
-
-    /// Candidates tried.
-    pub fn candidates(&self) -> usize {
-        self.candidates
     }
 
     /// Whether no candidate is left.
     pub fn exhausted(&self) -> bool {
-        self.candidates >= self.most_candidates
+        self.candidates >= self.requirements.file.search.candidates
     }
 
     /// Searches from the best shape so far.
     ///
     /// # Errors
     /// It was stopped.
-    pub fn run(&mut self, axes: &[Vector3<f64>], control: &Control) -> Result<(), Interrupted> {
-        let starts = starts(axes);
-        let trials = self.every(&self.shape, &starts, control)?;
-        self.count(control)?;
+    pub fn run(&mut self, axes: &[Vector3<f64>]) -> Result<(), Interrupted> {
+        let trials = self.trials(&self.shape, &starts(axes))?;
+        self.count()?;
         self.penalty = total(&trials);
         let mut worst_first = by_penalty(&trials);
         let mut factor = FIRST_FACTOR;
         while self.penalty > 0.0 && !self.exhausted() && factor >= LAST_FACTOR {
             let mut improved = false;
-            for index in 0..Shape::COUNT {
-                if let Some(order) = self.improve(index, factor, &worst_first, control)? {
+            for index in 0..COUNT {
+                if let Some(order) = self.improve(index, factor, &worst_first)? {
                     (worst_first, improved) = (order, true);
                 }
                 if self.penalty == 0.0 || self.exhausted() {
@@ -100,7 +88,6 @@ impl<'a> Search<'a> {
         index: usize,
         factor: f64,
         starts: &[Start],
-        control: &Control,
     ) -> Result<Option<Vec<Start>>, Interrupted> {
         let mut order: Option<Vec<Start>> = None;
         for factor in [factor, factor.recip()] {
@@ -108,9 +95,8 @@ impl<'a> Search<'a> {
                 if self.exhausted() {
                     return Ok(order);
                 }
-                let starts = order.as_deref().unwrap_or(starts);
-                let better = self.better(&shape, starts, control)?;
-                self.count(control)?;
+                let better = self.better(&shape, order.as_deref().unwrap_or(starts))?;
+                self.count()?;
                 let Some(trials) = better else { break };
                 self.penalty = total(&trials);
                 self.shape = shape;
@@ -127,47 +113,48 @@ impl<'a> Search<'a> {
     }
 
     /// The trials of a candidate when it is better than the best so far.
-    fn better(
-        &self,
-        shape: &Shape,
-        starts: &[Start],
-        control: &Control,
-    ) -> Result<Option<Vec<Trial>>, Interrupted> {
+    fn better(&self, shape: &Shape, starts: &[Start]) -> Result<Option<Vec<Trial>>, Interrupted> {
         let (probes, others) = starts.split_at(PROBES.min(starts.len()));
-        let mut trials = self.every(shape, probes, control)?;
+        let mut trials = self.trials(shape, probes)?;
         if total(&trials) >= self.penalty {
             return Ok(None);
         }
-        trials.extend(self.every(shape, others, control)?);
+        trials.extend(self.trials(shape, others)?);
         Ok((total(&trials) < self.penalty).then_some(trials))
     }
 
-    fn every(
-        &self,
-        shape: &Shape,
-        starts: &[Start],
-        control: &Control,
-    ) -> Result<Vec<Trial>, Interrupted> {
-        every(self.requirements, shape, starts, (self.threads, control))
+    /// Runs a candidate from every start, in parallel; the trials are in the order of the starts.
+    ///
+    /// # Errors
+    /// It was stopped.
+    pub fn trials(&self, shape: &Shape, starts: &[Start]) -> Result<Vec<Trial>, Interrupted> {
+        let job = TrialJob {
+            requirements: self.requirements,
+            shape,
+            starts,
+        };
+        // What is counted is candidates, not runs.
+        let control = Control {
+            done: &|| {},
+            stop: Arc::clone(&self.control.stop),
+        };
+        self.threads.collect(&job, starts.len(), &control)
     }
 
-    fn count(&mut self, control: &Control) -> Result<(), Interrupted> {
+    fn count(&mut self) -> Result<(), Interrupted> {
         self.candidates += 1;
-        (control.done)();
-        control.check()
+        (self.control.done)();
+        self.control.check()
     }
 }
 
 fn total(trials: &[Trial]) -> f64 {
-    trials.iter().map(Trial::penalty).sum()
+    trials.iter().map(|trial| trial.penalty).sum()
 }
 
 /// The starts, those with the largest penalty first.
 fn by_penalty(trials: &[Trial]) -> Vec<Start> {
-    let mut order: Vec<(f64, Start)> = trials
-        .iter()
-        .map(|trial| (trial.penalty(), trial.start))
-        .collect();
-    order.sort_by(|a, b| b.0.total_cmp(&a.0));
-    order.into_iter().map(|(_, start)| start).collect()
+    let mut order: Vec<&Trial> = trials.iter().collect();
+    order.sort_by(|a, b| b.penalty.total_cmp(&a.penalty));
+    order.into_iter().map(|trial| trial.start).collect()
 }

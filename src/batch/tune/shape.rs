@@ -6,8 +6,10 @@
 //! [`Shape`], and of order 1.
 
 use nalgebra::Vector3;
+use serde::Serialize;
 
 use super::file::{Requirements, Start};
+use crate::base::bounded::plain;
 use crate::controllers::lei2022::{
     BarrierFile, CompositeTriggerFile, DisturbanceTermFile, LeiFile, LeiTriggerFile,
     PerformanceFile, VirtualLawFile,
@@ -44,24 +46,28 @@ const STEP: f64 = 0.05;
 /// Width of the interval in which an event is found, over the time unit.
 const RESOLUTION: f64 = 1e-7;
 
-/// A number of a shape: name, value, least and most.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A number of a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Number {
     /// What it is.
     pub name: &'static str,
     /// Its value.
     pub value: f64,
+    #[serde(skip)]
     least: f64,
+    #[serde(skip)]
     most: f64,
 }
 
 /// A parameter set without units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    numbers: [Number; COUNT],
+    /// Its numbers.
+    pub numbers: [Number; COUNT],
 }
 
-const COUNT: usize = 14;
+/// How many numbers a shape has.
+pub const COUNT: usize = 14;
 const RATE: usize = 0;
 const FLOOR: usize = 1;
 const RATE_GAIN: usize = 2;
@@ -108,14 +114,6 @@ impl Default for Shape {
 }
 
 impl Shape {
-    /// How many numbers there are.
-    pub const COUNT: usize = COUNT;
-
-    /// The numbers.
-    pub fn numbers(&self) -> &[Number] {
-        &self.numbers
-    }
-
     /// The shape with one number multiplied; `None` when that is out of its range.
     pub fn scaled(&self, index: usize, factor: f64) -> Option<Self> {
         let mut shape = self.clone();
@@ -134,14 +132,17 @@ impl Shape {
 /// matching rule k_m M rho_inf >= sqrt(2 ((1 - kappa) S2_inf - delta_m) / lambda_min).
 pub fn controller(requirements: &Requirements, shape: &Shape, start: &Start) -> LeiFile {
     let (limits, craft) = (&requirements.file.limits, &requirements.file.spacecraft);
-    let settle = limits.settle_s;
+    let settle = limits.settle_s.get();
     let unit = settle / 60.0;
-    let (least, torque) = (requirements.moments_kg_m2.0, requirements.least_torque_nm());
-    let disturbance = requirements.file.disturbance.bound_nm;
+    let (least, torque) = (
+        requirements.moments_kg_m2.0,
+        requirements.torque_limit_nm.min(),
+    );
+    let disturbance = requirements.file.disturbance.bound_nm.get();
     let vector = start.axis * (0.5 * requirements.angle_rad).sin();
     let fall = shape.of(FALL) * settle;
     let mean = requirements.angle_rad / settle;
-    let rate = shape.of(RATE) * limits.rate_rad_s.min(PEAK_OVER_MEAN * mean);
+    let rate = shape.of(RATE) * limits.rate_rad_s.get().min(PEAK_OVER_MEAN * mean);
     let strength = rate / (START_ROOM * vector.norm());
     let slope = shape.of(SLOPE) * 4.0 / (fall * strength);
     let accuracy = limits
@@ -189,14 +190,14 @@ pub fn controller(requirements: &Requirements, shape: &Shape, start: &Start) -> 
             held_error_terminal_n2m2: held * held,
             longest_on_s: craft
                 .longest_on_s
-                .map_or(on_time, |longest| on_time.min(longest)),
+                .map_or(on_time, |longest| on_time.min(longest.get())),
             envelope_initial_j: envelope_start,
             envelope_terminal_j: envelope_end,
             decay_rate_per_s: (envelope_start / envelope_end).ln() / (shape.of(DECAY) * settle),
             buffer_j: shape.of(BUFFER) * (1.0 - relative_buffer) * envelope_end,
             relative_buffer,
         }),
-        torque_limit_nm: craft.torque_limit_nm,
+        torque_limit_nm: plain(&craft.torque_limit_nm),
         inertia_kg_m2: None,
         sign_hysteresis: 0.0,
     }
@@ -213,10 +214,10 @@ fn relative_buffer(requirements: &Requirements) -> f64 {
 /// The scenario of a shape from one start, with the requirements on the run.
 pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> ScenarioFile {
     let (file, limits) = (&requirements.file, &requirements.file.limits);
-    let unit = limits.settle_s / 60.0;
+    let (settle_s, unit) = (limits.settle_s.get(), limits.settle_s.get() / 60.0);
     let instants = match file.sampling_interval_s {
-        Some(interval_s) => InstantsFile::Periodic(PeriodicFile {
-            interval_s,
+        Some(interval) => InstantsFile::Periodic(PeriodicFile {
+            interval_s: interval.get(),
             jitter_s: 0.0,
         }),
         None => InstantsFile::Continuous(ContinuousFile {
@@ -243,12 +244,12 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
             settle_tolerance_deg: None,
             settle_tolerance_component: Some(requirements.component),
             settle_tolerance_state: None,
-            tail_s: Some(requirements.duration_s - limits.settle_s),
+            tail_s: Some(requirements.duration_s - settle_s),
         },
         requirements: vec![
-            at_most(Metric::SettleSeconds, limits.settle_s),
+            at_most(Metric::SettleSeconds, settle_s),
             at_most(Metric::TailErrorDeg, limits.accuracy_deg),
-            at_most(Metric::MaxRate, limits.rate_rad_s),
+            at_most(Metric::MaxRate, limits.rate_rad_s.get()),
             at_most(Metric::FunnelRatio, 1.0),
             at_most(Metric::ThresholdRatio, 1.0),
         ],
@@ -298,7 +299,7 @@ fn system(requirements: &Requirements, start: &Start) -> SystemFile {
 fn torque(requirements: &Requirements) -> TorqueFile {
     let file = &requirements.file.disturbance;
     let part = |fraction: f64, direction: [f64; 3]| -> [f64; 3] {
-        (Vector3::from(direction).normalize() * (fraction * file.bound_nm)).into()
+        (Vector3::from(direction).normalize() * (fraction * file.bound_nm.get())).into()
     };
     let wave = |times: f64, sine_nm: [f64; 3], cosine_nm: [f64; 3]| TorqueSineFile {
         frequency_rad_s: times * file.frequency_rad_s,

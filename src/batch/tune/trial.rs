@@ -7,10 +7,11 @@ use nalgebra::Vector3;
 
 use super::file::{Requirements, Start};
 use super::shape::{scenario, Shape};
-use crate::batch::engine::{Control, Interrupted, Job, Threads};
+use crate::batch::engine::{Interrupted, Job};
 use crate::run::simulate;
 use crate::run::summary::{RequirementOutcome, RunVerdict, Summary};
 use crate::scenario::Scenario;
+use crate::sim::metrics::Metric;
 
 /// Each axis with the disturbance off and on.
 pub(crate) fn starts(axes: &[Vector3<f64>]) -> Vec<Start> {
@@ -28,6 +29,8 @@ pub struct Trial {
     pub start: Start,
     /// Its summary; `None` when the parameters are no valid controller.
     pub summary: Option<Summary>,
+    /// How far the run is from meeting every requirement with a margin: 0 when it does.
+    pub penalty: f64,
 }
 
 /// Fraction of a limit that the search asks for, where chance decides by how much it is met.
@@ -38,7 +41,7 @@ const ABSENT: f64 = 5.0;
 const BROKEN: f64 = 100.0;
 
 /// Metrics that the trigger and the start hold at their limits, whatever the parameters.
-const AT_THE_LIMIT: [&str; 2] = ["funnel_ratio", "threshold_ratio"];
+const AT_THE_LIMIT: [Metric; 2] = [Metric::FunnelRatio, Metric::ThresholdRatio];
 
 impl Trial {
     /// Runs a candidate from a start.
@@ -47,9 +50,19 @@ impl Trial {
         // The hash is that of a text; a trial has none.
         let run = Scenario::from_file(&file, String::new()).ok();
         let outcome = run.and_then(|scenario| simulate(&scenario, None, false).ok());
+        let summary = outcome.map(|outcome| outcome.summary);
         Trial {
             start,
-            summary: outcome.map(|outcome| outcome.summary),
+            penalty: match &summary {
+                Some(summary) if summary.verdict != RunVerdict::Diverged => {
+                    let outcomes = summary.requirements.iter().zip(&file.requirements);
+                    outcomes
+                        .map(|(outcome, required)| excess(outcome, required.metric))
+                        .sum()
+                }
+                _ => BROKEN,
+            },
+            summary,
         }
     }
 
@@ -61,37 +74,27 @@ impl Trial {
 
     /// Requirements that are missed.
     pub fn missed(&self) -> impl Iterator<Item = &RequirementOutcome> {
-        let all = self
-            .summary
-            .iter()
-            .flat_map(|summary| &summary.requirements);
+        let summary = self.summary.iter();
+        let all = summary.flat_map(|summary| &summary.requirements);
         all.filter(|outcome| !outcome.met)
-    }
-
-    /// How far the run is from meeting every requirement with a margin: 0 when it does.
-    pub fn penalty(&self) -> f64 {
-        match &self.summary {
-            None => BROKEN,
-            Some(summary) if summary.verdict == RunVerdict::Diverged => BROKEN,
-            Some(summary) => summary.requirements.iter().map(excess).sum(),
-        }
     }
 }
 
-fn excess(outcome: &RequirementOutcome) -> f64 {
-    let tight = AT_THE_LIMIT
-        .iter()
-        .any(|name| outcome.name.starts_with(name));
-    let aim = if tight { 1.0 } else { AIM };
+/// By how much of its limit a metric misses it.
+fn excess(outcome: &RequirementOutcome, metric: Metric) -> f64 {
+    let aim = match AT_THE_LIMIT.contains(&metric) {
+        true => 1.0,
+        false => AIM,
+    };
     let ratio = outcome.value.map(|value| value / (aim * outcome.limit));
     ratio.map_or(ABSENT, |ratio| (ratio - 1.0).clamp(0.0, ABSENT))
 }
 
 /// The runs of a candidate.
-struct TrialJob<'a> {
-    requirements: &'a Requirements,
-    shape: &'a Shape,
-    starts: &'a [Start],
+pub(super) struct TrialJob<'a> {
+    pub requirements: &'a Requirements,
+    pub shape: &'a Shape,
+    pub starts: &'a [Start],
 }
 
 impl Job for TrialJob<'_> {
@@ -102,27 +105,4 @@ impl Job for TrialJob<'_> {
         let start = self.starts[index as usize];
         Ok(Trial::new(self.requirements, self.shape, start))
     }
-}
-
-/// Runs a candidate from every start, in parallel; the trials are in the order of the starts.
-///
-/// # Errors
-/// It was stopped.
-pub fn every(
-    requirements: &Requirements,
-    shape: &Shape,
-    starts: &[Start],
-    (threads, control): (&Threads, &Control),
-) -> Result<Vec<Trial>, Interrupted> {
-    let job = TrialJob {
-        requirements,
-        shape,
-        starts,
-    };
-    // What is counted is candidates, not runs.
-    let control = Control {
-        done: &|| {},
-        stop: Arc::clone(&control.stop),
-    };
-    threads.collect(&job, starts.len(), &control)
 }

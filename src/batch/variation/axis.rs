@@ -1,12 +1,15 @@
 //! One axis of a grid: `key=lo:hi:n`, `key=lo:hi:n:log` or `key=a,b,c`.
 
+use serde::{Deserialize, Serialize};
+
 /// Most values of an axis.
 pub const MAX_VALUES: usize = 100_000;
 
 /// One number of the file with the values it takes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Axis {
-    /// The number's name as the user gave it.
+    /// The number's name: as the user gave it, or the full one.
     pub name: String,
     /// Its values, in the order in which they were given.
     pub values: Vec<f64>,
@@ -15,58 +18,40 @@ pub struct Axis {
 /// Why a text is no axis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AxisError {
-    /// No `=`.
+    /// No `=`, or no values.
     #[error("'{text}' is not of the form key=lo:hi:n or key=a,b,c")]
     Form {
         /// The text.
         text: String,
     },
+    /// Values that an axis cannot have.
+    #[error("'{name}': {problem}")]
+    Values {
+        /// The axis.
+        name: String,
+        /// What is wrong with them.
+        problem: ValuesError,
+    },
+}
+
+/// Why an axis cannot have some values.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ValuesError {
     /// A part that is not a finite number.
-    #[error("'{name}': '{part}' is not a finite number")]
-    Number {
-        /// The axis.
-        name: String,
-        /// The part.
-        part: String,
-    },
+    #[error("'{0}' is not a finite number")]
+    Number(String),
     /// A count that is not allowed.
-    #[error(
-        "'{name}': '{part}' is not a number of points; it must be a whole number from 2 to {MAX_VALUES}"
-    )]
-    Count {
-        /// The axis.
-        name: String,
-        /// The part.
-        part: String,
-    },
-    /// A range of no length.
-    #[error("'{name}': the range from {from} to {to} is empty; its ends must differ")]
-    Empty {
-        /// The axis.
-        name: String,
-        /// Start.
-        from: f64,
-        /// End.
-        to: f64,
-    },
-    /// A logarithmic range that reaches zero.
-    #[error("'{name}': a logarithmic range needs both ends above 0; they are {from} and {to}")]
-    Logarithm {
-        /// The axis.
-        name: String,
-        /// Start.
-        from: f64,
-        /// End.
-        to: f64,
-    },
+    #[error("'{0}' is not a number of points; it must be a whole number from 2 to {MAX_VALUES}")]
+    Count(String),
+    /// A range of no length: its ends.
+    #[error("the range from {0} to {1} is empty; its ends must differ")]
+    Empty(f64, f64),
+    /// A logarithmic range that reaches zero: its ends.
+    #[error("a logarithmic range needs both ends above 0; they are {0} and {1}")]
+    Logarithm(f64, f64),
     /// The same value twice.
-    #[error("'{name}': the value {value} is given twice")]
-    Twice {
-        /// The axis.
-        name: String,
-        /// The value.
-        value: f64,
-    },
+    #[error("the value {0} is given twice")]
+    Twice(f64),
 }
 
 impl Axis {
@@ -85,74 +70,48 @@ impl Axis {
         }
         let parts: Vec<&str> = rest.split(':').map(str::trim).collect();
         let values = match parts.as_slice() {
-            [list] => list
-                .split(',')
-                .map(|part| number(name, part))
-                .collect::<Result<_, _>>()?,
-            [from, to, count] => range(name, (from, to), count, false)?,
-            [from, to, count, "log"] => range(name, (from, to), count, true)?,
+            [list] => list.split(',').map(number).collect(),
+            [from, to, count] => range(from, to, count, false),
+            [from, to, count, "log"] => range(from, to, count, true),
             _ => return Err(form()),
         };
-        let axis = Axis {
-            name: name.to_string(),
-            values,
-        };
-        axis.check_distinct()?;
-        Ok(axis)
-    }
-
-    fn check_distinct(&self) -> Result<(), AxisError> {
-        let mut sorted = self.values.clone();
-        sorted.sort_by(f64::total_cmp);
-        let twice = sorted.windows(2).find(|pair| pair[0] == pair[1]);
-        match twice {
-            Some(pair) => Err(AxisError::Twice {
-                name: self.name.clone(),
-                value: pair[0],
-            }),
-            None => Ok(()),
+        let name = name.to_string();
+        match values.and_then(distinct) {
+            Ok(values) => Ok(Axis { name, values }),
+            Err(problem) => Err(AxisError::Values { name, problem }),
         }
     }
 }
 
-fn number(name: &str, part: &str) -> Result<f64, AxisError> {
-    let value = part.trim().parse::<f64>().ok();
-    let finite = value.filter(|value| value.is_finite());
-    finite.ok_or_else(|| AxisError::Number {
-        name: name.to_string(),
-        part: part.trim().to_string(),
-    })
+fn distinct(values: Vec<f64>) -> Result<Vec<f64>, ValuesError> {
+    let mut sorted = values.clone();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(ValuesError::Twice(pair[0])),
+        None => Ok(values),
+    }
 }
 
-fn range(
-    name: &str,
-    (from, to): (&str, &str),
-    count: &str,
-    logarithmic: bool,
-) -> Result<Vec<f64>, AxisError> {
-    let (from, to) = (number(name, from)?, number(name, to)?);
-    let points = count.parse::<usize>().ok();
+fn number(part: &str) -> Result<f64, ValuesError> {
+    let value = part
+        .trim()
+        .parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| ValuesError::Number(part.trim().to_string()))
+}
+
+fn range(from: &str, to: &str, count: &str, logarithmic: bool) -> Result<Vec<f64>, ValuesError> {
+    let (from, to) = (number(from)?, number(to)?);
+    let points = count.parse().ok();
     let points = points.filter(|points| (2..=MAX_VALUES).contains(points));
-    let points = points.ok_or_else(|| AxisError::Count {
-        name: name.to_string(),
-        part: count.to_string(),
-    })?;
-    let name = || name.to_string();
+    let last = points.ok_or_else(|| ValuesError::Count(count.to_string()))? - 1;
     if from == to {
-        return Err(AxisError::Empty {
-            name: name(),
-            from,
-            to,
-        });
+        return Err(ValuesError::Empty(from, to));
     }
     if logarithmic && !(from > 0.0 && to > 0.0) {
-        return Err(AxisError::Logarithm {
-            name: name(),
-            from,
-            to,
-        });
+        return Err(ValuesError::Logarithm(from, to));
     }
-    let last = points - 1;
     let at = |index: usize| {
         let fraction = index as f64 / last as f64;
         match index {
@@ -162,7 +121,7 @@ fn range(
             _ => rounded(from * (1.0 - fraction) + to * fraction),
         }
     };
-    Ok((0..points).map(at).collect())
+    Ok((0..=last).map(at).collect())
 }
 
 /// Fifteen significant digits: 0.07 and not 0.06999999999999999.

@@ -11,8 +11,18 @@ pub const MAX_POINTS: usize = 1_000_000;
 /// A grid over numbers of a file. The last axis changes fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    axes: Vec<(Parameter, Vec<f64>)>,
+    /// Its axes.
+    pub axes: Vec<GridAxis>,
     points: usize,
+}
+
+/// A number of the file with its values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridAxis {
+    /// The number.
+    pub parameter: Parameter,
+    /// Its values.
+    pub values: Vec<f64>,
 }
 
 /// Why axes make no grid.
@@ -44,10 +54,13 @@ impl Grid {
     /// # Errors
     /// A name that is no number of the file, an axis given twice, too many points.
     pub fn new(file: &Value, axes: &[Axis]) -> Result<Self, GridError> {
-        let mut known: Vec<(Parameter, Vec<f64>)> = Vec::new();
+        let mut known: Vec<GridAxis> = Vec::new();
         for axis in axes {
             let parameter = Parameter::find(file, &axis.name)?;
-            if known.iter().any(|(other, _)| other.overlaps(&parameter)) {
+            if known
+                .iter()
+                .any(|other| other.parameter.overlaps(&parameter))
+            {
                 return Err(GridError::Twice {
                     name: parameter.name,
                 });
@@ -56,12 +69,13 @@ impl Grid {
             for &value in &axis.values {
                 parameter.set(&mut trial, value)?;
             }
-            known.push((parameter, axis.values.clone()));
+            let values = axis.values.clone();
+            known.push(GridAxis { parameter, values });
         }
         if known.is_empty() {
             return Err(GridError::NoAxis);
         }
-        let sizes = known.iter().map(|(_, values)| values.len());
+        let sizes = known.iter().map(|axis| axis.values.len());
         let points = sizes.clone().try_fold(1usize, usize::checked_mul);
         match points.filter(|&points| points <= MAX_POINTS) {
             Some(points) => Ok(Grid {
@@ -81,26 +95,21 @@ impl Grid {
 
     /// Full names of the numbers that are varied.
     pub fn names(&self) -> Vec<String> {
-        let names = self.axes.iter().map(|(parameter, _)| &parameter.name);
-        names.cloned().collect()
+        let names = self.axes().map(|(name, _)| name.to_string());
+        names.collect()
     }
 
     /// The axes: name and values.
-    pub fn axes(&self) -> impl Iterator<Item = (&str, &[f64])> {
+    pub fn axes(&self) -> impl DoubleEndedIterator<Item = (&str, &[f64])> {
         let axes = self.axes.iter();
-        axes.map(|(parameter, values)| (parameter.name.as_str(), values.as_slice()))
-    }
-
-    /// Whether each number that is varied must be whole, in the order of the axes.
-    pub fn whole(&self) -> impl Iterator<Item = bool> + '_ {
-        self.axes.iter().map(|(parameter, _)| parameter.whole)
+        axes.map(|axis| (axis.parameter.name.as_str(), axis.values.as_slice()))
     }
 
     /// Values of a point, in the order of the axes; `index` counts from 0.
     pub fn point(&self, index: usize) -> Vec<f64> {
         let mut rest = index;
         let mut values: Vec<f64> = Vec::with_capacity(self.axes.len());
-        for (_, axis) in self.axes.iter().rev() {
+        for (_, axis) in self.axes().rev() {
             values.push(axis[rest % axis.len()]);
             rest /= axis.len();
         }
@@ -114,8 +123,8 @@ impl Grid {
     /// A value that is not whole where the file needs a whole number.
     pub fn apply(&self, file: &Value, values: &[f64]) -> Result<Value, ParameterError> {
         let mut variant = file.clone();
-        for ((parameter, _), &value) in self.axes.iter().zip(values) {
-            parameter.set(&mut variant, value)?;
+        for (axis, &value) in self.axes.iter().zip(values) {
+            axis.parameter.set(&mut variant, value)?;
         }
         Ok(variant)
     }

@@ -156,20 +156,7 @@ fn is_whole(number: &Number) -> bool {
     number.is_u64() || number.is_i64()
 }
 
-/// All entries of a list of numbers as one.
-fn every_entry(entries: &[Value], name: &str, pointer: &str) -> Option<Parameter> {
-    let numbers: Option<Vec<&Number>> = entries.iter().map(Value::as_number).collect();
-    let numbers = numbers.filter(|numbers| !numbers.is_empty())?;
-    Some(Parameter {
-        name: format!("{name}[*]"),
-        pointers: (0..numbers.len())
-            .map(|index| format!("{pointer}/{index}"))
-            .collect(),
-        whole: numbers.into_iter().all(is_whole),
-    })
-}
-
-/// Every number below `value`.
+/// Every number below `value`, and each list of numbers as one.
 fn collect(value: &Value, name: &str, pointer: &str, out: &mut Vec<Parameter>) {
     match value {
         Value::Number(number) => out.push(Parameter {
@@ -178,10 +165,18 @@ fn collect(value: &Value, name: &str, pointer: &str, out: &mut Vec<Parameter>) {
             whole: is_whole(number),
         }),
         Value::Array(entries) => {
-            out.extend(every_entry(entries, name, pointer));
-            for (index, entry) in entries.iter().enumerate() {
-                let name = format!("{name}[{index}]");
-                collect(entry, &name, &format!("{pointer}/{index}"), out);
+            let places = (0..entries.len()).map(|index| format!("{pointer}/{index}"));
+            let places: Vec<String> = places.collect();
+            let numbers: Option<Vec<&Number>> = entries.iter().map(Value::as_number).collect();
+            if let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) {
+                out.push(Parameter {
+                    name: format!("{name}[*]"),
+                    pointers: places.clone(),
+                    whole: numbers.into_iter().all(is_whole),
+                });
+            }
+            for (index, (entry, place)) in entries.iter().zip(&places).enumerate() {
+                collect(entry, &format!("{name}[{index}]"), place, out);
             }
         }
         Value::Object(fields) => {
@@ -216,31 +211,22 @@ fn ends_with_a_unit_after(name: &str, end: &str) -> bool {
 }
 
 fn missing(file: &Value, name: &str, wanted: &str, all: &[Parameter]) -> ParameterError {
-    let inside = |parent: &str| -> Vec<String> {
-        let names = all.iter().map(|parameter| &parameter.name);
-        let below = names.filter(|name| {
-            let rest = name.strip_prefix(parent);
-            rest.is_some_and(|rest| rest.starts_with(['.', '[']))
-        });
-        below.take(LISTED).cloned().collect()
+    let name = name.to_string();
+    let steps = wanted.replace('[', ".").replace(']', "");
+    let there = file.pointer(&format!("/{}", steps.replace('.', "/")));
+    let Some(there) = there.filter(|_| !wanted.is_empty()) else {
+        let near = near_misses(wanted, all);
+        return ParameterError::Unknown { name, near };
     };
-    let found = file.pointer(&pointer_of(wanted)).map(kind);
-    match found.filter(|_| !wanted.is_empty()) {
-        Some(found) => ParameterError::NotNumber {
-            name: name.to_string(),
-            found,
-            near: inside(wanted),
-        },
-        None => ParameterError::Unknown {
-            name: name.to_string(),
-            near: near_misses(wanted, all),
-        },
+    let inside = all.iter().map(|parameter| &parameter.name).filter(|name| {
+        let rest = name.strip_prefix(wanted);
+        rest.is_some_and(|rest| rest.starts_with(['.', '[']))
+    });
+    ParameterError::NotNumber {
+        name,
+        found: kind(there),
+        near: inside.take(LISTED).cloned().collect(),
     }
-}
-
-fn pointer_of(name: &str) -> String {
-    let steps = name.replace('[', ".").replace(']', "");
-    format!("/{}", steps.replace('.', "/"))
 }
 
 fn kind(value: &Value) -> &'static str {
@@ -257,19 +243,15 @@ fn kind(value: &Value) -> &'static str {
 /// The names most like the wanted one, as a whole or in their last part.
 fn near_misses(wanted: &str, all: &[Parameter]) -> Vec<String> {
     let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_string();
-    let mut liked: Vec<(f64, &String)> = all
-        .iter()
-        .map(|parameter| {
-            let whole = strsim::normalized_damerau_levenshtein(&parameter.name, wanted);
-            let end = strsim::jaro_winkler(&last(&parameter.name), &last(wanted));
-            (whole.max(end), &parameter.name)
-        })
-        .filter(|(likeness, _)| *likeness >= LEAST_LIKENESS)
-        .collect();
+    let names = all.iter().map(|parameter| &parameter.name);
+    let names = names.map(|name| {
+        let whole = strsim::normalized_damerau_levenshtein(name, wanted);
+        let end = strsim::jaro_winkler(&last(name), &last(wanted));
+        (whole.max(end), name)
+    });
+    let liked = names.filter(|(likeness, _)| *likeness >= LEAST_LIKENESS);
+    let mut liked: Vec<(f64, &String)> = liked.collect();
     liked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
-    liked
-        .into_iter()
-        .take(LISTED)
-        .map(|(_, name)| name.clone())
-        .collect()
+    let nearest = liked.into_iter().take(LISTED);
+    nearest.map(|(_, name)| name.clone()).collect()
 }

@@ -27,19 +27,10 @@ pub fn lines(report: &TuneReport) -> Vec<String> {
 fn missed(run: &RunReport) -> String {
     let [x, y, z] = run.axis;
     let disturbance = if run.disturbed { "with" } else { "without" };
-    let what: Vec<String> = run
-        .missed
-        .iter()
-        .map(|one| {
-            let value = one
-                .value
-                .map_or("none".to_string(), |value| format!("{value:.5}"));
-            format!("{} {}: {value}", one.name, one.limit)
-        })
-        .collect();
-    let what = match what.as_slice() {
-        [] => "the run diverged or could not be made".to_string(),
-        list => list.join("; "),
+    let what = run.missed.iter().map(|one| one.as_text(Some(5)));
+    let what = match what.collect::<Vec<_>>() {
+        none if none.is_empty() => "the run diverged or could not be made".to_string(),
+        all => all.join("; "),
     };
     format!("  missed about [{x:.3}, {y:.3}, {z:.3}] {disturbance} disturbance: {what}")
 }

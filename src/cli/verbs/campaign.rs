@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
-use crate::batch::campaign::finish::{finish, finish_again};
+use crate::batch::campaign::finish::finish;
 use crate::batch::campaign::job::CampaignJob;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, State};
@@ -66,21 +66,18 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
         Some(path) => Some(files::text(&path)?),
         None => None,
     };
-    let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs)
-        .map_err(|error| CliError::plan(&args.scenario, error))?;
+    let failed = |error| CliError::campaign(&args.scenario, error);
+    let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs).map_err(failed)?;
     if plan.columns.drawn.is_empty() {
         note("note: the scenario has no dispersions; the runs differ in their noise only");
     }
-    let failed = |error| CliError::campaign(&args.scenario, error);
-    let design_sha256 = design.as_ref().map(|design| design.sha256.clone());
     let threads = threads(args.jobs)?;
-    let job =
-        CampaignJob::new(&plan, design_sha256, shard, threads, &args.output).map_err(failed)?;
+    let job = CampaignJob::new(&plan, shard, threads, &args.output).map_err(failed)?;
     let stop = interrupted();
     let open = job.prepare(&text, design_text.as_deref(), &stop);
     let results = open.and_then(|open| make(&job, open.state, args.keep, stop));
     let results = results.map_err(|error| stopped(&args.scenario, &job, error))?;
-    Ok(answer(&results, &job.inputs, &args.output))
+    Ok(answer(&results, &job.folder.inputs, &args.output))
 }
 
 fn make(
@@ -99,11 +96,10 @@ fn make(
         done: &|| progress.done(),
         stop,
     };
-    if state == State::Complete {
-        return finish_again(job, keep, &control.stop);
+    if state == State::Running {
+        job.run(&control)?;
     }
-    job.run(&control)?;
-    finish(job, keep, &control.stop)
+    finish(job, state, keep, &control.stop)
 }
 
 /// Refuses numbers of runs that are no campaign.
@@ -137,7 +133,7 @@ fn stopped(scenario: &Path, job: &CampaignJob, error: CampaignError) -> CliError
         0 => "; nothing is done".to_string(),
         _ => format!(
             "; {done} of {all} runs are done and kept in {}; the same command goes on with the rest",
-            job.folder.display()
+            job.folder.path.display()
         ),
     };
     match error {

@@ -93,7 +93,7 @@ fn run_of_campaign(
         return wrong("--run-index", reason);
     }
     let plan = Plan::new(text, design, args.seed, runs);
-    let plan = plan.map_err(|error| CliError::plan(&args.scenario, error))?;
+    let plan = plan.map_err(|error| CliError::campaign(&args.scenario, error))?;
     let outcome = plan.alone(run, args.output.is_some());
     let (_, outcome) = outcome.map_err(|error| CliError::campaign(&args.scenario, error))?;
     Ok(outcome)

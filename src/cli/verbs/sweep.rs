@@ -70,8 +70,8 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         reason: error.to_string(),
     })?;
     let mut subject = subject(args, &text)?;
-    let grid = Grid::new(subject.file(), &axes)
-        .map_err(|error| CliError::unsuitable(&args.file, error))?;
+    let grid =
+        Grid::new(&subject.file, &axes).map_err(|error| CliError::unsuitable(&args.file, error))?;
     create_folder(&args.output)?;
     let identity = SweepIdentity::new(&text, &subject, &grid);
     let store = PointStore::open(&args.output, &identity, &grid, args.restart)?;
@@ -111,7 +111,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Clarabel);
             let model = files::parse(&args.file, text, Model::from_json)?;
-            Ok(Subject::model(&model, solver.choice()))
+            Ok(Subject::model(&model, solver.backend(), solver.form()))
         }
         Some(_) => Err(CliError::Argument {
             argument: "--design",

@@ -51,7 +51,7 @@ pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
 }
 
 fn tuned(requirements: &Requirements, threads: &Threads) -> Result<Tuned, CliError> {
-    let progress = PartsProgress::start(requirements.search.candidates, "candidates at most");
+    let progress = PartsProgress::start(requirements.file.search.candidates, "candidates at most");
     let done = || progress.done();
     let tuned = tune(requirements, threads, &progress.control(&done));
     tuned.map_err(|_| CliError::Interrupted)

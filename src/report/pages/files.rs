@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use synth::model::FileError;
-
 use super::{comparison, run, sweep};
 use crate::base::files::{create_folder, write, OutputError};
 use crate::base::parquet;
@@ -95,13 +93,7 @@ pub fn rebuild_report(folder: &Path) -> Result<String, ReportError> {
 pub fn write_sweep(folder: &Path, sweep: &Finished) -> Result<(), ReportError> {
     let columns = table::columns(sweep.subject, sweep.grid, sweep.outcomes);
     let path = folder.join(CSV_FILE);
-    let csv = table::to_csv(&columns).map_err(|error| OutputError::File {
-        path: path.clone(),
-        problem: FileError::Io {
-            action: "cannot be written",
-            source: std::io::Error::other(error),
-        },
-    })?;
+    let csv = parquet::to_csv(&columns).map_err(|error| OutputError::unmade(&path, error))?;
     write(&path, &csv)?;
     parquet::write_table(&folder.join(PARQUET_FILE), &columns, &sweep.about())?;
     write(&folder.join(PAGE_FILE), &sweep::page(sweep)?)?;

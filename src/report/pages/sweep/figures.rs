@@ -254,6 +254,7 @@ mod tests {
     fn proved(angle: f64, gamma: f64) -> PointOutcome {
         let of = |value| Number::from_f64(value);
         PointOutcome {
+            point: 0,
             values: vec![0.0],
             verdict: "proved".to_string(),
             reason: None,

@@ -78,7 +78,10 @@ mod tests {
     use super::*;
 
     fn point(verdict: &str, reason: &str) -> PointOutcome {
-        PointOutcome::without_numbers(vec![0.0], verdict, reason)
+        PointOutcome {
+            values: vec![0.0],
+            ..PointOutcome::without_numbers(verdict, reason)
+        }
     }
 
     #[test]
