@@ -275,6 +275,12 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         }
     }
 
+    /// The bounded signals with their weights.
+    fn weighted(&self) -> impl Iterator<Item = (&BoundedSignal<S>, f64)> {
+        let signals = self.bounded.iter();
+        signals.map(|signal| (signal, (signal.weight)(self.certificate)))
+    }
+
     /// The signals of (18) with their sizes.
     fn rows(&self, interval: usize) -> Vec<(Signal, usize)> {
         let (n, m) = (self.plant.states(), self.plant.input.ncols());
@@ -300,17 +306,11 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         self.multiplied(&mut out, Sample, &feedback);
         self.multiplied(&mut out, Error, &feedback.negated());
         self.multiplied(&mut out, DeadZone, &input.negated());
-        for (k, signal) in self.bounded.iter().enumerate() {
-            let (own, weight) = (
-                Signal::Bounded(k),
-                S::from_f64((signal.weight)(self.certificate)),
-            );
+        for (k, (signal, weight)) in self.weighted().enumerate() {
+            let own = Signal::Bounded(k);
+            let square = Matrix::identity(signal.coefficient.ncols(), -S::from_f64(weight));
             self.multiplied(&mut out, own, &signal.coefficient);
-            out.add(
-                own,
-                own,
-                &Matrix::identity(signal.coefficient.ncols(), -weight),
-            );
+            out.add(own, own, &square);
         }
         // phi x'Ux + 2 x'Ux'
         out.add(State, State, &self.lyapunov.scaled(&self.phi));
@@ -370,16 +370,13 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let gamma = S::from_f64(self.certificate.gain_bound);
         let claim = S::from_f64(self.certificate.guaranteed_gain);
         emit("peak gain".into(), self.gain_block(gamma.clone()));
-        for signal in &self.bounded {
-            let above = gamma.clone() - S::from_f64((signal.weight)(self.certificate));
+        for (signal, weight) in self.weighted() {
+            let above = gamma.clone() - S::from_f64(weight);
             let name = format!("gain bound above {} weight", signal.name);
             emit(name, Matrix::identity(1, above));
         }
         // Comes last: dividing by a weight needs it to be positive, which (18) has shown.
-        let weights = self
-            .bounded
-            .iter()
-            .map(|signal| (signal.weight)(self.certificate));
+        let weights = self.weighted().map(|(_, weight)| weight);
         let largest = S::from_f64(weights.fold(f64::NEG_INFINITY, f64::max));
         let implied = claim.clone() * claim / largest;
         emit("guaranteed gain".into(), self.gain_block(implied));
@@ -387,8 +384,8 @@ impl<'a, S: Scalar> Assembly<'a, S> {
 
     /// A weight above the model's xi_max is no design for the model; a condition of its own only where it fails.
     fn weight_limit(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
-        for signal in &self.bounded {
-            let within = (signal.weight)(self.certificate) <= model.file.specs.xi_max;
+        for (signal, weight) in self.weighted() {
+            let within = weight <= model.file.specs.xi_max;
             if !within {
                 let name = format!("{} weight within xi_max", signal.name);
                 emit(name, Matrix::identity(1, -S::one()));

@@ -125,6 +125,12 @@ bounded! {
     /// A number in (0, 1].
     UpToOne "in (0, 1]" |value| value > 0.0 && value <= 1.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 1 };
+    /// The size of a part over that of the whole.
+    Ratio "above 0 and at most 1" |value| value > 0.0 && value <= 1.0,
+        { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 1 };
+    /// The shortest sampling interval, for the part of its range that does not depend on the longest one.
+    ShortestInterval "above 0 and at most hbar_s" |value| value > 0.0,
+        { "type": "number", "format": "double", "exclusiveMinimum": 0 };
     /// A number in [0, 1].
     Unit "in [0, 1]" |value| (0.0..=1.0).contains(&value),
         { "type": "number", "format": "double", "minimum": 0, "maximum": 1 };

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bounded::{
-    AngleDeg, As, BelowOne, Finite, InsideUnit, Margin, NonNegative, Percent, Positive, Unit,
-    UpToOne,
+    AngleDeg, As, BelowOne, Finite, InsideUnit, Margin, NonNegative, Percent, Positive, Ratio,
+    ShortestInterval, Unit, UpToOne,
 };
 
 /// The version this program reads and writes.
@@ -263,7 +263,7 @@ pub struct Specs {
     pub hbar_s: f64,
     /// Shortest sampling interval, above 0 and at most `hbar_s` (s); a hundredth of it when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[serde(with = "As::<Option<Positive>>")]
+    #[serde(with = "As::<Option<ShortestInterval>>")]
     pub hmin_s: Option<f64>,
     /// Largest trigger threshold nu, in [0, 1).
     #[serde(with = "As::<BelowOne>")]
@@ -376,7 +376,7 @@ pub struct OuterSpecs {
     pub must_contain: Vec<Vec<f64>>,
     /// Size of the inner set over that of the large one, in (0, 1]; searched when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[serde(with = "As::<Option<UpToOne>>")]
+    #[serde(with = "As::<Option<Ratio>>")]
     pub inner_scale: Option<f64>,
     /// Weight rho of the containment condition in scaled units, above 0; searched when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -23,7 +23,7 @@ pub use file::{
 pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
 pub use ranges::{
     check_count, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_shape, check_symmetric, check_version, finite, MAX_BOUNDS,
+    check_positive_definite, check_shape, check_symmetric, check_version, finite, Size, MAX_BOUNDS,
     MAX_COLUMNS,
 };
 pub use read::{

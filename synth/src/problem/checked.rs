@@ -13,7 +13,7 @@ use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SAT
 use crate::conditions::state_feedback::VertexPlant;
 use crate::model::{
     check_bounds, check_count, check_line, check_matrix, check_positive_definite,
-    check_state_matrices, check_version, parse, FileError, Kind, ModelError, MAX_BOUNDS,
+    check_state_matrices, check_version, parse, FileError, Kind, ModelError, Size, MAX_BOUNDS,
     MAX_COLUMNS,
 };
 
@@ -27,8 +27,6 @@ pub struct Problem {
     /// What is requested.
     pub task: DesignTask,
 }
-
-type Size = (Option<usize>, Option<usize>);
 
 impl Problem {
     /// Reads and checks the text of a problem file.

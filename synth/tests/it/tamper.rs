@@ -249,3 +249,25 @@ fn numbers_outside_the_proof_do_not_change_the_verdict() {
         assert_eq!(checked.report.verdict, Verdict::Proved, "{path}");
     }
 }
+
+#[test]
+fn the_proof_imports_nothing_from_synthesis() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/certify");
+    let folders = [folder.to_string(), format!("{folder}/infeasible")];
+    let mut files = 0;
+    for entry in folders
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).expect("a folder"))
+    {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_some_and(|kind| kind == "rs") {
+            let text = std::fs::read_to_string(&path).expect("a text");
+            for module in ["conditions", "reduce", "scaling", "synthesis", "programs"] {
+                let name = format!("crate::{module}::");
+                assert!(!text.contains(&name), "{name} in {}", path.display());
+            }
+            files += 1;
+        }
+    }
+    assert!(files > 8, "{files}");
+}

@@ -4,9 +4,8 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::conditions::GainPlan;
 use crate::model::bounded::{As, Finite, Rows};
-use crate::model::{check_shape, check_symmetric, Mismatch, Model, ModelError};
+use crate::model::{check_shape, check_symmetric, GainForm, Mismatch, Model, ModelError};
 
 /// Dual multiplier of (18) at one vertex.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -166,7 +165,7 @@ impl DualMultipliers {
     /// Every dual multiplier belongs to an existing condition.
     pub(super) fn fits(&self, model: &Model) -> bool {
         // Dual multipliers about a free gain prove nothing about scheduled ones.
-        let constant = model.task().gains == GainPlan::constant();
+        let constant = model.file.gains == GainForm::Constant;
         let free = self.given.is_empty();
         let matched = self.is_matched(model);
         let pairs = self.gains.iter().all(|part| {

@@ -171,7 +171,7 @@ impl Evaluator<'_> {
         &self,
         point: &[f64],
         linearisation: &DMatrix<f64>,
-    ) -> Result<Option<Solved>, SynthesisError> {
+    ) -> Result<Option<SolvedProgram>, SynthesisError> {
         let file = self.space.at(point);
         let xi_max = file.specs.xi_max;
         let Some(task) = self.task(file, linearisation) else {
@@ -198,7 +198,7 @@ impl Evaluator<'_> {
                 (-0.5 * (peak * weight_max(&task)).ln(), -0.5 / peak)
             }
         };
-        Ok(objective.is_finite().then_some(Solved {
+        Ok(objective.is_finite().then_some(SolvedProgram {
             assembled,
             program,
             solution,
@@ -209,7 +209,12 @@ impl Evaluator<'_> {
     }
 
     /// The gradient at a solved point.
-    fn slope(&self, point: &[f64], linearisation: &DMatrix<f64>, solved: &Solved) -> Vec<f64> {
+    fn slope(
+        &self,
+        point: &[f64],
+        linearisation: &DMatrix<f64>,
+        solved: &SolvedProgram,
+    ) -> Vec<f64> {
         let along = |(coordinate, range): (usize, &Range)| {
             let [low, high] = range.coordinates();
             let step = match point[coordinate] > 0.5 * (low + high) {
@@ -249,7 +254,7 @@ impl Evaluator<'_> {
     /// model.
     fn derivative(
         &self,
-        solved: &Solved,
+        solved: &SolvedProgram,
         file: ModelFile,
         linearisation: &DMatrix<f64>,
         step: f64,
@@ -276,7 +281,7 @@ impl Evaluator<'_> {
 }
 
 /// A program with its solution.
-struct Solved {
+struct SolvedProgram {
     assembled: Assembled,
     program: Semidefinite,
     solution: Solution,
@@ -286,7 +291,7 @@ struct Solved {
     xi_max: f64,
 }
 
-impl Solved {
+impl SolvedProgram {
     /// <Z, S(y)> of another program with the same cones, less that of this one.
     fn change(&self, other: &Semidefinite) -> f64 {
         pairing(other, &self.solution) - pairing(&self.program, &self.solution)
