@@ -1,4 +1,4 @@
-//! What every layer above uses: checks of a file's numbers, digests, tables and their files, numbers as
+//! What every layer above uses: checks of a file's numbers, digests, tables and their files, units, numbers as
 //! text.
 
 pub mod bounded;
@@ -11,3 +11,4 @@ pub mod plant_model;
 pub mod provenance;
 pub mod ranges;
 pub mod table;
+pub mod unit;

@@ -7,19 +7,12 @@ use synth::solve::SolveError;
 use synth::synthesis::SynthesisError;
 
 use super::answer::Exit;
+use crate::base::files::OutputError;
 use crate::batch::campaign::CampaignError;
 
 /// One clear sentence; the exit status is 1.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// A file cannot be used.
-    #[error("{}: {problem}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        problem: FileError,
-    },
     /// A file cannot be used, for a reason of its own.
     #[error("{}: {reason}", path.display())]
     Unsuitable {
@@ -34,9 +27,9 @@ pub enum CliError {
     /// A campaign cannot go on.
     #[error("{0}")]
     Campaign(String),
-    /// A result cannot be written.
+    /// A file cannot be read or written, or is not what it should be.
     #[error(transparent)]
-    Output(#[from] crate::base::files::OutputError),
+    Output(#[from] OutputError),
     /// A result with a page cannot be written.
     #[error(transparent)]
     Report(#[from] crate::report::pages::files::ReportError),
@@ -83,10 +76,10 @@ impl CliError {
 
     /// A problem with a file.
     pub fn file(path: &Path, problem: impl Into<FileError>) -> Self {
-        CliError::File {
+        CliError::Output(OutputError::File {
             path: path.to_path_buf(),
             problem: problem.into(),
-        }
+        })
     }
 
     /// A value of a file that is not allowed.

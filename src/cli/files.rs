@@ -1,115 +1,73 @@
-//! Reading the project's files by path.
+//! Reading and writing files by path.
 
 use std::path::Path;
 
-use synth::design::DesignFile;
-use synth::feasibility::InfeasibilityFile;
-use synth::model::{read_text, GainsFile, Model};
-use synth::problem::{Problem, ProblemDesignFile};
+use synth::model::{write_atomically, FileError};
 
 use super::error::CliError;
-use crate::batch::tune::file::Requirements;
-use crate::scenario::Scenario;
+use crate::base::files::read;
 
 /// A file's text.
 pub fn text(path: &Path) -> Result<String, CliError> {
-    read_text(path).map_err(|problem| CliError::file(path, problem))
+    Ok(read(path)?)
 }
 
-/// The checked content of a model file with this text.
-pub fn model_of(path: &Path, text: &str) -> Result<Model, CliError> {
-    Model::from_json(text).map_err(|problem| CliError::file(path, problem))
-}
-
-/// A design file with this text, and the checked model inside it.
-pub fn design_of(path: &Path, text: &str) -> Result<(DesignFile, Model), CliError> {
-    DesignFile::from_json(text).map_err(|problem| CliError::file(path, problem))
-}
-
-/// The checked content of a problem file with this text.
-pub fn problem_of(path: &Path, text: &str) -> Result<Problem, CliError> {
-    Problem::from_json(text).map_err(|problem| CliError::file(path, problem))
-}
-
-/// The design file of a problem with this text, and the checked problem inside it.
-pub fn problem_design_of(
+/// The checked content of a file with this text, such as by `Model::from_json`.
+pub fn parse<T>(
     path: &Path,
     text: &str,
-) -> Result<(ProblemDesignFile, Problem), CliError> {
-    ProblemDesignFile::from_json(text).map_err(|problem| CliError::file(path, problem))
+    from_json: impl FnOnce(&str) -> Result<T, FileError>,
+) -> Result<T, CliError> {
+    from_json(text).map_err(|problem| CliError::file(path, problem))
 }
 
-/// An infeasibility certificate with this text, and the checked model inside it.
-pub fn infeasibility_of(path: &Path, text: &str) -> Result<(InfeasibilityFile, Model), CliError> {
-    InfeasibilityFile::from_json(text).map_err(|problem| CliError::file(path, problem))
+/// A file's text and its checked content.
+pub fn load<T>(
+    path: &Path,
+    from_json: impl FnOnce(&str) -> Result<T, FileError>,
+) -> Result<(String, T), CliError> {
+    let text = text(path)?;
+    let content = parse(path, &text, from_json)?;
+    Ok((text, content))
 }
 
-/// The checked content of a scenario file with this text.
-pub fn scenario_of(path: &Path, text: &str) -> Result<Scenario, CliError> {
-    Scenario::from_json(text).map_err(|problem| CliError::file(path, problem))
-}
-
-/// The checked content of a requirements file with this text.
-pub fn requirements_of(path: &Path, text: &str) -> Result<Requirements, CliError> {
-    Requirements::from_json(text).map_err(|problem| CliError::file(path, problem))
-}
-
-/// The checked content of a gains file with this text.
-pub fn gains_of(path: &Path, text: &str) -> Result<GainsFile, CliError> {
-    GainsFile::from_json(text).map_err(|problem| CliError::file(path, problem))
-}
-
-/// Refuses an output path that cannot be written or that is the input, before any long work.
-pub fn check_output(path: &Path, input: &Path) -> Result<(), CliError> {
+/// Refuses an output path that cannot be written or that is an input, before any long work.
+pub fn check_output(output: Option<&Path>, inputs: &[&Path]) -> Result<(), CliError> {
+    let Some(path) = output else {
+        return Ok(());
+    };
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    if path.is_dir() {
-        return Err(CliError::unsuitable(
-            path,
-            "this is a folder; a file name is needed",
-        ));
-    }
-    if !folder.is_dir() {
-        return Err(CliError::unsuitable(
-            path,
-            "cannot be written: its folder does not exist",
-        ));
-    }
-    if path.exists() && !path.is_file() {
-        return Err(CliError::unsuitable(
-            path,
-            "cannot be written: it is not an ordinary file",
-        ));
-    }
-    let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
-    if same(path, input) == Some(true) {
-        return Err(CliError::unsuitable(
-            path,
-            "this is the input; it would be overwritten",
-        ));
-    }
-    Ok(())
+    let same = |input: &&Path| Some(path.canonicalize().ok()? == input.canonicalize().ok()?);
+    let reason = if path.is_dir() {
+        "this is a folder; a file name is needed"
+    } else if !folder.is_dir() {
+        "cannot be written: its folder does not exist"
+    } else if path.exists() && !path.is_file() {
+        "cannot be written: it is not an ordinary file"
+    } else if inputs.iter().any(|input| same(input) == Some(true)) {
+        "this is the input; it would be overwritten"
+    } else {
+        return Ok(());
+    };
+    Err(CliError::unsuitable(path, reason))
 }
 
 /// Refuses an output folder that is something else, before any long work.
-pub fn check_folder(path: &Path) -> Result<(), CliError> {
-    match path.exists() && !path.is_dir() {
-        true => Err(CliError::unsuitable(
+pub fn check_folder(path: Option<&Path>) -> Result<(), CliError> {
+    match path {
+        Some(path) if path.exists() && !path.is_dir() => Err(CliError::unsuitable(
             path,
             "this is a file; a folder is needed",
         )),
-        false => Ok(()),
+        _ => Ok(()),
     }
 }
 
 /// Writes a result file whole or not at all.
-pub fn write(path: &Path, contents: &str) -> Result<(), CliError> {
-    write_bytes(path, contents.as_bytes())
-}
-
-/// As [`write`], for any bytes.
-pub fn write_bytes(path: &Path, contents: &[u8]) -> Result<(), CliError> {
-    synth::model::write_atomically(path, contents).map_err(|problem| CliError::file(path, problem))
+pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), CliError> {
+    let written = write_atomically(path, contents.as_ref());
+    written.map_err(|problem| CliError::file(path, problem))
 }

@@ -29,8 +29,28 @@ pub(crate) fn solve<T>(
     what: &str,
     run: impl FnOnce(Option<Observer>) -> Result<T, SynthesisError>,
 ) -> Result<T, CliError> {
-    let progress = SolverProgress::start(what);
-    run(Some(progress.observer())).map_err(|error| CliError::synthesis(model, error))
+    let found = watched(what, |observer| run(Some(observer)));
+    found.map_err(|error| CliError::synthesis(model, error))
+}
+
+/// Runs a solver with a spinner on standard error when that is a terminal, nothing otherwise; Ctrl-C stops it.
+pub(crate) fn watched<T>(what: &str, run: impl FnOnce(Observer) -> T) -> T {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    bar.set_message(what.to_string());
+    bar.enable_steady_tick(Duration::from_millis(100));
+    let (shown, interrupted) = (bar.clone(), interrupted());
+    let result = run(Arc::new(move |progress: &Progress| {
+        shown.set_message(format!(
+            "iteration {}, objective {:.6e}, gap {:.1e}",
+            progress.iteration, progress.objective, progress.relative_gap
+        ));
+        !interrupted.load(Ordering::Relaxed)
+    }));
+    bar.finish_and_clear();
+    result
 }
 
 /// Shows a line on a terminal, nothing otherwise.
@@ -38,12 +58,6 @@ pub(crate) fn ahead(line: &str) {
     let bar = ProgressBar::new_spinner();
     bar.println(line);
     bar.finish_and_clear();
-}
-
-/// A spinner on standard error when that is a terminal, nothing otherwise.
-pub struct SolverProgress {
-    bar: ProgressBar,
-    interrupted: Arc<AtomicBool>,
 }
 
 /// Set by Ctrl-C, for the whole process: a signal handler can be installed once only.
@@ -65,41 +79,6 @@ pub fn interrupted() -> Arc<AtomicBool> {
         flag
     };
     Arc::clone(INTERRUPTED.get_or_init(install))
-}
-
-impl SolverProgress {
-    /// Starts showing.
-    pub fn start(what: &str) -> Self {
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
-        bar.set_message(what.to_string());
-        bar.enable_steady_tick(Duration::from_millis(100));
-        SolverProgress {
-            bar,
-            interrupted: interrupted(),
-        }
-    }
-
-    /// To be called by a solver between iterations.
-    pub fn observer(&self) -> Observer {
-        let bar = self.bar.clone();
-        let interrupted = Arc::clone(&self.interrupted);
-        Arc::new(move |progress: &Progress| {
-            bar.set_message(format!(
-                "iteration {}, objective {:.6e}, gap {:.1e}",
-                progress.iteration, progress.objective, progress.relative_gap
-            ));
-            !interrupted.load(Ordering::Relaxed)
-        })
-    }
-}
-
-impl Drop for SolverProgress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 /// A bar over the parts of long work on standard error when that is a terminal, nothing otherwise.

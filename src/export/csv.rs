@@ -15,28 +15,21 @@ pub const COLUMNS: [&str; 7] = [
 /// # Errors
 /// Never for data in memory, as far as is known.
 pub fn design(data: &DesignData) -> Result<String, CsvError> {
-    let mut records = vec![COLUMNS.map(str::to_string)];
-    for (key, text) in data.about() {
-        let mut record = std::array::from_fn(|_| String::new());
-        [record[0], record[6]] = [key.to_string(), text.to_string()];
-        records.push(record);
-    }
-    for quantity in &data.quantities {
-        for (place, value) in places(quantity).into_iter().zip(&quantity.values) {
-            let [matrix, row, column] = place;
-            let (name, unit) = (quantity.name.clone(), quantity.unit.clone());
-            records.push([
-                name,
-                matrix,
-                row,
-                column,
-                value.to_string(),
-                unit,
-                String::new(),
-            ]);
-        }
-    }
-    to_text(records)
+    let head = COLUMNS.map(str::to_string);
+    let about = data.about().into_iter();
+    let about = about.map(|(key, text)| {
+        let [matrix, row, column, value, unit] = Default::default();
+        [key, matrix, row, column, value, unit, text]
+    });
+    let numbers = data.quantities.iter().flat_map(|quantity| {
+        let numbers = places(quantity).into_iter().zip(&quantity.values);
+        numbers.map(|([matrix, row, column], value)| {
+            let (name, unit) = (quantity.name.clone(), quantity.unit.to_string());
+            let value = value.to_string();
+            [name, matrix, row, column, value, unit, String::new()]
+        })
+    });
+    to_text([head].into_iter().chain(about).chain(numbers))
 }
 
 /// Matrix, row and column of every number, empty where the quantity has none.

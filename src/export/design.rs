@@ -14,6 +14,7 @@ use crate::run::design::Design;
 const PER_STATE: &str = "input per state";
 const WEIGHT: &str = "1/state^2";
 const MIXED: &str = "mixed";
+const GAIN: &str = "output per disturbance";
 
 /// A design and what is to be said of it.
 #[derive(Debug, Clone)]
@@ -76,15 +77,14 @@ impl DesignData {
         ]);
         let proof = &file.certificate;
         data.quantities = vec![
-            Quantity::matrix("gain", &file.controller.gain, PER_STATE, "the feedback F"),
-            Quantity::matrix("lyapunov", &proof.lyapunov, WEIGHT, "P of x'Px"),
-            Quantity::number("guarantee", proof.guarantee, "1", &meaning),
+            Quantity::new("gain", PER_STATE, &file.controller.gain).means("the feedback F"),
+            Quantity::new("lyapunov", WEIGHT, &proof.lyapunov).means("P of x'Px"),
+            Quantity::new("guarantee", "1", &proof.guarantee).means(&meaning),
         ];
-        for (name, rows) in &proof.auxiliary {
-            let meaning = "a further gain that the proof needs";
-            data.quantities
-                .push(Quantity::matrix(name, rows, PER_STATE, meaning));
-        }
+        let further = proof.auxiliary.iter();
+        data.quantities.extend(further.map(|(name, rows)| {
+            Quantity::new(name, PER_STATE, rows).means("a further gain that the proof needs")
+        }));
         data
     }
 
@@ -177,51 +177,34 @@ fn law(design: &Design) -> Vec<String> {
 /// What the flight code needs.
 fn law_quantities(design: &Design) -> Vec<Quantity> {
     let (controller, specs) = (&design.file.controller, &design.model.file.specs);
-    let spacecraft = design.model.plant.inertia().is_some();
-    let per_state = match spacecraft {
-        true => "N m per rad/s (columns 1 to 3), N m (columns 4 to 6)",
-        false => PER_STATE,
-    };
     let limit = design.model.plant.takagi_sugeno().input_limit;
-    let (limit_name, limit_unit) = match spacecraft {
-        true => ("torque_limit_nm", "N m"),
-        false => ("input_limit", "input"),
+    let (per_state, limit_name, limit_unit) = match design.model.plant.inertia() {
+        Some(_) => (
+            "N m per rad/s (columns 1 to 3), N m (columns 4 to 6)",
+            "torque_limit_nm",
+            "N m",
+        ),
+        None => (PER_STATE, "input_limit", "input"),
     };
-    let weight = &controller.trigger_weight;
     let shortest = design.model.sampling_interval_min();
     let mut out = vec![
-        Quantity::matrices(
-            "gains",
-            &controller.gains,
-            per_state,
-            "the gains F_j, one for each rule",
-        ),
-        Quantity::matrix(
-            "trigger_weight",
-            weight,
-            WEIGHT,
-            "W of the trigger (Upsilon)",
-        ),
-        Quantity::vector(
-            limit_name,
-            limit.as_slice(),
-            limit_unit,
-            "saturation level of each input",
-        ),
-        Quantity::number("hbar_s", specs.hbar_s, "s", "longest sampling interval"),
-        Quantity::number("hmin_s", shortest, "s", "shortest sampling interval"),
-        Quantity::number("nu", specs.nu, "1", "largest trigger threshold"),
+        Quantity::new("gains", per_state, &controller.gains)
+            .means("the gains F_j, one for each rule"),
+        Quantity::new("trigger_weight", WEIGHT, &controller.trigger_weight)
+            .means("W of the trigger (Upsilon)"),
+        Quantity::new(limit_name, limit_unit, limit.as_slice())
+            .means("saturation level of each input"),
+        Quantity::new("hbar_s", "s", &specs.hbar_s).means("longest sampling interval"),
+        Quantity::new("hmin_s", "s", &shortest).means("shortest sampling interval"),
+        Quantity::new("nu", "1", &specs.nu).means("largest trigger threshold"),
     ];
     if let Some(update) = &specs.threshold_update {
         let least = specs.nu_min.unwrap_or(specs.nu);
-        out.push(Quantity::number(
-            "nu_min",
-            least,
-            "1",
-            "smallest trigger threshold",
-        ));
-        let meaning = "amplitude, slope and dead band of the threshold's update";
-        out.push(Quantity::vector("threshold_mu", &update.mu, "1", meaning));
+        out.extend([
+            Quantity::new("nu_min", "1", &least).means("smallest trigger threshold"),
+            Quantity::new("threshold_mu", "1", &update.mu[..])
+                .means("amplitude, slope and dead band of the threshold's update"),
+        ]);
     }
     if scheduled(design) {
         match &design.model.plant {
@@ -237,13 +220,9 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
 fn corners(craft: &ExactSpacecraft) -> Quantity {
     let corner = |rule: usize| craft.corner(rule).iter().copied().collect();
     let rows: Vec<Vec<f64>> = (0..SPACECRAFT_VERTICES).map(corner).collect();
-    let meaning = "rates 1 to 3 and scalar part q0 at the corner of each rule";
-    Quantity::matrix(
-        "rule_corners",
-        &rows,
-        "rad/s (columns 1 to 3), 1 (column 4)",
-        meaning,
-    )
+    let unit = "rad/s (columns 1 to 3), 1 (column 4)";
+    Quantity::new("rule_corners", unit, &rows)
+        .means("rates 1 to 3 and scalar part q0 at the corner of each rule")
 }
 
 /// The fuzzy sets of every rule (row) over every state (column of the matrix of a rule).
@@ -260,25 +239,15 @@ fn fuzzy_sets(rules: &RuleModel) -> [Quantity; 2] {
         FuzzySet::Gaussian { centre, width } => vec![3.0, centre, width, 0.0, 0.0],
         FuzzySet::Never => vec![4.0, 0.0, 0.0, 0.0, 0.0],
     };
-    let sets: Vec<Vec<Vec<f64>>> = rules
-        .sets
-        .iter()
-        .map(|sets| sets.iter().map(coded).collect())
-        .collect();
+    let sets = rules.sets.iter();
+    let sets = sets.map(|sets| sets.iter().map(coded).collect());
+    let sets: Vec<Vec<Vec<f64>>> = sets.collect();
     let bounds = rules.system.box_bounds.as_slice();
+    let unit = "kind, then four numbers in the unit of the state";
     [
-        Quantity::vector(
-            "state_bounds",
-            bounds,
-            "state",
-            "the box in which the rules hold",
-        ),
-        Quantity::matrices(
-            "fuzzy_sets",
-            &sets,
-            "kind, then four numbers in the unit of the state",
-            "fuzzy sets: a matrix for each rule, a row for each state",
-        ),
+        Quantity::new("state_bounds", "state", bounds).means("the box in which the rules hold"),
+        Quantity::new("fuzzy_sets", unit, &sets)
+            .means("fuzzy sets: a matrix for each rule, a row for each state"),
     ]
 }
 
@@ -290,30 +259,19 @@ fn proof(design: &Design) -> Vec<Quantity> {
         true => ("disturbance_bound_nm", "N m"),
         false => ("disturbance_bound", "disturbance"),
     };
+    let most = model.plant.takagi_sugeno().disturbance_bound;
     let mut out = certificate(&design.file.certificate);
     out.extend([
-        Quantity::number("phi_per_s", specs.phi_per_s, "1/s", "decay rate"),
-        Quantity::number(
-            bound,
-            model.plant.takagi_sugeno().disturbance_bound,
-            unit,
-            "bound on the norm of the disturbance",
-        ),
+        Quantity::new("phi_per_s", "1/s", &specs.phi_per_s).means("decay rate"),
+        Quantity::new(bound, unit, &most).means("bound on the norm of the disturbance"),
     ]);
     if let (Some(outer), Some(specs)) = (&design.file.outer, &specs.outer) {
-        out.push(Quantity::number(
-            "outer_trigger_multiple",
-            outer.trigger_multiple,
-            "1",
-            "the outer functional uses this multiple of trigger_weight",
-        ));
-        let meaning = "decay rate of the outer functional";
-        out.push(Quantity::number(
-            "outer_phi_per_s",
-            specs.phi_per_s,
-            "1/s",
-            meaning,
-        ));
+        out.extend([
+            Quantity::new("outer_trigger_multiple", "1", &outer.trigger_multiple)
+                .means("the outer functional uses this multiple of trigger_weight"),
+            Quantity::new("outer_phi_per_s", "1/s", &specs.phi_per_s)
+                .means("decay rate of the outer functional"),
+        ]);
         let outer = certificate(&outer.certificate).into_iter();
         out.extend(outer.map(|quantity| Quantity {
             name: format!("outer_{}", quantity.name),
@@ -326,76 +284,36 @@ fn proof(design: &Design) -> Vec<Quantity> {
 
 /// The unknowns of one certificate.
 fn certificate(proof: &CertificateFile) -> Vec<Quantity> {
-    let matrix =
-        |name, rows: &Vec<Vec<f64>>, unit, meaning| Quantity::matrix(name, rows, unit, meaning);
-    let number = Quantity::number;
     let mut out = vec![
-        matrix(
-            "lyapunov",
-            &proof.lyapunov,
-            WEIGHT,
-            "U: x'Ux <= 1 is the certified set",
-        ),
-        matrix(
-            "integral_weight",
-            &proof.integral_weight,
-            MIXED,
-            "Y of the integral of V2",
-        ),
-        matrix(
-            "multiplier",
-            &proof.multiplier,
-            MIXED,
-            "multiplier of the plant's equation",
-        ),
-        matrix("free_state", &proof.free_state, MIXED, "L1"),
-        matrix("free_sample", &proof.free_sample, MIXED, "L2"),
-        Quantity::matrices(
-            "anti_windup",
-            &proof.anti_windup,
-            PER_STATE,
-            "N_j, one for each rule",
-        ),
-        Quantity::vector(
-            "sector_weight",
-            &proof.sector_weight,
-            MIXED,
-            "the diagonal of M",
-        ),
-        number(
-            "xi",
-            proof.xi,
-            MIXED,
-            "weight of the disturbance: V' <= -phi V + xi |tau|^2",
-        ),
-        number(
-            "gamma",
-            proof.gamma,
-            "output per disturbance",
-            "bound on sup|y| / sup|tau| from rest",
-        ),
-        number(
-            "guaranteed_gain",
-            proof.guaranteed_gain,
-            "output per disturbance",
-            "the sharper bound on sup|y| / sup|tau| from rest",
-        ),
+        Quantity::new("lyapunov", WEIGHT, &proof.lyapunov)
+            .means("U: x'Ux <= 1 is the certified set"),
+        Quantity::new("integral_weight", MIXED, &proof.integral_weight)
+            .means("Y of the integral of V2"),
+        Quantity::new("multiplier", MIXED, &proof.multiplier)
+            .means("multiplier of the plant's equation"),
+        Quantity::new("free_state", MIXED, &proof.free_state).means("L1"),
+        Quantity::new("free_sample", MIXED, &proof.free_sample).means("L2"),
+        Quantity::new("anti_windup", PER_STATE, &proof.anti_windup).means("N_j, one for each rule"),
+        Quantity::new("sector_weight", MIXED, &proof.sector_weight).means("the diagonal of M"),
+        Quantity::new("xi", MIXED, &proof.xi)
+            .means("weight of the disturbance: V' <= -phi V + xi |tau|^2"),
+        Quantity::new("gamma", GAIN, &proof.gamma).means("bound on sup|y| / sup|tau| from rest"),
+        Quantity::new("guaranteed_gain", GAIN, &proof.guaranteed_gain)
+            .means("the sharper bound on sup|y| / sup|tau| from rest"),
     ];
-    if let Some(radius) = proof.certified_vector_part {
-        let meaning = "every attitude at rest with |q| up to this is a certified start";
-        out.push(number("certified_vector_part", radius, "1", meaning));
-    }
+    out.extend(proof.certified_vector_part.map(|radius| {
+        Quantity::new("certified_vector_part", "1", &radius)
+            .means("every attitude at rest with |q| up to this is a certified start")
+    }));
     for (index, side) in proof.mismatch.iter().enumerate() {
-        let meaning = "slack of the mismatch of the memberships, one for each rule";
-        let name = format!("mismatch_bounds_{}", index + 1);
-        out.push(Quantity::matrices(&name, &side.bounds, MIXED, meaning));
-        let name = format!("mismatch_common_{}", index + 1);
-        out.push(Quantity::matrix(
-            &name,
-            &side.common,
-            MIXED,
-            "what these slacks have in common",
-        ));
+        let (bounds, common) = ("mismatch_bounds", "mismatch_common");
+        let name = |what| format!("{what}_{}", index + 1);
+        out.extend([
+            Quantity::new(&name(bounds), MIXED, &side.bounds)
+                .means("slack of the mismatch of the memberships, one for each rule"),
+            Quantity::new(&name(common), MIXED, &side.common)
+                .means("what these slacks have in common"),
+        ]);
     }
     out
 }

@@ -79,21 +79,23 @@ pub fn to_bytes(variables: &[(String, MatValue)]) -> Result<Vec<u8>, MatError> {
 /// # Errors
 /// None for the names that designs have.
 pub fn design(data: &DesignData) -> Result<Vec<u8>, MatError> {
-    let units = data.quantities.iter().map(|quantity| {
-        let unit = MatValue::Text(quantity.unit.clone());
-        (quantity.name.clone(), unit)
-    });
-    let about = data.about().into_iter();
-    let about = about.map(|(key, text)| (key, MatValue::Text(text)));
+    let quantities = data.quantities.iter();
+    let units = quantities.clone().map(|own| (&own.name, own.unit));
     let proved = MatValue::Real(vec![1, 1], vec![f64::from(u8::from(data.proved))]);
     let mut variables = vec![
         ("proved".to_string(), proved),
-        ("provenance".to_string(), MatValue::Struct(about.collect())),
-        ("units".to_string(), MatValue::Struct(units.collect())),
+        ("provenance".to_string(), texts(data.about())),
+        ("units".to_string(), texts(units)),
     ];
-    let quantities = data.quantities.iter();
-    variables.extend(quantities.map(|quantity| (quantity.name.clone(), array(quantity))));
+    variables.extend(quantities.map(|own| (own.name.clone(), array(own))));
     to_bytes(&variables)
+}
+
+/// A structure of texts.
+pub fn texts<K: ToString, T: ToString>(pairs: impl IntoIterator<Item = (K, T)>) -> MatValue {
+    let pairs = pairs.into_iter();
+    let fields = pairs.map(|(key, text)| (key.to_string(), MatValue::Text(text.to_string())));
+    MatValue::Struct(fields.collect())
 }
 
 /// Rows, columns and matrices, first index fastest.
@@ -134,13 +136,20 @@ fn check_names(variables: &[(String, MatValue)]) -> Result<(), MatError> {
 /// An array; `variable` is what an error names, `name` is empty inside a structure.
 fn matrix(variable: &str, name: &str, value: &MatValue, out: &mut Vec<u8>) -> Result<(), MatError> {
     let mut body = Vec::new();
-    let (class, sizes) = match value {
-        MatValue::Real(sizes, _) => (MX_DOUBLE, sizes.clone()),
-        MatValue::Text(text) => {
-            let units = utf16(text).len();
-            (MX_CHAR, vec![usize::from(units > 0), units])
+    let (class, sizes, data) = match value {
+        MatValue::Real(sizes, values) => {
+            let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+            let data = (MI_DOUBLE, bytes.collect::<Vec<u8>>());
+            (MX_DOUBLE, sizes.clone(), Some(data))
         }
-        MatValue::Struct(_) => (MX_STRUCT, vec![1, 1]),
+        MatValue::Text(text) => {
+            let units = utf16(text);
+            let bytes = units.iter().flat_map(|unit| unit.to_le_bytes());
+            let data = (MI_UTF16, bytes.collect::<Vec<u8>>());
+            let sizes = vec![usize::from(!units.is_empty()), units.len()];
+            (MX_CHAR, sizes, Some(data))
+        }
+        MatValue::Struct(_) => (MX_STRUCT, vec![1, 1], None),
     };
     let flags = [class.to_le_bytes(), [0; 4]].concat();
     element(variable, MI_UINT32, &flags, &mut body)?;
@@ -151,20 +160,11 @@ fn matrix(variable: &str, name: &str, value: &MatValue, out: &mut Vec<u8>) -> Re
     }
     element(variable, MI_INT32, &dimensions, &mut body)?;
     element(variable, MI_INT8, name.as_bytes(), &mut body)?;
-    match value {
-        MatValue::Real(_, values) => {
-            let bytes: Vec<u8> = values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect();
-            element(variable, MI_DOUBLE, &bytes, &mut body)?;
-        }
-        MatValue::Text(text) => {
-            let units = utf16(text);
-            let bytes: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
-            element(variable, MI_UTF16, &bytes, &mut body)?;
-        }
-        MatValue::Struct(fields) => structure(variable, fields, &mut body)?,
+    if let Some((kind, bytes)) = data {
+        element(variable, kind, &bytes, &mut body)?;
+    }
+    if let MatValue::Struct(fields) = value {
+        structure(variable, fields, &mut body)?;
     }
     out.extend(MI_MATRIX.to_le_bytes());
     out.extend(length(variable, body.len())?.to_le_bytes());

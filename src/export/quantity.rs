@@ -11,45 +11,66 @@ pub struct Quantity {
     /// The numbers, last index fastest.
     pub values: Vec<f64>,
     /// Unit; 1 for none.
-    pub unit: String,
+    pub unit: &'static str,
     /// What it is.
     pub meaning: String,
 }
 
+/// A number, or a list of what is itself one of these, all of one size.
+pub trait Numbers {
+    /// Sizes, from the outermost list to the innermost.
+    fn shape(&self) -> Vec<usize>;
+    /// The numbers, last index fastest.
+    fn values(&self) -> Vec<f64>;
+}
+
+impl Numbers for f64 {
+    fn shape(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    fn values(&self) -> Vec<f64> {
+        vec![*self]
+    }
+}
+
+impl<T: Numbers> Numbers for [T] {
+    fn shape(&self) -> Vec<usize> {
+        let inner = self.first().map_or(Vec::new(), T::shape);
+        [vec![self.len()], inner].concat()
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.iter().flat_map(T::values).collect()
+    }
+}
+
+impl<T: Numbers> Numbers for Vec<T> {
+    fn shape(&self) -> Vec<usize> {
+        self.as_slice().shape()
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.as_slice().values()
+    }
+}
+
 impl Quantity {
-    /// A number.
-    pub fn number(name: &str, value: f64, unit: &str, meaning: &str) -> Self {
-        Self::new(name, Vec::new(), vec![value], unit, meaning)
-    }
-
-    /// A vector.
-    pub fn vector(name: &str, values: &[f64], unit: &str, meaning: &str) -> Self {
-        Self::new(name, vec![values.len()], values.to_vec(), unit, meaning)
-    }
-
-    /// A matrix, given by its rows, which have the same length.
-    pub fn matrix(name: &str, rows: &[Vec<f64>], unit: &str, meaning: &str) -> Self {
-        let shape = vec![rows.len(), rows.first().map_or(0, Vec::len)];
-        Self::new(name, shape, rows.concat(), unit, meaning)
-    }
-
-    /// Matrices of one size.
-    pub fn matrices(name: &str, matrices: &[Vec<Vec<f64>>], unit: &str, meaning: &str) -> Self {
-        let first = matrices.first();
-        let columns = first.and_then(|rows| rows.first()).map_or(0, Vec::len);
-        let shape = vec![matrices.len(), first.map_or(0, Vec::len), columns];
-        let values = matrices.iter().flatten().flatten().copied().collect();
-        Self::new(name, shape, values, unit, meaning)
-    }
-
-    fn new(name: &str, shape: Vec<usize>, values: Vec<f64>, unit: &str, meaning: &str) -> Self {
+    /// Numbers under a name.
+    pub fn new<T: Numbers + ?Sized>(name: &str, unit: &'static str, numbers: &T) -> Self {
         Self {
             name: name.to_string(),
-            shape,
-            values,
-            unit: unit.to_string(),
-            meaning: meaning.to_string(),
+            shape: numbers.shape(),
+            values: numbers.values(),
+            unit,
+            meaning: String::new(),
         }
+    }
+
+    /// With what it is.
+    pub fn means(mut self, meaning: &str) -> Self {
+        self.meaning = meaning.to_string();
+        self
     }
 
     /// Number of matrices, of rows and of columns; a vector is one column.

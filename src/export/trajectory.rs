@@ -2,20 +2,12 @@
 
 use arrow_array::Float64Array;
 
-use super::mat::{to_bytes, MatError, MatValue};
+use super::mat::{texts, to_bytes, MatError, MatValue};
 use crate::base::parquet::{self, Column, ParquetError};
 use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
+use crate::base::unit::unit_of_key;
 use crate::run::summary::Summary;
-
-/// Endings of columns' names with their units, the longer before the shorter.
-const UNITS: [(&str, &str); 5] = [
-    ("_rad_s", "rad/s"),
-    ("_nm", "N m"),
-    ("_deg", "deg"),
-    ("_j", "J"),
-    ("_s", "s"),
-];
 
 /// A trajectory and what is to be said of it.
 #[derive(Debug, Clone)]
@@ -56,22 +48,11 @@ impl TrajectoryData {
     /// # Errors
     /// A column whose name MATLAB does not have; a column beyond 4 GiB.
     pub fn to_mat(&self) -> Result<Vec<u8>, MatError> {
-        let text = |(key, text): (&str, &str)| (key.to_string(), MatValue::Text(text.to_string()));
-        let units = self
-            .table
-            .columns
-            .iter()
-            .map(|name| (name.as_str(), unit(name)));
-        let about = self.about.iter().map(|(key, text)| (*key, text.as_str()));
+        let units = self.table.columns.iter().map(|name| (name, unit(name)));
+        let about = self.about.iter().map(|(key, text)| (key, text));
         let mut variables = vec![
-            (
-                "units".to_string(),
-                MatValue::Struct(units.map(text).collect()),
-            ),
-            (
-                "provenance".to_string(),
-                MatValue::Struct(about.map(text).collect()),
-            ),
+            ("units".to_string(), texts(units)),
+            ("provenance".to_string(), texts(about)),
         ];
         for (name, values) in self.columns() {
             let value = MatValue::Real(vec![values.len(), 1], values);
@@ -90,10 +71,12 @@ impl TrajectoryData {
     }
 }
 
-/// The unit of a column, from the end of its name; 1 for a number without one.
-pub fn unit(column: &str) -> &'static str {
-    let known = UNITS.iter().find(|(ending, _)| column.ends_with(ending));
-    known.map_or("1", |(_, unit)| unit)
+/// The unit of a column; 1 for a number without one.
+fn unit(column: &str) -> &'static str {
+    match unit_of_key(column) {
+        "" => "1",
+        unit => unit,
+    }
 }
 
 fn provenance(summary: &Summary) -> Vec<(&'static str, String)> {
@@ -119,18 +102,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_come_from_the_names() {
-        let units = [
-            ("time_s", "s"),
-            ("rate_1_rad_s", "rad/s"),
-            ("torque_2_nm", "N m"),
-            ("error_deg", "deg"),
-            ("barrier_v1_j", "J"),
-            ("error_q0_scalar", "1"),
-            ("sent", "1"),
-        ];
-        for (name, expected) in units {
-            assert_eq!(unit(name), expected, "{name}");
-        }
+    fn numbers_without_a_unit_have_unit_1() {
+        let names = ["error_q0_scalar", "sent", "time_s"];
+        assert_eq!(names.map(unit), ["1", "1", "s"]);
     }
 }

@@ -1,64 +1,92 @@
-//! Lines of a figure, thinned to what a screen can show.
+//! Lines and points of a figure, thinned to what a screen can show.
 
-/// How a line is drawn.
+use plotters::style::RGBColor;
+
+/// Colours that colour-blind readers can tell apart (P. Tol's bright scheme).
+pub const COLOURS: [RGBColor; 6] = [
+    RGBColor(68, 119, 170),
+    RGBColor(238, 102, 119),
+    RGBColor(34, 136, 51),
+    RGBColor(204, 187, 68),
+    RGBColor(102, 204, 238),
+    RGBColor(170, 51, 119),
+];
+
+/// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// Connected.
     Line,
+    /// Small dots.
+    Dots,
+    /// Dots joined by lines.
+    Joined,
     /// Dots.
-    Dot,
+    Points,
+    /// Larger dots, joined by steps: first along the vertical, then along the horizontal.
+    Steps,
+    /// Crosses at the lower end of the figure; the vertical value does not count.
+    Crosses,
 }
 
-/// A named sequence of points (time in s, value).
+/// A named sequence of points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
-    /// Name in the legend.
+pub struct Series {
+    /// Name in the legend; empty for none.
     pub name: String,
-    /// Points in order of time.
-    pub points: Vec<(f64, f64)>,
     /// How it is drawn.
     pub mark: Mark,
+    /// Its points; those of a line over time in order of time.
+    pub points: Vec<(f64, f64)>,
+    /// Its colour; that of its place among the series when left out.
+    pub colour: Option<RGBColor>,
 }
 
 /// Columns of a figure that keep at most four points each.
 const BUCKETS: usize = 700;
 
-impl Line {
-    /// Connected points.
-    pub fn connected(name: &str, times: &[f64], values: &[f64]) -> Self {
-        let points: Vec<_> = times.iter().copied().zip(values.iter().copied()).collect();
+impl Series {
+    /// Points drawn in some way.
+    pub fn new(name: &str, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let points: Vec<_> = points.into_iter().collect();
         Self {
             name: name.to_string(),
+            mark,
             points: thinned(&points),
-            mark: Mark::Line,
+            colour: None,
         }
+    }
+
+    /// Connected points.
+    pub fn connected(name: &str, times: &[f64], values: &[f64]) -> Self {
+        let points = times.iter().copied().zip(values.iter().copied());
+        Self::new(name, Mark::Line, points)
     }
 
     /// Values that hold until the next time.
     pub fn held(name: &str, times: &[f64], values: &[f64]) -> Self {
-        let mut points = Vec::with_capacity(2 * times.len());
-        for (index, (&time, &value)) in times.iter().zip(values).enumerate() {
-            points.push((time, value));
-            if let Some(&next) = times.get(index + 1) {
-                points.push((next, value));
-            }
-        }
-        Self {
-            name: name.to_string(),
-            points: thinned(&points),
-            mark: Mark::Line,
-        }
+        let ends = times.iter().skip(1).map(|&next| Some(next)).chain([None]);
+        let points = times.iter().zip(values).zip(ends);
+        let steps = points.flat_map(|((&time, &value), end)| {
+            let end = end.map(|end| (end, value));
+            [(time, value)].into_iter().chain(end)
+        });
+        Self::new(name, Mark::Line, steps)
     }
 
     /// Dots at the times at which something happened: the time since the last of them.
     pub fn intervals(name: &str, times: &[f64]) -> Self {
         let pairs = times.windows(2);
-        let points: Vec<_> = pairs.map(|pair| (pair[1], pair[1] - pair[0])).collect();
-        Self {
-            name: name.to_string(),
-            points: thinned(&points),
-            mark: Mark::Dot,
-        }
+        Self::new(
+            name,
+            Mark::Dots,
+            pairs.map(|pair| (pair[1], pair[1] - pair[0])),
+        )
+    }
+
+    /// Its colour as the series of a figure with this index.
+    pub fn colour(&self, index: usize) -> RGBColor {
+        self.colour.unwrap_or(COLOURS[index % COLOURS.len()])
     }
 }
 
@@ -71,29 +99,13 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let bucket = |time: f64| ((time - start) / (end - start) * BUCKETS as f64) as usize;
     let mut kept = Vec::with_capacity(4 * BUCKETS);
     for group in points.chunk_by(|a, b| bucket(a.0) == bucket(b.0)) {
-        let extreme = |largest: bool| {
-            let indices = 0..group.len();
-            let order = |&a: &usize, &b: &usize| group[a].1.total_cmp(&group[b].1);
-            if largest {
-                indices.max_by(order)
-            } else {
-                indices.min_by(order)
-            }
-        };
-        let mut picked = [
-            0,
-            extreme(false).unwrap_or(0),
-            extreme(true).unwrap_or(0),
-            group.len() - 1,
-        ];
+        let order = |&a: &usize, &b: &usize| group[a].1.total_cmp(&group[b].1);
+        let smallest = (0..group.len()).min_by(order).unwrap_or(0);
+        let largest = (0..group.len()).max_by(order).unwrap_or(0);
+        let mut picked = vec![0, smallest, largest, group.len() - 1];
         picked.sort_unstable();
-        let mut last = None;
-        for index in picked {
-            if last != Some(index) {
-                kept.push(group[index]);
-            }
-            last = Some(index);
-        }
+        picked.dedup();
+        kept.extend(picked.into_iter().map(|index| group[index]));
     }
     kept
 }
@@ -118,7 +130,7 @@ mod tests {
 
     #[test]
     fn held_values_make_steps() {
-        let line = Line::held("u", &[0.0, 1.0, 3.0], &[5.0, 6.0, 7.0]);
+        let line = Series::held("u", &[0.0, 1.0, 3.0], &[5.0, 6.0, 7.0]);
         let steps = [(0.0, 5.0), (1.0, 5.0), (1.0, 6.0), (3.0, 6.0), (3.0, 7.0)];
         assert_eq!(line.points, steps);
     }

@@ -152,7 +152,7 @@ fn a_start_that_cannot_be_covered_is_told_how_far_one_gets_and_why() {
     assert!(!report["shortfall"]["limits"].as_array().unwrap().is_empty());
     assert!(!report["blocking"].as_array().unwrap().is_empty());
     let words = synthesize(&path, &[]).ends_with(2).stdout;
-    assert!(words.contains("what holds it back"), "{words}");
+    assert!(words.contains("limiting factors"), "{words}");
     // What it says can be proved: that much of the start, and no more than a little above it.
     set(
         &mut model,

@@ -51,23 +51,36 @@ fn quantile_of_beta(a: f64, b: f64, fraction: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Quantiles of the values that are there; `None` when there is none. Between two values the quantile is
-/// on the straight line, as in numpy and pandas.
-pub fn quantiles(values: &[Option<f64>]) -> Option<Quantiles> {
-    let mut sorted: Vec<f64> = values.iter().copied().flatten().collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = |fraction: f64| -> Option<f64> {
-        let place = fraction * (sorted.len().checked_sub(1)?) as f64;
-        let below = *sorted.get(place.floor() as usize)?;
-        let above = *sorted.get(place.ceil() as usize)?;
+/// Values in order.
+pub struct Ordered(pub Vec<f64>);
+
+impl Ordered {
+    /// Sorts the values.
+    pub fn new(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_by(f64::total_cmp);
+        Self(sorted)
+    }
+
+    /// The quantile of a fraction, on the straight line between two values, as in numpy and pandas; `None`
+    /// without values.
+    pub fn at(&self, fraction: f64) -> Option<f64> {
+        let place = fraction * self.0.len().checked_sub(1)? as f64;
+        let below = *self.0.get(place.floor() as usize)?;
+        let above = *self.0.get(place.ceil() as usize)?;
         Some(below + (above - below) * place.fract())
-    };
+    }
+}
+
+/// Quantiles of the values that are there; `None` when there is none.
+pub fn quantiles(values: &[Option<f64>]) -> Option<Quantiles> {
+    let sorted = Ordered::new(values.iter().copied().flatten());
     Some(Quantiles {
-        count: sorted.len() as u64,
-        min: at(0.0)?,
-        median: at(0.5)?,
-        p95: at(0.95)?,
-        max: at(1.0)?,
+        count: sorted.0.len() as u64,
+        min: sorted.at(0.0)?,
+        median: sorted.at(0.5)?,
+        p95: sorted.at(0.95)?,
+        max: sorted.at(1.0)?,
     })
 }
 

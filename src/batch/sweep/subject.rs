@@ -14,6 +14,7 @@ use synth::solve::{Backend, Observer, Solver, Structured};
 use synth::synthesis::{self, Form, Outcome, Synthesized};
 
 use super::outcome::{numbers_of, PointOutcome, INVALID};
+use crate::base::unit::unit_of_key;
 use crate::batch::variation::grid::Grid;
 use crate::run::design::{certified_angle_deg, Design};
 use crate::run::simulate;
@@ -93,7 +94,7 @@ impl Subject {
         let metric = METRICS.iter().find(|entry| entry.key == name);
         match metric {
             Some(entry) if body || entry.kind != MetricKind::Effort => entry.unit,
-            _ => unit_of_key(name),
+            _ => unit_of_last_key(name),
         }
     }
 
@@ -129,28 +130,10 @@ impl Subject {
     }
 }
 
-/// Ends of keys and the units that they name, the longer ones first.
-const UNITS: [(&str, &str); 12] = [
-    ("_kg_m2", "kg m^2"),
-    ("_rad_s2", "rad/s^2"),
-    ("_rad_s", "rad/s"),
-    ("_deg_s", "deg/s"),
-    ("_nm_s", "N m s"),
-    ("_per_s", "1/s"),
-    ("_seconds", "s"),
-    ("_deg", "deg"),
-    ("_rad", "rad"),
-    ("_nm", "N m"),
-    ("_kg", "kg"),
-    ("_s", "s"),
-];
-
 /// The unit that the last key of a name ends with.
-fn unit_of_key(name: &str) -> &'static str {
+fn unit_of_last_key(name: &str) -> &'static str {
     let key = name.rsplit('.').next().unwrap_or(name);
-    let key = key.split('[').next().unwrap_or(key);
-    let found = UNITS.iter().find(|(end, _)| key.ends_with(end));
-    found.map_or("", |(_, unit)| unit)
+    unit_of_key(key.split('[').next().unwrap_or(key))
 }
 
 /// The files' types hold numbers, texts and lists only, so they can always be written.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::written::written;
+use super::facts::written;
 use crate::batch::campaign::record::{Inputs, Results};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{Answer, Exit};

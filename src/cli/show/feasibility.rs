@@ -7,8 +7,8 @@ use synth::design::SolverRun;
 use synth::feasibility::{Answer, Decision, Relaxation};
 use synth::programs::Blocking;
 
-use super::blocking::{blocking_lines, slack_line};
-use super::infeasibility;
+use super::facts::{blocking_lines, slack_line};
+use super::infeasibility::Existence;
 use crate::cli::answer::Exit;
 
 /// Whether any design exists, and why not.
@@ -21,10 +21,9 @@ pub struct FeasibilityReport<'a> {
     slack: Option<f64>,
     /// The conditions that carry the dual solution; empty where a design exists.
     blocking: &'a [Blocking],
-    /// No design exists whose multiplier entries (SI units) are at most this; null where none is excluded.
-    bound: Option<f64>,
-    /// What was proved about a part of the designs; null where the answer is about all.
-    shown: Option<String>,
+    /// What is proved.
+    #[serde(flatten)]
+    existence: Existence<'a>,
     /// What relaxing one requirement alone does; null where it was not asked.
     pub relaxations: Option<Vec<Relaxation>>,
     /// Time of the verdict (s).
@@ -33,9 +32,6 @@ pub struct FeasibilityReport<'a> {
     solve_seconds: f64,
     /// Each run; its status is the solver's and proves nothing.
     solver_runs: &'a [SolverRun],
-    /// The verdict in words.
-    #[serde(skip)]
-    headline: String,
 }
 
 impl<'a> FeasibilityReport<'a> {
@@ -45,17 +41,16 @@ impl<'a> FeasibilityReport<'a> {
             Answer::Feasible(_) => &[],
             _ => &decision.blocking,
         };
+        let existence = Existence::of(&decision.answer);
         FeasibilityReport {
-            verdict: infeasibility::verdict(&decision.answer),
+            verdict: existence.verdict,
             slack: decision.slack,
             blocking,
-            bound: infeasibility::bound(&decision.answer),
-            shown: infeasibility::shown(&decision.answer),
+            existence,
             relaxations: None,
             seconds,
             solve_seconds: decision.solve_seconds,
             solver_runs: &decision.runs,
-            headline: infeasibility::headline(&decision.answer),
         }
     }
 
@@ -66,7 +61,7 @@ impl<'a> FeasibilityReport<'a> {
 
     /// The verdict on the model of this file.
     pub fn headline(&self, model: &Path) -> String {
-        format!("{}: {}", model.display(), self.headline)
+        format!("{}: {}", model.display(), self.existence.headline)
     }
 
     /// In words; with what became of the file.

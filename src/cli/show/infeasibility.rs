@@ -7,31 +7,62 @@ use synth::certify::infeasible::{Limit, Refutation};
 use synth::certify::ConditionMargin;
 use synth::feasibility::{Answer, InfeasibilityFile};
 
-use super::verdict::not_proved;
+use super::facts::not_proved;
 use crate::cli::answer::Exit;
 
-/// The answer's name in reports.
-pub fn verdict(answer: &Answer) -> &'static str {
-    match answer {
-        Answer::Feasible(_) => "feasible",
-        Answer::Infeasible(_) => "infeasible",
-        Answer::Undecided(_) => "undecided",
-    }
+/// What is proved about the existence of a design.
+#[derive(Debug, Serialize)]
+pub struct Existence<'a> {
+    /// No design exists whose multiplier entries (SI units) are at most this; null where none is excluded.
+    bound: Option<f64>,
+    /// What was proved about a part of the designs; null where the answer is about all.
+    shown: Option<String>,
+    /// `feasible`, `infeasible` (both proved) or `undecided`.
+    #[serde(skip)]
+    pub verdict: &'static str,
+    /// The answer in words.
+    #[serde(skip)]
+    pub headline: String,
+    /// The file that proves a no, or a part of one.
+    #[serde(skip)]
+    pub certificate: Option<&'a InfeasibilityFile>,
 }
 
-/// The bound of proved weights.
-pub fn bound(answer: &Answer) -> Option<f64> {
-    match answer {
-        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => Some(proof.bound),
-        _ => None,
-    }
-}
-
-/// What was proved about a part of the designs, where the whole is undecided.
-pub fn shown(answer: &Answer) -> Option<String> {
-    match answer {
-        Answer::Undecided(Some(proof)) => Some(partial_statement(&proof.file, &proof.limits)),
-        _ => None,
+impl<'a> Existence<'a> {
+    /// From the answer.
+    pub fn of(answer: &'a Answer) -> Self {
+        let (proof, shown) = match answer {
+            Answer::Feasible(_) | Answer::Undecided(None) => (None, None),
+            Answer::Infeasible(proof) => (Some(proof), None),
+            Answer::Undecided(Some(proof)) => {
+                let shown = partial_statement(&proof.file, &proof.limits);
+                (Some(proof), Some(shown))
+            }
+        };
+        let (verdict, headline) = match answer {
+            Answer::Feasible(design) => {
+                let gamma = design.file.certificate.gamma;
+                let how = format!("proved by a design with gamma {gamma:.6} (not the smallest)");
+                ("feasible", format!("FEASIBLE, {how}"))
+            }
+            Answer::Infeasible(proof) => {
+                let what = statement(&proof.file, proof.bound);
+                ("infeasible", format!("INFEASIBLE, proved: {what}"))
+            }
+            Answer::Undecided(_) => {
+                let shown = shown.as_ref();
+                let part = shown.map_or(String::new(), |shown| format!("; shown: {shown}"));
+                let neither = "neither a design nor its impossibility could be proved";
+                ("undecided", format!("UNDECIDED: {neither}{part}"))
+            }
+        };
+        Existence {
+            bound: proof.map(|proof| proof.bound),
+            shown,
+            verdict,
+            headline,
+            certificate: proof.map(|proof| &proof.file),
+        }
     }
 }
 
@@ -43,14 +74,6 @@ fn partial_statement(proof: &InfeasibilityFile, limits: &[Limit]) -> String {
         false => "for these gains the conditions cannot hold",
     };
     format!("{what} {}", limits.join(", and "))
-}
-
-/// The given gains, from 1, that a proved no is about.
-pub fn blocking_gains(answer: &Answer) -> Vec<usize> {
-    match answer {
-        Answer::Infeasible(proof) => proof.file.blocking_gains(),
-        _ => Vec::new(),
-    }
 }
 
 /// What an infeasibility certificate states.
@@ -70,35 +93,6 @@ fn statement(file: &InfeasibilityFile, bound: f64) -> String {
         (_, several) => format!(": gains {} together rule them out", several.join(", ")),
     };
     format!("for these gains the conditions cannot hold{within}{because}")
-}
-
-/// The answer in words.
-pub fn headline(answer: &Answer) -> String {
-    match answer {
-        Answer::Feasible(design) => format!(
-            "FEASIBLE, proved by a design with gamma {:.6} (not the smallest)",
-            design.file.certificate.gamma
-        ),
-        Answer::Infeasible(proof) => format!(
-            "INFEASIBLE, proved: {}",
-            statement(&proof.file, proof.bound)
-        ),
-        Answer::Undecided(None) => {
-            "UNDECIDED: neither a design nor its impossibility could be proved".to_string()
-        }
-        Answer::Undecided(Some(proof)) => format!(
-            "UNDECIDED: neither a design nor its impossibility could be proved; shown: {}",
-            partial_statement(&proof.file, &proof.limits)
-        ),
-    }
-}
-
-/// The file that proves a no, or a part of one.
-pub fn certificate(answer: &Answer) -> Option<&InfeasibilityFile> {
-    match answer {
-        Answer::Infeasible(proof) | Answer::Undecided(Some(proof)) => Some(&proof.file),
-        _ => None,
-    }
 }
 
 /// What `verify` finds of an infeasibility certificate.
@@ -173,7 +167,7 @@ impl<'a> RefutationReport<'a> {
         let mut lines = vec![title];
         lines.extend(checked.iter().enumerate().map(|(index, one)| {
             format!(
-                "weights {}: constant {:.6e} (must be below 0), {} matrices checked",
+                "dual multipliers {}: constant {:.6e} (must be below 0), {} matrices checked",
                 index + 1,
                 one.constant,
                 one.conditions.len()

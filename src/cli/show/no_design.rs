@@ -1,18 +1,19 @@
 //! A synthesis or an analysis without a design.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
 use synth::certify::Verdict;
-use synth::feasibility::Decision;
+use synth::feasibility::{Answer, Decision};
 use synth::model::Model;
 use synth::programs::{Blocking, LimitingFactors};
 use synth::synthesis::Form;
 
-use super::blocking::{blocking_lines, search_lines, slack_line, slack_or_none};
-use super::infeasibility;
-use super::shortfall::limiting_lines;
-use super::solver::{SolverReport, SolverStatus};
+use super::facts::{
+    blocking_lines, search_lines, slack_line, slack_or_none, titled, SolverReport, SolverStatus,
+};
+use super::infeasibility::Existence;
 
 /// What is known where nothing is proved of any candidate, alike for models and problems.
 #[derive(Debug, Serialize)]
@@ -40,20 +41,18 @@ impl<'a> FailureReport<'a> {
     }
 }
 
+/// Claims of a design whose keys are there without one, too.
+const CLAIMS: [&str; 4] = ["gamma", "guaranteed_gain", "xi", "certified_angle_deg"];
+
 /// A synthesis or an analysis without a design.
 #[derive(Debug, Serialize)]
 pub struct NoDesignReport<'a> {
     /// What is known of every failure.
     #[serde(flatten)]
     failure: FailureReport<'a>,
-    /// Always null.
-    gamma: (),
-    /// Always null.
-    guaranteed_gain: (),
-    /// Always null.
-    xi: (),
-    /// Always null.
-    certified_angle_deg: (),
+    /// What a design would claim, all null.
+    #[serde(flatten)]
+    claims: BTreeMap<&'static str, ()>,
     /// Form of the decrease condition.
     form: &'static str,
     /// Vertices of the model.
@@ -70,15 +69,11 @@ pub struct NoDesignReport<'a> {
 enum Detail<'a> {
     /// Of a design with one certificate.
     One {
-        /// What was proved about their existence, in words.
-        #[serde(skip)]
-        known: Option<String>,
-        /// How far a search came; null without one.
+        /// What is proved.
+        #[serde(flatten)]
+        existence: Existence<'a>,
+        /// What a search reached, and the limiting factors; null without one.
         shortfall: Option<&'a LimitingFactors>,
-        /// What was proved about a part of the designs; null where the answer is about all.
-        shown: Option<String>,
-        /// The bound of proved weights; null without.
-        bound: Option<f64>,
         /// The given gains, from 1, that a proved no is about.
         blocking_gains: Vec<usize>,
         /// The smallest slack; null where the solver found none.
@@ -102,13 +97,16 @@ impl<'a> NoDesignReport<'a> {
             solver_runs: &decision.runs,
         };
         let answer = &decision.answer;
+        let existence = Existence::of(answer);
+        let feasibility = existence.verdict;
         let detail = match decision.couplings {
             0 => Detail::One {
-                known: infeasibility::bound(answer).map(|_| infeasibility::headline(answer)),
+                existence,
                 shortfall: decision.limiting_factors.as_deref(),
-                shown: infeasibility::shown(answer),
-                bound: infeasibility::bound(answer),
-                blocking_gains: infeasibility::blocking_gains(answer),
+                blocking_gains: match answer {
+                    Answer::Infeasible(proof) => proof.file.blocking_gains(),
+                    _ => Vec::new(),
+                },
                 slack: decision.slack,
             },
             attempts => Detail::Two {
@@ -118,13 +116,10 @@ impl<'a> NoDesignReport<'a> {
         };
         NoDesignReport {
             failure: FailureReport::new(solver, &decision.blocking),
-            gamma: (),
-            guaranteed_gain: (),
-            xi: (),
-            certified_angle_deg: (),
+            claims: CLAIMS.map(|key| (key, ())).into(),
             form: form.name(),
             vertices: model.task().system.vertices.len(),
-            feasibility: infeasibility::verdict(answer),
+            feasibility,
             detail,
         }
     }
@@ -134,12 +129,7 @@ impl<'a> NoDesignReport<'a> {
         let path = path.display();
         let blocking = self.failure.blocking;
         let solver = &self.failure.solver;
-        let unknown = match solver.status {
-            SolverStatus::Undecided => {
-                format!("UNDECIDED: no {what} was found, and none was proved not to exist")
-            }
-            _ => "the solvers failed numerically".to_string(),
-        };
+        let unknown = solver.status.nothing_found(what);
         let mut lines = Vec::new();
         match &self.detail {
             Detail::One {
@@ -150,12 +140,19 @@ impl<'a> NoDesignReport<'a> {
                 lines.extend(limiting_lines(shortfall));
                 lines.extend(search_lines(blocking));
             }
-            Detail::One { known, slack, .. } => {
-                let headline = known.as_ref().unwrap_or(&unknown);
+            Detail::One {
+                existence, slack, ..
+            } => {
+                let proved = existence.certificate.is_some();
+                let headline = if proved {
+                    &existence.headline
+                } else {
+                    &unknown
+                };
                 lines.push(format!("{path}: {headline}"));
-                lines.extend(match known {
-                    Some(_) => slack_line(*slack),
-                    None => Some(slack_or_none(*slack)),
+                lines.extend(match proved {
+                    true => slack_line(*slack),
+                    false => Some(slack_or_none(*slack)),
                 });
                 lines.extend(blocking_lines(blocking));
             }
@@ -167,4 +164,14 @@ impl<'a> NoDesignReport<'a> {
         }
         lines
     }
+}
+
+/// The limiting factors in words.
+fn limiting_lines(factors: &LimitingFactors) -> Vec<String> {
+    let title = "limiting factors (1 % more of the number changes the outcome by so much):";
+    let limits = factors.limits.iter().map(|limit| {
+        let (what, value) = (&limit.what, limit.value);
+        format!("  {:+.3} %  {what}, now {value}", limit.per_cent)
+    });
+    titled(title, limits)
 }

@@ -7,10 +7,8 @@ use synth::problem::{
     InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized,
 };
 
-use super::blocking::{blocking_lines, slack_or_none};
+use super::facts::{blocking_lines, slack_or_none, ProofReport, SolverReport, SolverStatus};
 use super::no_design::FailureReport;
-use super::solver::{SolverReport, SolverStatus};
-use super::verdict::ProofReport;
 
 /// A problem, and what a feedback guarantees for it.
 #[derive(Debug, Serialize)]
@@ -166,10 +164,7 @@ impl<'a> NoFeedbackReport<'a> {
                 no_solution(excluded),
                 excluded.largest_returned
             ),
-            (None, SolverStatus::Undecided) => {
-                "UNDECIDED: no feedback was found, and none was proved not to exist".to_string()
-            }
-            (None, _) => "the solvers failed numerically".to_string(),
+            (None, status) => status.nothing_found("feedback"),
         });
         lines.push(slack_or_none(self.slack));
         lines.extend(blocking_lines(self.failure.blocking));

@@ -128,7 +128,13 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
         ));
     }
     if let Some(inner) = &outcome.inner {
-        lines.push(inner.sentence());
+        lines.push(match inner.entered_s {
+            None => "inner certificate: its set was not entered".to_string(),
+            Some(time) => format!(
+                "inner certificate: holds from {time:.3} s on; largest x'Ux over its bound {:.6} at {:.3} s",
+                inner.largest_lyapunov_ratio, inner.largest_lyapunov_ratio_at_s
+            ),
+        });
     }
     if outcome.covers_run {
         lines.push("the proof covers this run".to_string());

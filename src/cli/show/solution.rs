@@ -7,30 +7,14 @@ use synth::solve::{residuals, Residuals, Solution, Status, Timings};
 
 use crate::cli::answer::Exit;
 
-/// A program that a solver was given, and what came of it.
-pub struct Solved<'a> {
-    /// The solver's name and version.
-    pub solver: String,
-    /// The program.
-    pub problem: &'a Semidefinite,
-    /// What it returned.
-    pub solution: &'a Solution,
-    /// What its dual matrices exclude, where it says that there is no point.
-    pub exclusion: Option<Exclusion>,
-    /// What the time went to, where it is known.
-    pub timings: Option<Timings>,
-    /// Time to read the file (s).
-    pub read_seconds: f64,
-}
-
-/// The same as keys.
+/// What a solver returned for a program, and how well it solves it.
 #[derive(Serialize)]
 pub struct SolutionReport<'a> {
     /// `solved`, `inaccurate`, `infeasible`, `unbounded` or `failed`.
     status: &'static str,
     /// Name and version.
-    solver: &'a str,
-    /// The solver's own word.
+    solver: String,
+    /// The solver's status, unverified.
     solver_status: &'a str,
     /// c'x; null, as the five next, when infeasible or unbounded.
     objective: Option<f64>,
@@ -66,9 +50,12 @@ pub struct SolutionReport<'a> {
     /// How well the numbers solve the program; `None` when infeasible or unbounded.
     #[serde(skip)]
     residuals: Option<Residuals>,
-    /// Where it all comes from.
+    /// The excluded radius, infinite where no bound is needed.
     #[serde(skip)]
-    solved: &'a Solved<'a>,
+    radius: Option<f64>,
+    /// What the time went to, where it is known.
+    #[serde(skip)]
+    timings: Option<Timings>,
 }
 
 /// Yes when it is solved.
@@ -91,16 +78,22 @@ fn word(status: Status) -> &'static str {
 }
 
 impl<'a> SolutionReport<'a> {
-    /// From what a solver returned; the residuals are computed from its numbers.
-    pub fn new(solved: &'a Solved<'a>) -> Self {
-        let (problem, solution) = (solved.problem, solved.solution);
+    /// From what a solver returned and how it spent its time, what its dual matrices exclude where it says that
+    /// there is no point, and the time to read the file (s). The residuals are computed from the numbers.
+    pub fn new(
+        solver: String,
+        problem: &Semidefinite,
+        (solution, timings): (&'a Solution, Option<Timings>),
+        exclusion: Option<&Exclusion>,
+        read_seconds: f64,
+    ) -> Self {
         let found = exit(solution.status) != Exit::No;
         let residuals = found.then(|| residuals(problem, solution));
         let number = |read: fn(&Residuals) -> f64| residuals.as_ref().map(read);
-        let exclusion = solved.exclusion.as_ref();
+        let sides = problem.cones.iter().map(|cone| cone.side);
         SolutionReport {
             status: word(solution.status),
-            solver: &solved.solver,
+            solver,
             solver_status: &solution.status_text,
             objective: number(|own| own.objective),
             dual_objective: number(|own| own.dual_objective),
@@ -110,20 +103,16 @@ impl<'a> SolutionReport<'a> {
             dual_violation: number(|own| own.dual_violation),
             unknowns: problem.cost.len(),
             cones: problem.cones.len(),
-            widest_cone: problem
-                .cones
-                .iter()
-                .map(|cone| cone.side)
-                .max()
-                .unwrap_or(0),
+            widest_cone: sides.max().unwrap_or(0),
             iterations: solution.iterations,
-            read_seconds: solved.read_seconds,
+            read_seconds,
             solve_seconds: solution.seconds,
-            schur_seconds: solved.timings.map(|timings| timings.schur),
-            linear_seconds: solved.timings.map(|timings| timings.linear),
+            schur_seconds: timings.map(|timings| timings.schur),
+            linear_seconds: timings.map(|timings| timings.linear),
             excluded_radius: exclusion.map(|exclusion| exclusion.radius.min(f64::MAX)),
             residuals,
-            solved,
+            radius: exclusion.map(|exclusion| exclusion.radius),
+            timings,
         }
     }
 
@@ -143,7 +132,7 @@ impl<'a> SolutionReport<'a> {
                 self.read_seconds
             ),
         ];
-        lines.extend(self.solved.timings.map(|timings| {
+        lines.extend(self.timings.map(|timings| {
             format!(
                 "time: {:.3} s Schur complement, {:.3} s linear systems, {:.3} s the rest",
                 timings.schur, timings.linear, timings.rest
@@ -151,9 +140,23 @@ impl<'a> SolutionReport<'a> {
         }));
         lines.extend(match &self.residuals {
             Some(residuals) => residual_lines(residuals),
-            None => no_point_lines(self.solved),
+            None => self.no_point_lines(),
         });
         lines
+    }
+
+    fn no_point_lines(&self) -> Vec<String> {
+        let what = match self.status {
+            "infeasible" => "no point satisfies the conditions (solver status, unverified)",
+            _ => "the objective has no lower bound (solver status, unverified)",
+        };
+        let proved = self.radius.map(|radius| match radius > 0.0 {
+            true => format!(
+                "proved from its dual matrices: no point with every unknown below {radius:.1e} in size does"
+            ),
+            false => "not proved from its dual matrices".to_string(),
+        });
+        [what.to_string()].into_iter().chain(proved).collect()
     }
 }
 
@@ -168,21 +171,4 @@ fn residual_lines(residuals: &Residuals) -> Vec<String> {
             residuals.dual_residual, residuals.dual_violation
         ),
     ]
-}
-
-fn no_point_lines(solved: &Solved) -> Vec<String> {
-    let what = match solved.solution.status {
-        Status::Infeasible => "no point satisfies the conditions, says the solver",
-        _ => "the objective has no lower bound, says the solver",
-    };
-    let proved = solved.exclusion.as_ref().map(|exclusion| {
-        match exclusion.radius > 0.0 {
-            true => format!(
-                "proved from its dual matrices: no point with every unknown below {:.1e} in size does",
-                exclusion.radius
-            ),
-            false => "not proved from its dual matrices".to_string(),
-        }
-    });
-    [what.to_string()].into_iter().chain(proved).collect()
 }

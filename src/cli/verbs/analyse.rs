@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use synth::model::{GainsFile, Model};
 use synth::synthesis;
 
 use super::synthesize::conclude::Conclusion;
@@ -32,18 +33,13 @@ pub struct AnalyseArgs {
 
 /// Seeks the best proof for the gains. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
-    let gains_text = files::text(&args.gains)?;
-    let gains = files::gains_of(&args.gains, &gains_text)?;
-    let text = files::text(&args.model)?;
-    let model = files::model_of(&args.model, &text)?;
+    let (gains_text, gains) = files::load(&args.gains, GainsFile::from_json)?;
+    let (text, model) = files::load(&args.model, Model::from_json)?;
     let (states, inputs, _, _) = model.plant.sizes();
     gains
         .check_size(inputs, states)
         .map_err(|problem| CliError::value(&args.gains, problem))?;
-    if let Some(output) = &args.output {
-        files::check_output(output, &args.model)?;
-        files::check_output(output, &args.gains)?;
-    }
+    files::check_output(args.output.as_deref(), &[&args.model, &args.gains])?;
     let (form, backend) = (args.solver.form(), args.solver.backend());
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
         synthesis::analyse(

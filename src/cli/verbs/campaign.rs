@@ -17,6 +17,7 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{interrupted, threads, PartsProgress};
 use crate::cli::show::campaign::answer;
+use crate::scenario::Scenario;
 
 /// Most failed runs that are kept when the command line does not say.
 pub(crate) const KEPT: usize = 100;
@@ -56,10 +57,9 @@ pub struct CampaignArgs {
 /// Makes the runs. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     check_runs(args.runs)?;
-    files::check_folder(&args.output)?;
+    files::check_folder(Some(&args.output))?;
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
-    let text = files::text(&args.scenario)?;
-    let scenario = files::scenario_of(&args.scenario, &text)?;
+    let (text, scenario) = files::load(&args.scenario, Scenario::from_json)?;
     let given = args.design.as_deref();
     let design = design_of(&scenario, &args.scenario, given)?;
     let design_text = match design_path(&scenario, &args.scenario, given) {

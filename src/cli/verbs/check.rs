@@ -2,14 +2,17 @@
 
 use std::path::PathBuf;
 
-use synth::model::{kind_of, Kind};
+use synth::design::DesignFile;
+use synth::feasibility::InfeasibilityFile;
+use synth::model::{kind_of, GainsFile, Kind, Model};
+use synth::problem::{Problem, ProblemDesignFile};
 
+use crate::batch::tune::file::Requirements;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::check::CheckReport;
-use crate::cli::show::contents::{of_gains, of_model, of_problem, of_requirements};
-use crate::scenario::design_check;
+use crate::cli::show::check::{of_gains, of_model, of_problem, of_requirements, CheckReport};
+use crate::scenario::{design_check, Scenario};
 
 /// Arguments of `check`.
 #[derive(clap::Args)]
@@ -26,34 +29,30 @@ pub struct CheckArgs {
 /// is valid, and the status is 0.
 pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
-    let path = &args.file;
-    let mut design = None;
+    let mut conditions = None;
     // A model is the default: its errors name the missing fields.
     let kind = kind_of(&text).unwrap_or(Kind::Model);
     let summary = match kind {
+        Kind::Model => Model::from_json(&text).map(|model| of_model(&model.file.name, &model)),
         Kind::Design => {
-            let (design, model) = files::design_of(path, &text)?;
-            of_model(&design.name, &model)
+            DesignFile::from_json(&text).map(|(file, model)| of_model(&file.name, &model))
         }
-        Kind::Scenario => {
-            let scenario = files::scenario_of(path, &text)?;
-            design = design_check(&scenario);
-            format!("{}, {} s", scenario.name, scenario.duration_s)
-        }
-        Kind::Requirements => of_requirements(&files::requirements_of(path, &text)?),
         Kind::Infeasibility => {
-            let (file, model) = files::infeasibility_of(path, &text)?;
-            of_model(&file.name, &model)
+            InfeasibilityFile::from_json(&text).map(|(file, model)| of_model(&file.name, &model))
         }
-        Kind::Problem => of_problem(&files::problem_of(path, &text)?),
-        Kind::ProblemDesign => of_problem(&files::problem_design_of(path, &text)?.1),
-        Kind::Gains => of_gains(&files::gains_of(path, &text)?),
-        Kind::Model => {
-            let model = files::model_of(path, &text)?;
-            of_model(&model.file.name, &model)
+        Kind::Scenario => Scenario::from_json(&text).map(|scenario| {
+            conditions = design_check(&scenario);
+            format!("{}, {} s", scenario.name, scenario.duration_s)
+        }),
+        Kind::Requirements => Requirements::from_json(&text).map(|own| of_requirements(&own)),
+        Kind::Problem => Problem::from_json(&text).map(|problem| of_problem(&problem)),
+        Kind::ProblemDesign => {
+            ProblemDesignFile::from_json(&text).map(|(_, problem)| of_problem(&problem))
         }
+        Kind::Gains => GainsFile::from_json(&text).map(|gains| of_gains(&gains)),
     };
-    let report = CheckReport::new(kind, summary, design.as_ref());
+    let summary = summary.map_err(|problem| CliError::file(&args.file, problem))?;
+    let report = CheckReport::new(kind, summary, conditions.as_ref());
     let lines = report.lines(&args.file);
     Ok(Answer::new(Exit::Yes, &report, &lines))
 }

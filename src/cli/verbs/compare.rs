@@ -10,7 +10,7 @@ use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
-use crate::cli::show::written::written;
+use crate::cli::show::facts::written;
 use crate::controllers::ControllerChoice;
 use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
 use crate::run::design::Design;
@@ -44,9 +44,7 @@ pub struct CompareArgs {
 
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
 pub fn run(args: &CompareArgs) -> Result<Answer, CliError> {
-    if let Some(folder) = &args.output {
-        files::check_folder(folder)?;
-    }
+    files::check_folder(args.output.as_deref())?;
     let candidates = candidates(args)?;
     let taken_from = args.take_system_from.as_ref();
     let taken_from = taken_from.map(|path| path.display().to_string());

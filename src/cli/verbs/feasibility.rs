@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use synth::feasibility::{self, decide, relaxations, Decision};
+use synth::model::Model;
 
 use crate::cli::answer::{note, Answer};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{ahead, solve, ASSEMBLING};
+use crate::cli::show::facts::written_or_nothing;
 use crate::cli::show::feasibility::FeasibilityReport;
-use crate::cli::show::infeasibility::certificate;
-use crate::cli::show::written::written_or_nothing;
+use crate::cli::show::infeasibility::Existence;
 use crate::cli::solver::SolverArg;
 
 /// Arguments of `feasibility`.
@@ -35,11 +36,8 @@ pub struct FeasibilityArgs {
 
 /// Says whether a design exists. 0: proved that one does; 2: proved that none does, or unknown.
 pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
-    let text = files::text(&args.model)?;
-    let model = files::model_of(&args.model, &text)?;
-    if let Some(output) = &args.output {
-        files::check_output(output, &args.model)?;
-    }
+    let (text, model) = files::load(&args.model, Model::from_json)?;
+    files::check_output(args.output.as_deref(), &[&args.model])?;
     if model.file.specs.outer.is_some() {
         note("note: the answer is about the model's own box and requirements; specs.outer is not part of it");
     }
@@ -70,7 +68,9 @@ pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
 fn write<'a>(path: &'a Path, decision: &Decision) -> Result<Option<&'a Path>, CliError> {
     let text = match &decision.answer {
         feasibility::Answer::Feasible(design) => Some(design.file.to_json()),
-        answer => certificate(answer).map(|proof| proof.to_json()),
+        answer => Existence::of(answer)
+            .certificate
+            .map(|proof| proof.to_json()),
     };
     text.map(|text| files::write(path, &text).map(|()| path))
         .transpose()

@@ -38,7 +38,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     /// Design a controller for a model file and prove it
-    Synthesize(synthesize::args::SynthesizeArgs),
+    Synthesize(synthesize::SynthesizeArgs),
     /// Say whether any design exists for a model file, with a proof
     Feasibility(feasibility::FeasibilityArgs),
     /// Find the smallest gain bound that can be proved for given gains
@@ -64,7 +64,7 @@ enum Verb {
     /// Print the JSON Schema of a kind of file
     Schema(schema::SchemaArgs),
     /// Write a design, a trajectory or a semidefinite program for other programs
-    Export(export::args::ExportArgs),
+    Export(export::ExportArgs),
     /// Solve a semidefinite program given as SDPA sparse text
     Solve(solve::SolveArgs),
 }

@@ -10,10 +10,9 @@ use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::show::written::written;
+use crate::cli::show::facts::written;
 use crate::report::pages::campaign;
-use crate::report::pages::campaign::error::CampaignPageError;
-use crate::report::pages::files::rebuild_report;
+use crate::report::pages::files::{rebuild_report, ReportError};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// Arguments of `report`.
@@ -34,7 +33,7 @@ pub fn run(args: &ReportArgs) -> Result<Answer, CliError> {
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
-            CampaignPageError::Campaign(error) => CliError::campaign(&args.folder, error),
+            ReportError::Campaign(error) => CliError::campaign(&args.folder, error),
             other => CliError::unsuitable(&args.folder, other),
         })?
     } else {
@@ -64,10 +63,9 @@ fn check_paths(folder: &Path, page: &Path) -> Result<(), CliError> {
         };
         return Err(CliError::unsuitable(folder, reason));
     }
-    for name in KEPT_FILES {
-        files::check_output(page, &folder.join(name))?;
-    }
-    Ok(())
+    let kept = KEPT_FILES.map(|name| folder.join(name));
+    let kept: Vec<&Path> = kept.iter().map(PathBuf::as_path).collect();
+    files::check_output(Some(page), &kept)
 }
 
 /// Kept runs that get a page of their own: the worst.

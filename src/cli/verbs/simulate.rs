@@ -8,8 +8,8 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::show::facts::written;
 use crate::cli::show::run::lines;
-use crate::cli::show::written::written;
 use crate::report::pages::files::write_run;
 use crate::run::design::Design;
 use crate::run::files::{summary_text, REPORT_FILE};
@@ -47,11 +47,8 @@ pub struct SimulateArgs {
 /// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
 /// was broken.
 pub fn run(args: &SimulateArgs) -> Result<Answer, CliError> {
-    let text = files::text(&args.scenario)?;
-    let scenario = files::scenario_of(&args.scenario, &text)?;
-    if let Some(folder) = &args.output {
-        files::check_folder(folder)?;
-    }
+    let (text, scenario) = files::load(&args.scenario, Scenario::from_json)?;
+    files::check_folder(args.output.as_deref())?;
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
     let outcome = match args.run_index {
         Some(run) => run_of_campaign(args, &text, &scenario, design.as_ref(), run)?,

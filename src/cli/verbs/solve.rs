@@ -10,8 +10,8 @@ use synth::solve::{Accuracy, SolveError, Status, Structured};
 
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
-use crate::cli::progress::SolverProgress;
-use crate::cli::show::solution::{exit, SolutionReport, Solved};
+use crate::cli::progress::watched;
+use crate::cli::show::solution::{exit, SolutionReport};
 use crate::cli::solver::SolverArg;
 
 /// Largest file read (bytes): semidefinite programs are longer than models.
@@ -45,34 +45,24 @@ pub fn run(args: &SolveArgs) -> Result<Answer, CliError> {
         relative_gap: RELATIVE_GAP,
         objective_unit: 1.0,
     };
-    let progress = SolverProgress::start("starting");
-    let observer = Some(progress.observer());
     let backend = args.solver.backend();
-    let solved: Result<_, SolveError> = match args.solver {
+    let solved: Result<_, SolveError> = watched("starting", |observer| match args.solver {
         SolverArg::Structured => Structured::default()
-            .solve_timed(&problem, accuracy, observer)
+            .solve_timed(&problem, accuracy, Some(observer))
             .map(|(solution, timings)| (solution, Some(timings))),
         SolverArg::Clarabel => {
-            let solved = backend.solve(&problem, accuracy, observer);
+            let solved = backend.solve(&problem, accuracy, Some(observer));
             solved.map(|solution| (solution, None))
         }
-    };
-    drop(progress);
+    });
     let (solution, timings) = solved.map_err(|error| CliError::unsuitable(&args.file, error))?;
     if solution.status == Status::Cancelled {
         return Err(CliError::Interrupted);
     }
-    let found = Solved {
-        solver: backend.name(),
-        problem: &problem,
-        exclusion: match solution.status {
-            Status::Infeasible => Some(exclude(&problem, &solution.duals)),
-            _ => None,
-        },
-        timings,
-        solution: &solution,
-        read_seconds,
-    };
-    let report = SolutionReport::new(&found);
+    let infeasible = solution.status == Status::Infeasible;
+    let excluded = infeasible.then(|| exclude(&problem, &solution.duals));
+    let found = (&solution, timings);
+    let name = backend.name();
+    let report = SolutionReport::new(name, &problem, found, excluded.as_ref(), read_seconds);
     Ok(Answer::new(exit(solution.status), &report, &report.lines()))
 }

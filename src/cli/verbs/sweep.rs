@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use synth::model::Model;
+
 use crate::base::files::create_folder;
 use crate::batch::engine::Interrupted;
 use crate::batch::sweep;
@@ -60,7 +62,7 @@ pub struct SweepArgs {
 /// Runs every point and writes the table. 0: done, whatever the points' verdicts.
 pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
-    files::check_folder(&args.output)?;
+    files::check_folder(Some(&args.output))?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {
@@ -108,7 +110,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
     match &args.design {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Clarabel);
-            let model = files::model_of(&args.file, text)?;
+            let model = files::parse(&args.file, text, Model::from_json)?;
             Ok(Subject::model(&model, solver.backend(), solver.form()))
         }
         Some(_) => Err(CliError::Argument {

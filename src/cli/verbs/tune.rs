@@ -10,8 +10,8 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
+use crate::cli::show::facts::written;
 use crate::cli::show::tune::lines;
-use crate::cli::show::written::written;
 
 /// Arguments of `tune`.
 #[derive(clap::Args)]
@@ -33,11 +33,10 @@ pub struct TuneArgs {
 /// Searches, validates and writes the scenario. 0: every requirement is met on every axis tried; 2: one
 /// is missed.
 pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
-    let text = files::text(&args.requirements)?;
-    let requirements = files::requirements_of(&args.requirements, &text)?;
+    let (_, requirements) = files::load(&args.requirements, Requirements::from_json)?;
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
-    files::check_output(&args.output, &args.requirements)?;
+    files::check_output(Some(&args.output), &[&args.requirements])?;
     let tuned = tuned(&requirements, &threads(args.jobs)?)?;
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use synth::design::DesignFile;
+use synth::feasibility::InfeasibilityFile;
 use synth::model::{kind_of, Kind};
+use synth::problem::ProblemDesignFile;
 
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
@@ -32,27 +35,25 @@ pub fn run(args: &VerifyArgs) -> Result<Answer, CliError> {
 }
 
 fn design(path: &Path, text: &str) -> Result<Answer, CliError> {
-    let (design, model) = files::design_of(path, text)?;
+    let (design, model) = files::parse(path, text, DesignFile::from_json)?;
     let checked = design.verify(&model);
     let checked = checked.map_err(|problem| CliError::value(path, problem))?;
     let report = DesignReport::new(&design, &model, &checked);
-    let mut lines = vec![title(&design.name, path)];
-    lines.extend(report.lines());
+    let lines = [vec![title(&design.name, path)], report.lines()].concat();
     Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
 }
 
 fn problem(path: &Path, text: &str) -> Result<Answer, CliError> {
-    let (design, problem) = files::problem_design_of(path, text)?;
+    let (design, problem) = files::parse(path, text, ProblemDesignFile::from_json)?;
     let checked = design.verify(&problem);
     let checked = checked.map_err(|fault| CliError::value(path, fault))?;
     let report = ProblemReport::verified(&problem, &design, &checked);
-    let mut lines = vec![title(&design.name, path)];
-    lines.extend(report.lines());
+    let lines = [vec![title(&design.name, path)], report.lines()].concat();
     Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
 }
 
 fn infeasibility(path: &Path, text: &str) -> Result<Answer, CliError> {
-    let (file, model) = files::infeasibility_of(path, text)?;
+    let (file, model) = files::parse(path, text, InfeasibilityFile::from_json)?;
     let checked = file.verify(&model);
     let checked = checked.map_err(|problem| CliError::value(path, problem))?;
     let limits = match is_proved(&checked) {

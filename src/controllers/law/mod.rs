@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use runtime::attitude::AttitudeMeasurement;
 use runtime::error::ParameterError;
+use serde::Serialize;
 use serde_json::Value;
 use synth::model::ModelError;
 
@@ -97,7 +98,7 @@ pub struct Flown<'a> {
 }
 
 /// The conditions of a paper, evaluated for a scenario.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct DesignCheck {
     /// The paper in short.
     pub paper: &'static str,

@@ -1,13 +1,14 @@
 //! The page of a comparison: one HTML file with its figures inside.
 
+use super::{hashes, metric_text, optional};
 use crate::base::number::short_or_none;
 use crate::batch::comparison::{Comparison, ControllerRow, Curves};
+use crate::report::chart::Figure;
 use crate::report::chart::FigureError;
-use crate::report::figure::Figure;
 use crate::report::html::{
-    cell, cell_of_class, escape, html_cell, html_list, paragraph, Header, HtmlTable, Page, Section,
+    cell, escape, html_cell, judged, list, paragraph, row, section, table, Page,
 };
-use crate::report::series::Line;
+use crate::report::series::Series;
 use crate::run::summary::RunVerdict;
 use crate::scenario::RequirementFile;
 use crate::sim::metrics::{compared, MetricKind};
@@ -31,10 +32,7 @@ fn metric_lines(runs: &[ControllerRow]) -> Vec<MetricLine> {
     let bounds = entries.partition_point(|entry| entry.kind < MetricKind::Usage);
     let metrics = entries.into_iter().enumerate().map(|(index, entry)| {
         let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
-        line(&entry.title(), &|row| match value(row) {
-            Some(count) if entry.whole => count.to_string(),
-            other => short_or_none(other),
-        })
+        line(&entry.title(), &|row| metric_text(entry, value(row)))
     });
     let mut lines: Vec<MetricLine> = metrics.collect();
     lines.insert(bounds, link);
@@ -50,62 +48,68 @@ fn metric_lines(runs: &[ControllerRow]) -> Vec<MetricLine> {
 /// # Errors
 /// A figure that cannot be drawn.
 pub fn page(comparison: &Comparison, curves: &[Curves]) -> Result<String, FigureError> {
-    let mut sections = vec![metrics(comparison)];
-    sections.extend(faults(comparison));
-    sections.push(notes(comparison));
+    let mut sections = vec![section("Without a standard fault", &metrics(comparison))];
+    sections.extend(optional("Standard faults", &faults(comparison)));
+    sections.push(section("The controllers", &notes(comparison)));
     for figure in figures(comparison, curves) {
         sections.push(figure.section()?);
     }
+    let (class, verdict) = verdict(comparison);
+    let files = comparison.runs.iter().map(|row| {
+        let digests = hashes(&row.scenario_sha256, row.design_sha256.as_deref());
+        let shown = if row.design_sha256.is_some() { 2 } else { 1 };
+        format!("{}: {}", row.label, digests[..shown].join(", "))
+    });
     let page = Page {
         title: TITLE.to_string(),
-        style: "",
-        header: header(comparison),
+        class,
+        verdict,
+        heading: TITLE.to_string(),
+        introduction: introduction(comparison),
         sections,
-        footer: provenance(comparison),
+        footer: vec![vec![comparison.generator.clone()], files.collect()],
+        ..Page::default()
     };
     Ok(page.to_html())
 }
 
-fn header(comparison: &Comparison) -> Header {
+/// How many controllers meet every requirement, and how it is shown.
+fn verdict(comparison: &Comparison) -> (&'static str, String) {
     let broken = |row: &&ControllerRow| row.verdict == RunVerdict::ProofBroken;
     let met = |row: &&ControllerRow| row.verdict == RunVerdict::RequirementsMet;
-    let total = comparison.runs.len();
-    let (class, verdict) = if let Some(row) = comparison.runs.iter().find(broken) {
+    if let Some(row) = comparison.runs.iter().find(broken) {
         let sentence = format!("{}: {}", row.label, row.verdict.sentence());
-        ("alarm", sentence)
-    } else if comparison.task.requirements.is_empty() {
-        ("good", "The task states no requirement.".to_string())
-    } else {
-        let met = comparison.runs.iter().filter(met).count();
-        let class = if met == total { "good" } else { "bad" };
-        (
-            class,
-            format!("{met} of {total} controllers meet every requirement."),
-        )
-    };
+        return ("alarm", sentence);
+    }
+    if comparison.task.requirements.is_empty() {
+        return ("good", "The task states no requirement.".to_string());
+    }
+    let total = comparison.runs.len();
+    let met = comparison.runs.iter().filter(met).count();
+    let class = if met == total { "good" } else { "bad" };
+    let verdict = format!("{met} of {total} controllers meet every requirement.");
+    (class, verdict)
+}
+
+/// What all controllers have in common.
+fn introduction(comparison: &Comparison) -> String {
     let task = &comparison.task;
     let [a, b, c] = task.torque_limit_nm;
-    let mut body = paragraph(&format!(
+    let mut html = paragraph(&format!(
         "Runs of {} s; torque that can act: {a}, {b} and {c} N m; settled: error of at most {} deg; tail: \
          the last {} s.",
         task.duration_s, task.settle_tolerance_deg, task.tail_s,
     ));
     if let Some(file) = &task.taken_from {
-        body += &paragraph(&format!(
+        html += &paragraph(&format!(
             "Spacecraft, start, disturbance, limits and requirements of {file} for all."
         ));
     }
     if !task.requirements.is_empty() {
         let required: Vec<String> = task.requirements.iter().map(requirement).collect();
-        body += &paragraph(&format!("Required: {}.", required.join("; ")));
+        html += &paragraph(&format!("Required: {}.", required.join("; ")));
     }
-    Header {
-        class,
-        verdict,
-        remark: String::new(),
-        title: TITLE.to_string(),
-        body,
-    }
+    html
 }
 
 fn requirement(requirement: &RequirementFile) -> String {
@@ -117,56 +121,53 @@ fn requirement(requirement: &RequirementFile) -> String {
     }
 }
 
-/// A table with a column for each controller.
-fn table(comparison: &Comparison, first: &str) -> HtmlTable {
+/// Headings, one for each controller.
+fn title<'a>(comparison: &'a Comparison, first: &'a str) -> impl Iterator<Item = &'a str> {
     let labels = comparison.runs.iter().map(|row| row.label.as_str());
-    HtmlTable::new("").head(std::iter::once(first).chain(labels))
+    std::iter::once(first).chain(labels)
 }
 
-fn metrics(comparison: &Comparison) -> Section {
-    let mut table = table(comparison, "");
+fn metrics(comparison: &Comparison) -> String {
     let verdicts = comparison.runs.iter().map(|row| {
-        let class = match row.verdict {
-            RunVerdict::RequirementsMet => "good",
-            _ => "bad",
-        };
-        cell_of_class(class, row.verdict.name().replace('_', " "))
+        let met = row.verdict == RunVerdict::RequirementsMet;
+        judged(met, row.verdict.name().replace('_', " "))
     });
-    table.row(std::iter::once(cell("Requirements")).chain(verdicts));
-    for (name, values) in metric_lines(&comparison.runs) {
-        table.row(std::iter::once(cell(name)).chain(values.into_iter().map(cell)));
-    }
-    Section::new("Without a standard fault").with_table(&table)
+    let verdicts = row([cell("Requirements")].into_iter().chain(verdicts));
+    let lines = metric_lines(&comparison.runs).into_iter();
+    let lines = lines.map(|(name, values)| row([name].into_iter().chain(values).map(cell)));
+    let rows = [verdicts].into_iter().chain(lines);
+    table("", title(comparison, ""), rows)
 }
 
-fn faults(comparison: &Comparison) -> Option<Section> {
+/// The table of the standard faults; empty without any.
+fn faults(comparison: &Comparison) -> String {
     if comparison.faults.is_empty() {
-        return None;
+        return String::new();
     }
-    let mut table = table(comparison, "Fault");
+    let mut rows = Vec::new();
     for (index, (name, description)) in comparison.faults.iter().enumerate() {
         let (name, description) = (escape(&name.replace('_', " ")), escape(description));
-        let fault = html_cell(format!("<strong>{name}</strong>: {description}"));
+        let fault = html_cell(&format!("<strong>{name}</strong>: {description}"));
         let outcomes = comparison.runs.iter();
         let outcomes = outcomes.filter_map(|row| row.faults.get(index));
-        let outcomes = outcomes.map(|outcome| match (outcome.survived, outcome.rms_error_deg) {
-            (true, error) => {
-                let error = short_or_none(error);
-                cell_of_class("good", format!("survived; rms error {error} deg"))
+        let outcomes = outcomes.map(|outcome| match outcome.survived {
+            true => {
+                let error = short_or_none(outcome.rms_error_deg);
+                judged(true, format!("passed; rms error {error} deg"))
             }
-            (false, _) => cell_of_class("bad", &outcome.reason),
+            false => judged(false, &outcome.reason),
         });
-        table.row(std::iter::once(fault).chain(outcomes));
+        rows.push(row([fault].into_iter().chain(outcomes)));
     }
     let total = comparison.faults.len();
     let counts = comparison.runs.iter();
     let counts = counts.map(|row| cell(format!("{} of {total}", row.faults_survived)));
-    table.row(std::iter::once(cell("Survived")).chain(counts));
-    Some(Section::new("Standard faults").with_table(&table))
+    rows.push(row([cell("Passed")].into_iter().chain(counts)));
+    table("", title(comparison, "Fault"), rows)
 }
 
-fn notes(comparison: &Comparison) -> Section {
-    let items = comparison.runs.iter().map(|row| {
+fn notes(comparison: &Comparison) -> String {
+    list(comparison.runs.iter().map(|row| {
         let (label, words) = (escape(&row.label), escape(&row.controller));
         let mut item = format!("<strong>{label}</strong>: {words}");
         if let Some(link) = &row.link {
@@ -176,82 +177,55 @@ fn notes(comparison: &Comparison) -> Section {
             item += &format!("<br>{}", escape(note));
         }
         item
-    });
-    Section::new("The controllers").with(&html_list(items))
+    }))
 }
 
-fn figures(comparison: &Comparison, curves: &[Curves]) -> Vec<Figure> {
-    let collect = |draw: &dyn Fn(&Curves) -> Option<Line>| -> Vec<Line> {
-        curves.iter().filter_map(draw).collect()
+/// A figure with a line for each controller whose trajectory has the columns.
+fn figures(comparison: &Comparison, curves: &[Curves]) -> [Figure; 3] {
+    let figure = |title: &str, label: &str, line: &dyn Fn(&Curves) -> Option<Series>| {
+        let lines = curves.iter().filter_map(line).collect();
+        Figure::over_time(title, label, comparison.task.duration_s, lines)
     };
-    let end_s = comparison.task.duration_s;
-    let figure = |title: &str, label: &str, lines: Vec<Line>| Figure {
-        title: title.to_string(),
-        label: label.to_string(),
-        lines,
-        end_s,
-        ..Figure::default()
-    };
-    let errors = collect(&|curve| {
-        let (times, errors) = (column(curve, "time_s")?, column(curve, "error_deg")?);
-        Some(Line::connected(&curve.label, &times, &errors))
+    let title = "Attitude error and settling tolerance";
+    let errors = figure(title, "error (deg)", &|curve| {
+        let [times, errors] = columns(curve, ["time_s", "error_deg"])?;
+        Some(Series::connected(&curve.label, &times, &errors))
     });
-    let messages = collect(&|curve| {
-        let (times, sent) = (column(curve, "time_s")?, column(curve, "sent")?);
-        let counts = sent.iter().scan(0.0, |count, sent| {
-            *count += sent;
-            Some(*count)
-        });
-        Some(Line::held(
-            &curve.label,
-            &times,
-            &counts.collect::<Vec<_>>(),
-        ))
+    let messages = figure("Messages sent", "messages", &|curve| {
+        let [times, sent] = columns(curve, ["time_s", "sent"])?;
+        let counts = running_sum(sent);
+        Some(Series::held(&curve.label, &times, &counts[1..]))
     });
-    let efforts = collect(&|curve| {
-        let times = column(curve, "time_s")?;
-        let torques = ["torque_1_nm", "torque_2_nm", "torque_3_nm"];
-        let torques = torques.map(|name| column(curve, name));
-        let [Some(a), Some(b), Some(c)] = torques else {
-            return None;
-        };
+    let impulses = figure("Impulse spent", "impulse (N m s)", &|curve| {
+        let names = ["time_s", "torque_1_nm", "torque_2_nm", "torque_3_nm"];
+        let [times, a, b, c] = columns(curve, names)?;
         let spans = times.windows(2).map(|pair| pair[1] - pair[0]);
         let magnitudes = a.iter().zip(&b).zip(&c);
         let magnitudes = magnitudes.map(|((a, b), c)| a.abs() + b.abs() + c.abs());
-        let mut impulses = vec![0.0];
-        for (span, magnitude) in spans.zip(magnitudes) {
-            impulses.push(impulses.last().copied().unwrap_or(0.0) + span * magnitude);
-        }
-        Some(Line::connected(&curve.label, &times, &impulses))
+        let steps = spans.zip(magnitudes);
+        let impulses = running_sum(steps.map(|(span, magnitude)| span * magnitude));
+        Some(Series::connected(&curve.label, &times, &impulses))
     });
-    vec![
-        Figure {
-            logarithmic: true,
-            limits: vec![comparison.task.settle_tolerance_deg],
-            ..figure(
-                "Attitude error and settling tolerance",
-                "error (deg)",
-                errors,
-            )
-        },
-        Figure {
-            logarithmic: true,
-            ..figure("Messages sent", "messages", messages)
-        },
-        figure("Impulse spent", "impulse (N m s)", efforts),
+    [
+        errors
+            .logarithmic()
+            .limits([comparison.task.settle_tolerance_deg]),
+        messages.logarithmic(),
+        impulses,
     ]
 }
 
-fn column(curve: &Curves, name: &str) -> Option<Vec<f64>> {
-    curve.trajectory.column(name)
+fn columns<const N: usize>(curve: &Curves, names: [&str; N]) -> Option<[Vec<f64>; N]> {
+    let columns = names.map(|name| curve.trajectory.column(name));
+    let columns: Option<Vec<_>> = columns.into_iter().collect();
+    columns?.try_into().ok()
 }
 
-fn provenance(comparison: &Comparison) -> Vec<Vec<String>> {
-    let files = comparison.runs.iter().map(|row| {
-        let (label, scenario) = (&row.label, &row.scenario_sha256);
-        let design = row.design_sha256.as_ref();
-        let design = design.map_or(String::new(), |design| format!(", design SHA-256 {design}"));
-        format!("{label}: scenario SHA-256 {scenario}{design}")
+/// 0 and what it grows to with each step.
+fn running_sum(steps: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let sums = steps.into_iter().scan(0.0, |sum, step| {
+        *sum += step;
+        Some(*sum)
     });
-    vec![vec![comparison.generator.clone()], files.collect()]
+    [0.0].into_iter().chain(sums).collect()
 }

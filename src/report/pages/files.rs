@@ -6,6 +6,7 @@ use super::{comparison, run, sweep};
 use crate::base::files::{create_folder, write, OutputError};
 use crate::base::parquet;
 use crate::base::table::Table;
+use crate::batch::campaign::CampaignError;
 use crate::batch::comparison::{Comparison, Curves};
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::table;
@@ -31,6 +32,15 @@ pub enum ReportError {
     /// A figure cannot be drawn.
     #[error("the report's figures cannot be drawn: {0}")]
     Figure(#[from] FigureError),
+    /// The files of a campaign.
+    #[error(transparent)]
+    Campaign(#[from] CampaignError),
+    /// A campaign that is still running.
+    #[error(
+        "the campaign is not complete; the same `campaign` command goes on where it stopped, and then \
+         there is a report"
+    )]
+    Running,
 }
 
 /// Creates the folder and writes every file of a run into it, each under a temporary name first.

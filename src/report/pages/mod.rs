@@ -5,3 +5,28 @@ pub mod comparison;
 pub mod files;
 pub mod run;
 pub mod sweep;
+
+use super::html::section;
+use crate::base::number::short_or_none;
+use crate::sim::metrics::MetricEntry;
+
+/// A section around HTML; none around nothing.
+fn optional(title: &str, html: &str) -> Option<String> {
+    (!html.is_empty()).then(|| section(title, html))
+}
+
+/// A metric's value as text.
+fn metric_text(entry: &MetricEntry, value: Option<f64>) -> String {
+    match value {
+        Some(count) if entry.whole => count.to_string(),
+        value => short_or_none(value),
+    }
+}
+
+/// The digests of a scenario and of its design, for a footer.
+fn hashes(scenario: &str, design: Option<&str>) -> Vec<String> {
+    vec![
+        format!("scenario SHA-256 {scenario}"),
+        format!("design SHA-256 {}", design.unwrap_or("none")),
+    ]
+}

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use clap::ValueEnum;
 use synth::model::{kind_of, Kind};
+use synth::problem::ProblemDesignFile;
 
-use super::args::{Exported, FormatArg};
 use crate::base::provenance::sha256_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -14,43 +15,66 @@ use crate::export::{c_header, csv, mat};
 use crate::run::design::Design;
 use crate::run::files::{read_summary, read_trajectory, SUMMARY_FILE, TRAJECTORY_FILE};
 
+/// Formats.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormatArg {
+    /// SDPA sparse text (.dat-s): the first problem that synthesis solves, in its scaled units; the
+    /// optimum is gamma
+    Sdpa,
+    /// Comma-separated values, of a design or a trajectory
+    Csv,
+    /// Apache Parquet, of a trajectory
+    Parquet,
+    /// MAT-file for MATLAB, Octave and scipy, of a design or a trajectory
+    Mat,
+    /// C header of static const tables, of a design
+    C,
+}
+
+impl FormatArg {
+    /// As on the command line.
+    pub fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or(String::new(), |value| value.get_name().to_string())
+    }
+}
+
+/// What was put together: the bytes, and why the answer is no where it is.
+pub struct Exported {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// What is not proved.
+    pub not_proved: Option<String>,
+}
+
 /// A design file, proved again from its numbers.
 pub fn design(path: &Path, format: FormatArg) -> Result<Exported, CliError> {
     let text = files::text(path)?;
     let data = match kind_of(&text) {
         Some(Kind::ProblemDesign) => {
-            let (file, problem) = files::problem_design_of(path, &text)?;
-            let report = file
-                .verify(&problem)
-                .map_err(|fault| CliError::value(path, fault))?;
+            let (file, problem) = files::parse(path, &text, ProblemDesignFile::from_json)?;
+            let report = file.verify(&problem);
+            let report = report.map_err(|fault| CliError::value(path, fault))?;
             DesignData::of_problem(&file, &problem, &report, &text)
         }
         Some(Kind::Design) | None => {
-            let design = Design::from_json(&text).map_err(|fault| CliError::file(path, fault))?;
-            design
-                .law_gains()
-                .map_err(|fault| CliError::unsuitable(path, fault))?;
+            let design = files::parse(path, &text, Design::from_json)?;
+            usable(path, design.law_gains())?;
             DesignData::of_design(&design)
         }
         Some(other) => {
-            let reason = format!(
-                "this is a {other} file; {} is for design files{}",
-                format.name(),
-                if format == FormatArg::C {
-                    ""
-                } else {
-                    " and trajectories"
-                }
-            );
+            let more = match format {
+                FormatArg::C => "",
+                _ => " and trajectories",
+            };
+            let name = format.name();
+            let reason = format!("this is a {other} file; {name} is for design files{more}");
             return Err(CliError::unsuitable(path, reason));
         }
     };
-    let failed = |fault: &dyn std::fmt::Display| CliError::unsuitable(path, fault);
     let bytes = match format {
-        FormatArg::Csv => csv::design(&data)
-            .map_err(|fault| failed(&fault))?
-            .into_bytes(),
-        FormatArg::Mat => mat::design(&data).map_err(|fault| failed(&fault))?,
+        FormatArg::Csv => usable(path, csv::design(&data))?.into_bytes(),
+        FormatArg::Mat => usable(path, mat::design(&data))?,
         FormatArg::C => c_header::design(&data).into_bytes(),
         FormatArg::Parquet | FormatArg::Sdpa => {
             let reason =
@@ -81,18 +105,19 @@ pub fn trajectory(path: &Path, format: FormatArg) -> Result<Exported, CliError> 
     let summary = beside.then(|| read_summary(&summary)).transpose()?;
     let data = TrajectoryData::new(table, summary.as_ref(), sha256_of(&text));
     let bytes = match format {
-        FormatArg::Parquet => data
-            .to_parquet()
-            .map_err(|fault| CliError::unsuitable(path, fault))?,
-        FormatArg::Mat => data
-            .to_mat()
-            .map_err(|fault| CliError::unsuitable(path, fault))?,
+        FormatArg::Parquet => usable(path, data.to_parquet())?,
+        FormatArg::Mat => usable(path, data.to_mat())?,
         FormatArg::Csv | FormatArg::C | FormatArg::Sdpa => data.table.to_csv().into_bytes(),
     };
     Ok(Exported {
         bytes,
         not_proved: None,
     })
+}
+
+/// What was made of a file, or why it is not suitable.
+fn usable<T, E: std::fmt::Display>(path: &Path, made: Result<T, E>) -> Result<T, CliError> {
+    made.map_err(|fault| CliError::unsuitable(path, fault))
 }
 
 /// What to say of a folder without a trajectory.

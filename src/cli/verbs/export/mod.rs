@@ -1,41 +1,51 @@
 //! `steadfast export FILE --format FORMAT`
 
-pub mod args;
 mod data;
 mod sdpa;
 
 use std::path::{Path, PathBuf};
 
-use args::{ExportArgs, Exported, FormatArg};
+use synth::synthesis::Form;
+
+use data::{Exported, FormatArg};
 
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::solver::FormArg;
 use crate::run::files::TRAJECTORY_FILE;
+
+/// Arguments of `export`.
+#[derive(clap::Args)]
+pub struct ExportArgs {
+    /// Design file, trajectory.csv, or folder written by `simulate -o`; for sdpa a model, problem or
+    /// design file
+    file: PathBuf,
+    /// Format to write
+    #[arg(long)]
+    format: FormatArg,
+    /// Form of the decrease condition, for sdpa; a design's own by default, chordal for a model
+    #[arg(long)]
+    form: Option<FormArg>,
+    /// File to write; standard output when left out, for text
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
 
 /// Writes a file in the format of another program. 2: a design was written that is not proved.
 pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     let source = trajectory_of(&args.file);
-    if let Some(output) = &args.output {
-        files::check_output(output, source.as_deref().unwrap_or(&args.file))?;
-    }
+    let input = source.as_deref().unwrap_or(&args.file);
+    files::check_output(args.output.as_deref(), &[input])?;
+    let name = args.format.name();
+    let wrong = |argument, reason| Err(CliError::Argument { argument, reason });
     if args.form.is_some() && args.format != FormatArg::Sdpa {
-        return Err(CliError::Argument {
-            argument: "--form",
-            reason: format!(
-                "has a meaning for --format sdpa only, not for {}",
-                args.format.name()
-            ),
-        });
+        let reason = format!("has a meaning for --format sdpa only, not for {name}");
+        return wrong("--form", reason);
     }
     if args.output.is_none() && matches!(args.format, FormatArg::Parquet | FormatArg::Mat) {
-        return Err(CliError::Argument {
-            argument: "--output",
-            reason: format!(
-                "is needed with --format {}, which is not text",
-                args.format.name()
-            ),
-        });
+        let reason = format!("is needed with --format {name}, which is not text");
+        return wrong("--output", reason);
     }
     let exported = match (&source, args.format) {
         (Some(_), FormatArg::Sdpa) => {
@@ -44,7 +54,7 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
         }
         (Some(path), format) => data::trajectory(path, format)?,
         (None, FormatArg::Sdpa) => Exported {
-            bytes: sdpa::export(args)?.into_bytes(),
+            bytes: sdpa::export(&args.file, args.form.map(Form::from))?.into_bytes(),
             not_proved: None,
         },
         (None, format) => data::design(&args.file, format)?,
@@ -52,7 +62,7 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     let exit = Exit::of(exported.not_proved.is_none());
     let answer = match &args.output {
         Some(path) => {
-            files::write_bytes(path, &exported.bytes)?;
+            files::write(path, &exported.bytes)?;
             Answer::silent(exit)
         }
         None => {

@@ -1,110 +1,104 @@
 //! `steadfast export FILE --format sdpa`
 
-use synth::design::ProblemUnits;
+use std::path::Path;
+
+use synth::design::DesignFile;
 use synth::lmi::Semidefinite;
 use synth::model::{kind_of, Kind, Model, Objective};
-use synth::problem::{first_program, Problem};
+use synth::problem::{first_program, Problem, ProblemDesignFile};
 use synth::synthesis::{
     assemble, coupled_problem, scaled_task, CouplingChoice, Form, Goal, FIRST_UNITS,
 };
 
-use super::args::ExportArgs;
 use crate::base::provenance::GENERATOR;
 use crate::cli::error::CliError;
 use crate::cli::files;
 
 /// The semidefinite program of a model, of a problem, or of what is inside a design, as SDPA sparse text:
 /// the first problem that synthesis solves, in its scaled units; the optimum is gamma.
-pub fn export(args: &ExportArgs) -> Result<String, CliError> {
-    let (program, what) = program(args)?;
-    let title = format!("{what}, by {GENERATOR}");
-    Ok(program.to_sdpa(&title))
-}
-
-/// The program and its name.
-fn program(args: &ExportArgs) -> Result<(Semidefinite, String), CliError> {
-    let text = files::text(&args.file)?;
-    let (model, units, own_form) = match kind_of(&text) {
+pub fn export(path: &Path, form: Option<Form>) -> Result<String, CliError> {
+    let text = files::text(path)?;
+    let (program, what) = match kind_of(&text) {
         Some(Kind::Problem) => {
-            return problem_program(args, &files::problem_of(&args.file, &text)?);
+            let problem = files::parse(path, &text, Problem::from_json)?;
+            problem_program(path, form, &problem)?
         }
         Some(Kind::ProblemDesign) => {
-            return problem_program(args, &files::problem_design_of(&args.file, &text)?.1);
+            let (_, problem) = files::parse(path, &text, ProblemDesignFile::from_json)?;
+            problem_program(path, form, &problem)?
         }
-        Some(Kind::Design) => of_design(args, &text)?,
+        Some(Kind::Design) => {
+            let (design, model) = files::parse(path, &text, DesignFile::from_json)?;
+            model_program(path, form, &model, Some(&design))?
+        }
         _ => {
-            let model = files::model_of(&args.file, &text)?;
-            (model, FIRST_UNITS, Form::Chordal)
+            let model = files::parse(path, &text, Model::from_json)?;
+            model_program(path, form, &model, None)?
         }
     };
-    if let Some(found) = both_program(args, &text)? {
-        return Ok(found);
-    }
-    let form = args.form.map_or(own_form, Form::from);
-    let (_, task) = scaled_task(&model, units);
-    let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
-    let what = format!("{}, {} form, smallest gain", model.file.name, form.name());
-    Ok((problem, what))
+    Ok(program.to_sdpa(&format!("{what}, by {GENERATOR}")))
 }
 
-/// The program of a design with two certificates, or of a model that asks for one.
-fn both_program(args: &ExportArgs, text: &str) -> Result<Option<(Semidefinite, String)>, CliError> {
-    let (model, choice, own_form) = match kind_of(text) {
-        Some(Kind::Design) => {
-            let (design, model) = files::design_of(&args.file, text)?;
-            let Some(coupling) = design
-                .provenance
-                .coupling
-                .filter(|_| design.outer.is_some())
-            else {
-                return Ok(None);
-            };
-            let usable = |value: f64| value.is_finite() && value > 0.0;
-            if !usable(coupling.inner_scale) || !usable(coupling.trigger_multiple) {
-                let reason = "field 'provenance.coupling': its numbers must be above 0";
-                return Err(CliError::unsuitable(&args.file, reason));
-            }
-            let containment_weight = design.provenance.problem.containment_weight;
-            let choice = CouplingChoice {
-                containment_weight,
-                coupling,
-            };
-            (model, Some(choice), Form::named(&design.provenance.form))
+/// The program of a model, or of a design with the form and the units that it was found with, and its name.
+fn model_program(
+    path: &Path,
+    form: Option<Form>,
+    model: &Model,
+    design: Option<&DesignFile>,
+) -> Result<(Semidefinite, String), CliError> {
+    let own_form = design.and_then(|design| Form::named(&design.provenance.form));
+    let form = form.or(own_form).unwrap_or(Form::Chordal);
+    let choice = match design {
+        Some(design) => coupling(path, design)?,
+        None => None,
+    };
+    let two = match design {
+        Some(_) => choice.is_some(),
+        None => model.file.specs.objective == Objective::Both,
+    };
+    let (problem, goal) = match two {
+        true => {
+            let problem = coupled_problem(model, form, choice);
+            let problem = problem.map_err(|error| CliError::value(path, error))?;
+            (problem, "smallest inner gain with two certificates")
         }
-        _ => {
-            let model = files::model_of(&args.file, text)?;
-            if model.file.specs.objective != Objective::Both {
-                return Ok(None);
-            }
-            (model, None, None)
+        false => {
+            let units = design.map_or(FIRST_UNITS, |design| design.provenance.problem);
+            let (_, task) = scaled_task(model, units);
+            let problem = assemble(&task, form, Goal::SmallestGain).problem;
+            (problem, "smallest gain")
         }
     };
-    let form = args.form.map(Form::from).or(own_form);
-    let form = form.unwrap_or(Form::Chordal);
-    let problem = coupled_problem(&model, form, choice);
-    let problem = problem.map_err(|error| CliError::value(&args.file, error))?;
-    let what = format!(
-        "{}, {} form, smallest inner gain with two certificates",
-        model.file.name,
-        form.name()
-    );
-    Ok(Some((problem.lower(), what)))
+    let what = format!("{}, {} form, {goal}", model.file.name, form.name());
+    Ok((problem.lower(), what))
+}
+
+/// How the two certificates of a design were coupled; `None` for a design with one.
+fn coupling(path: &Path, design: &DesignFile) -> Result<Option<CouplingChoice>, CliError> {
+    let coupling = design.provenance.coupling;
+    let Some(coupling) = coupling.filter(|_| design.outer.is_some()) else {
+        return Ok(None);
+    };
+    let usable = |value: f64| value.is_finite() && value > 0.0;
+    if !usable(coupling.inner_scale) || !usable(coupling.trigger_multiple) {
+        let reason = "field 'provenance.coupling': its numbers must be above 0";
+        return Err(CliError::unsuitable(path, reason));
+    }
+    Ok(Some(CouplingChoice {
+        containment_weight: design.provenance.problem.containment_weight,
+        coupling,
+    }))
 }
 
 fn problem_program(
-    args: &ExportArgs,
+    path: &Path,
+    form: Option<Form>,
     problem: &Problem,
 ) -> Result<(Semidefinite, String), CliError> {
-    if args.form.is_some() {
+    if form.is_some() {
         let reason = "this file asks for a design problem, for which --form has no meaning";
-        return Err(CliError::unsuitable(&args.file, reason));
+        return Err(CliError::unsuitable(path, reason));
     }
     let what = format!("{}, {}", problem.file.name, problem.task.name());
     Ok((first_program(problem), what))
-}
-
-fn of_design(args: &ExportArgs, text: &str) -> Result<(Model, ProblemUnits, Form), CliError> {
-    let (design, model) = files::design_of(&args.file, text)?;
-    let form = Form::named(&design.provenance.form).unwrap_or(Form::Chordal);
-    Ok((model, design.provenance.problem, form))
 }

@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-use synth::certify::Verdict;
+use synth::certify::{Report, Verdict};
+use synth::design::DesignFile;
 use synth::feasibility::Decision;
-use synth::model::Model;
-use synth::synthesis::{Form, Outcome, Synthesized};
+use synth::model::{FileError, Model};
+use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, SynthesisError, Synthesized};
 
-use super::cross_check;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::progress::watched;
 use crate::cli::show::design::SynthesisReport;
-use crate::cli::show::infeasibility::certificate;
+use crate::cli::show::facts::{design_written, written_or_nothing, SolverStatus};
+use crate::cli::show::infeasibility::Existence;
 use crate::cli::show::no_design::NoDesignReport;
-use crate::cli::show::solver::SolverStatus;
-use crate::cli::show::written::{design_written, written_or_nothing};
 use crate::cli::solver::SolverArg;
 
 /// What a synthesis or an analysis was asked.
@@ -48,35 +48,63 @@ impl Conclusion<'_> {
     }
 
     fn found(&self, design: &Synthesized) -> Result<Answer, CliError> {
-        let mut checked = design.report.clone();
-        let kept = self.output.filter(|_| checked.verdict == Verdict::Proved);
-        if let Some(path) = kept {
-            files::write(path, &design.file.to_json())?;
-            // What counts is what a reader of the file gets.
-            let (file, model) = files::design_of(path, &files::text(path)?)?;
-            let again = file.verify(&model);
-            checked = again.map_err(|problem| CliError::value(path, problem))?;
-        }
-        let check = self
-            .cross_check
-            .map(|solver| cross_check::run(solver, (self.model, self.form), design));
-        let check = check.transpose()?;
-        let report = SynthesisReport::new(design, self.model, &checked, check);
+        let again = |text: &str| {
+            let (file, model) = DesignFile::from_json(text)?;
+            Ok(file.verify(&model)?)
+        };
+        let json = || design.file.to_json();
+        let (kept, checked) = keep(self.output, &design.report, json, again)?;
+        let check = self.cross_check;
+        let check = check.map(|solver| self.other_solver(solver, design));
+        let report = SynthesisReport::new(design, self.model, &checked, check.transpose()?);
         let mut lines = report.lines(&design.file.name);
         lines.push(design_written(kept, checked.verdict));
         Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
     }
 
+    /// The smallest gamma from both solvers, each with the form it is fastest with.
+    fn other_solver(
+        &self,
+        solver: SolverArg,
+        design: &Synthesized,
+    ) -> Result<CrossCheck, CliError> {
+        let (form, other) = (self.form, solver.other());
+        let forms = [form, other.form()];
+        let backends = [solver.backend_for(form), other.backend_for(other.form())];
+        let candidates = [0, 1].map(|index| (backends[index].as_ref(), forms[index]));
+        let units = design.file.provenance.problem;
+        let checked = watched("cross-check", |observer| {
+            cross_check(self.model, units, candidates, Some(&observer))
+        });
+        checked.map_err(|error| CliError::from(SynthesisError::from(error)))
+    }
+
     fn none(&self, decision: &Decision, status: SolverStatus) -> Result<Answer, CliError> {
         let wanted = self.keeps_refutation && status != SolverStatus::Failed;
-        let proof = certificate(&decision.answer).filter(|_| wanted);
+        let proof = Existence::of(&decision.answer).certificate;
+        let proof = proof.filter(|_| wanted);
         let kept = self.output.zip(proof);
         if let Some((path, proof)) = kept {
-            files::write(path, &proof.to_json())?;
+            files::write(path, proof.to_json())?;
         }
         let report = NoDesignReport::new(self.model, self.form, decision, status);
         let mut lines = report.lines(self.model_path, self.what);
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))
     }
+}
+
+/// Writes a proved design. What counts is then the check of what a reader of the file gets.
+pub fn keep<'a>(
+    output: Option<&'a Path>,
+    report: &Report,
+    json: impl FnOnce() -> String,
+    again: impl FnOnce(&str) -> Result<Report, FileError>,
+) -> Result<(Option<&'a Path>, Report), CliError> {
+    let Some(path) = output.filter(|_| report.verdict == Verdict::Proved) else {
+        return Ok((None, report.clone()));
+    };
+    files::write(path, json())?;
+    let (_, report) = files::load(path, again)?;
+    Ok((Some(path), report))
 }

@@ -1,37 +1,85 @@
 //! `steadfast synthesize MODEL.json`
 
-pub mod args;
 pub mod conclude;
-pub mod cross_check;
-pub mod problem;
+mod problem;
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::ValueEnum;
 use synth::model::{kind_of, Kind, Model, Objective};
-use synth::synthesis;
+use synth::synthesis::{self, Form};
 
-use args::{ObjectiveArg, SynthesizeArgs};
 use conclude::Conclusion;
 
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{solve, ASSEMBLING};
+use crate::cli::solver::{FormArg, SolverArg};
+
+/// Arguments of `synthesize`.
+#[derive(clap::Args)]
+pub struct SynthesizeArgs {
+    /// Model or problem file
+    model: PathBuf,
+    /// Design file to write
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// What to optimise, in place of the model's own objective
+    #[arg(long)]
+    objective: Option<ObjectiveArg>,
+    /// Form of the decrease condition; by default chordal for clarabel, vertex-relaxed for structured
+    #[arg(long)]
+    form: Option<FormArg>,
+    /// Solver
+    #[arg(long, default_value = "clarabel")]
+    solver: SolverArg,
+    /// Minimise gamma with both solvers at the end and report the difference
+    #[arg(long)]
+    cross_check: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// What to optimise.
+#[derive(Clone, Copy, ValueEnum)]
+enum ObjectiveArg {
+    /// The smallest L-infinity gain bound
+    Gain,
+    /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
+    /// specs.outer is certified too
+    Both,
+    /// The largest certified set along the must-contain states, or of attitudes at rest
+    Region,
+}
 
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.model)?;
     if kind_of(&text) == Some(Kind::Problem) {
-        return problem::synthesize(args, &text);
+        let given = [
+            (args.form.is_some(), "--form"),
+            (args.objective.is_some(), "--objective"),
+            (args.cross_check, "--cross-check"),
+        ];
+        let unused = given.into_iter().find(|(given, _)| *given);
+        let unused = unused.map(|(_, option)| option);
+        let how = (args.output.as_deref(), args.solver);
+        return problem::synthesize(&args.model, &text, how, unused);
     }
-    let mut model = files::model_of(&args.model, &text)?;
+    let mut model = files::parse(&args.model, &text, Model::from_json)?;
     if let Some(objective) = args.objective {
-        model = with_objective(model, objective, &args.model)?;
+        let mut file = model.file;
+        file.specs.objective = match objective {
+            ObjectiveArg::Gain => Objective::Gain,
+            ObjectiveArg::Region => Objective::Region,
+            ObjectiveArg::Both => Objective::Both,
+        };
+        model = Model::new(file).map_err(|problem| CliError::value(&args.model, problem))?;
     }
-    if let Some(output) = &args.output {
-        files::check_output(output, &args.model)?;
-    }
-    let form = args.form();
+    files::check_output(args.output.as_deref(), &[&args.model])?;
+    let form = args.form.map_or(args.solver.form(), Form::from);
     let both = model.file.specs.objective == Objective::Both;
     if both && args.cross_check {
         let reason =
@@ -56,15 +104,4 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         synthesis::synthesize(&model, &text, form, backend.as_ref(), observer)
     })?;
     conclusion.answer(outcome)
-}
-
-/// The model with the objective of the command line.
-fn with_objective(model: Model, objective: ObjectiveArg, path: &Path) -> Result<Model, CliError> {
-    let mut file = model.file;
-    file.specs.objective = match objective {
-        ObjectiveArg::Gain => Objective::Gain,
-        ObjectiveArg::Region => Objective::Region,
-        ObjectiveArg::Both => Objective::Both,
-    };
-    Model::new(file).map_err(|problem| CliError::value(path, problem))
 }

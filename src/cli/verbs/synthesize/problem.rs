@@ -1,59 +1,61 @@
 //! What `synthesize` does for problem files.
 
-use synth::certify::Verdict;
-use synth::problem::{self, Problem, ProblemFailure, ProblemOutcome, ProblemSynthesized};
+use std::path::Path;
 
-use super::args::SynthesizeArgs;
+use synth::problem::{
+    self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
+};
+
+use super::conclude::keep;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{solve, ASSEMBLING};
+use crate::cli::show::facts::{design_written, SolverStatus, NOTHING};
 use crate::cli::show::problem::{headline, NoFeedbackReport, ProblemReport};
-use crate::cli::show::solver::SolverStatus;
-use crate::cli::show::written::{design_written, NOTHING};
+use crate::cli::solver::SolverArg;
 
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
-pub fn synthesize(args: &SynthesizeArgs, text: &str) -> Result<Answer, CliError> {
-    let problem = files::problem_of(&args.model, text)?;
-    if let Some(option) = args.option_without_use() {
+/// `unused` is an option given that says nothing about a problem.
+pub fn synthesize(
+    path: &Path,
+    text: &str,
+    (output, solver): (Option<&Path>, SolverArg),
+    unused: Option<&str>,
+) -> Result<Answer, CliError> {
+    let problem = files::parse(path, text, Problem::from_json)?;
+    if let Some(option) = unused {
         let reason = format!(
             "this is a problem file ({}), for which {option} has no meaning",
             problem.task.name()
         );
-        return Err(CliError::unsuitable(&args.model, reason));
+        return Err(CliError::unsuitable(path, reason));
     }
-    if let Some(output) = &args.output {
-        files::check_output(output, &args.model)?;
-    }
-    let backend = args.solver.backend();
-    let outcome = solve(&args.model, ASSEMBLING, |observer| {
+    files::check_output(output, &[path])?;
+    let backend = solver.backend();
+    let outcome = solve(path, ASSEMBLING, |observer| {
         problem::synthesize(&problem, text, backend.as_ref(), observer)
     })?;
+    let none = |failure: ProblemFailure, status| Ok(none(&problem, &failure, status));
     match outcome {
-        ProblemOutcome::Solved(design) => found(args, &problem, &design),
-        ProblemOutcome::Infeasible(failure) => {
-            Ok(none(&problem, &failure, SolverStatus::Infeasible))
-        }
-        ProblemOutcome::Undecided(failure) => Ok(none(&problem, &failure, SolverStatus::Undecided)),
-        ProblemOutcome::SolverFailed(failure) => Ok(none(&problem, &failure, SolverStatus::Failed)),
+        ProblemOutcome::Solved(design) => found(output, &problem, &design),
+        ProblemOutcome::Infeasible(failure) => none(failure, SolverStatus::Infeasible),
+        ProblemOutcome::Undecided(failure) => none(failure, SolverStatus::Undecided),
+        ProblemOutcome::SolverFailed(failure) => none(failure, SolverStatus::Failed),
     }
 }
 
 fn found(
-    args: &SynthesizeArgs,
+    output: Option<&Path>,
     problem: &Problem,
     design: &ProblemSynthesized,
 ) -> Result<Answer, CliError> {
-    let mut checked = design.report.clone();
-    let kept = args.output.as_deref();
-    let kept = kept.filter(|_| checked.verdict == Verdict::Proved);
-    if let Some(path) = kept {
-        files::write(path, &design.file.to_json())?;
-        // What counts is what a reader of the file gets.
-        let (file, problem) = files::problem_design_of(path, &files::text(path)?)?;
-        let again = file.verify(&problem);
-        checked = again.map_err(|fault| CliError::value(path, fault))?;
-    }
+    let again = |text: &str| {
+        let (file, problem) = ProblemDesignFile::from_json(text)?;
+        Ok(file.verify(&problem)?)
+    };
+    let json = || design.file.to_json();
+    let (kept, checked) = keep(output, &design.report, json, again)?;
     let report = ProblemReport::synthesized(problem, design, &checked);
     let mut lines = vec![headline(problem)];
     lines.extend(report.lines());

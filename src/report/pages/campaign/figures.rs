@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use super::error::CampaignPageError;
 use crate::batch::campaign::folder::{PROFILES_FILE, RUNS_FILE};
 use crate::batch::campaign::record::{RequirementCount, Results};
+use crate::batch::campaign::statistics::Ordered;
 use crate::batch::campaign::table::column_f64;
-use crate::report::figure::{Band, Figure, Horizontal};
-use crate::report::series::Line;
+use crate::batch::campaign::CampaignError;
+use crate::report::axis::{ends, Axis, Spacing};
+use crate::report::chart::{Band, Figure};
+use crate::report::series::Series;
 
 /// Metrics whose distribution is drawn, where the campaign has them: name, title, axis.
 const DISTRIBUTIONS: [(&str, &str, &str); 5] = [
@@ -34,30 +36,11 @@ const DISTRIBUTIONS: [(&str, &str, &str); 5] = [
 const OUTER: [f64; 2] = [0.05, 0.95];
 const INNER: [f64; 2] = [0.25, 0.75];
 
-/// Values of all runs at one time, in order.
-struct Ordered(Vec<f64>);
-
-impl Ordered {
-    fn new(values: impl Iterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.collect();
-        sorted.sort_by(f64::total_cmp);
-        Self(sorted)
-    }
-
-    /// The quantile of a fraction, on the straight line between two values; `None` without values.
-    fn at(&self, fraction: f64) -> Option<f64> {
-        let place = fraction * self.0.len().checked_sub(1)? as f64;
-        let below = *self.0.get(place.floor() as usize)?;
-        let above = *self.0.get(place.ceil() as usize)?;
-        Some(below + (above - below) * place.fract())
-    }
-}
-
 /// A figure of percentile bands for each quantity of the profiles.
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn bands(folder: &Path, results: &Results) -> Result<Vec<Figure>, CampaignPageError> {
+pub fn bands(folder: &Path, results: &Results) -> Result<Vec<Figure>, CampaignError> {
     let path = folder.join(PROFILES_FILE);
     let times = &results.profile.times_s;
     let mut out = Vec::new();
@@ -83,29 +66,28 @@ fn band_figure(quantity: &str, times: &[f64], spreads: &[[f64; 6]]) -> Figure {
     };
     let line = |name: &str, which: usize| {
         let values: Vec<f64> = spreads.iter().map(|spread| spread[which]).collect();
-        Line::connected(name, times, &values)
+        Series::connected(name, times, &values)
     };
-    let band = |name: &str, low: usize, high: usize, strength: f64| Band {
-        name: name.to_string(),
-        points: times
-            .iter()
-            .zip(spreads)
-            .map(|(&time, spread)| (time, spread[low], spread[high]))
-            .filter(|(_, low, high)| low.is_finite() && high.is_finite())
-            .collect(),
-        strength,
+    let band = |name: &str, low: usize, high: usize, strength: f64| {
+        let points = times.iter().zip(spreads);
+        let points = points.map(|(&time, spread)| (time, spread[low], spread[high]));
+        Band {
+            name: name.to_string(),
+            points: points
+                .filter(|(_, low, high)| low.is_finite() && high.is_finite())
+                .collect(),
+            strength,
+        }
     };
+    let lines = vec![line("median", 2), line("largest of all runs", 5)];
+    let end_s = times.last().copied().unwrap_or(0.0);
+    let bands = vec![
+        band("5 to 95 % of the runs", 0, 4, 0.22),
+        band("25 to 75 %", 1, 3, 0.4),
+    ];
     Figure {
-        title: title.to_string(),
-        label: label.to_string(),
-        lines: vec![line("median", 2), line("largest of all runs", 5)],
-        bands: vec![
-            band("5 to 95 % of the runs", 0, 4, 0.22),
-            band("25 to 75 %", 1, 3, 0.4),
-        ],
-        logarithmic: true,
-        end_s: times.last().copied().unwrap_or(0.0),
-        ..Figure::default()
+        bands,
+        ..Figure::over_time(title, label, end_s, lines).logarithmic()
     }
 }
 
@@ -113,7 +95,7 @@ fn band_figure(quantity: &str, times: &[f64], spreads: &[[f64; 6]]) -> Figure {
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn distributions(folder: &Path, results: &Results) -> Result<Vec<Figure>, CampaignPageError> {
+pub fn distributions(folder: &Path, results: &Results) -> Result<Vec<Figure>, CampaignError> {
     let path = folder.join(RUNS_FILE);
     let mut out = Vec::new();
     for (name, title, label) in DISTRIBUTIONS {
@@ -135,40 +117,27 @@ fn distribution<'a>(
 ) -> Figure {
     let sorted = Ordered::new(values.iter().copied().flatten()).0;
     let marks: Vec<f64> = limits.map(|one| one.limit).collect();
-    let within = sorted.iter().chain(&marks).copied();
-    let (low, high) = within.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
+    let within = ends(sorted.iter().chain(&marks).copied());
+    let (low, high) = within.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
     let room = 0.04 * (high - low).max(1e-3 * high.abs()).max(1e-9);
     let (start, end) = (low - room, high + room);
     let total = values.len().max(1) as f64;
-    let shares = (1..=sorted.len()).map(|count| count as f64 / total);
-    let mut places = vec![start];
-    let mut heights = vec![0.0];
-    for (value, fraction) in sorted.iter().zip(shares) {
-        places.push(*value);
-        heights.push(fraction);
-    }
-    places.push(end);
+    let fractions = (0..=sorted.len()).map(|count| count as f64 / total);
+    let mut heights: Vec<f64> = fractions.collect();
     heights.push(sorted.len() as f64 / total);
-    let missing = values.len() - sorted.len();
-    let title = match missing {
-        0 => format!("{title}: share of the runs with at most that value"),
-        _ => format!(
-            "{title}: share of the runs with at most that value ({missing} of {} runs have none)",
-            values.len()
-        ),
+    let places = [&[start], sorted.as_slice(), &[end]].concat();
+    let missing = match values.len() - sorted.len() {
+        0 => String::new(),
+        missing => format!(" ({missing} of {} runs have none)", values.len()),
     };
     Figure {
-        title,
-        label: "share of the runs".to_string(),
-        lines: vec![Line::held("runs", &places, &heights)],
+        title: format!("{title}: share of the runs with at most that value{missing}"),
+        axes: [
+            Axis::between(label, start, end),
+            Axis::new("share of the runs", Spacing::Linear),
+        ],
+        series: vec![Series::held("", &places, &heights)],
         limits: vec![0.0, 1.0],
-        horizontal: Some(Horizontal {
-            label: label.to_string(),
-            start,
-            end,
-        }),
         marks,
         ..Figure::default()
     }
@@ -188,7 +157,7 @@ mod tests {
             missed: 2,
         };
         let figure = distribution("X", "x", &values, [limit].iter());
-        let points = &figure.lines[0].points;
+        let points = &figure.series[0].points;
         assert_eq!(points.first().map(|point| point.1), Some(0.0));
         assert_eq!(points.last().map(|point| point.1), Some(0.75));
         assert!(points.contains(&(2.0, 0.25)) && points.contains(&(2.0, 0.5)));

@@ -1,20 +1,16 @@
 //! The page of a run.
 
-pub mod figures;
-pub mod inner;
-pub mod intermittent;
-pub mod prescribed;
+mod figures;
 
-use figures::figures;
-
+use super::{hashes, metric_text, optional};
 use crate::base::number::{short, short_or_none};
 use crate::base::table::Table;
 use crate::plants::SystemKind;
 use crate::report::chart::FigureError;
 use crate::report::html::{
-    cell, cell_of_class, list, paragraph, source, Header, HtmlTable, Page, Section,
+    cell, escape, judged, list, numbers, paragraph, row, section, source, table, Page,
 };
-use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
+use crate::run::summary::{CertificateOutcome, InnerOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{listed, Metric};
 
@@ -23,31 +19,48 @@ use crate::sim::metrics::{listed, Metric};
 /// # Errors
 /// A figure that cannot be drawn.
 pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError> {
-    let mut sections = vec![metrics(summary)];
-    sections.extend(requirements(summary));
-    sections.extend(summary.link.as_ref().map(link));
-    sections.extend(summary.certificate.as_ref().map(certificate));
-    sections.extend(notes(summary));
-    for figure in figures(summary, trajectory) {
+    let certificate = summary.certificate.as_ref();
+    let mut sections = vec![section("Numbers", &numbers(metrics(summary)))];
+    sections.extend(optional("Requirements", &requirements(summary)));
+    let link = summary.link.as_ref();
+    sections.extend(link.map(|link| section("Link to the actuators", &numbers(link_rows(link)))));
+    sections.extend(certificate.map(certificate_section));
+    let notes = summary.notes.iter().map(|note| escape(note));
+    sections.extend((!summary.notes.is_empty()).then(|| section("Notes", &list(notes))));
+    for figure in figures::figures(summary, trajectory) {
         sections.push(figure.section()?);
     }
+    let made = &summary.provenance;
     let page = Page {
         title: format!("{}: run report", summary.scenario),
-        style: "",
-        header: header(summary),
+        class: match summary.verdict {
+            RunVerdict::RequirementsMet => "good",
+            RunVerdict::RequirementsMissed => "bad",
+            RunVerdict::Diverged | RunVerdict::ProofBroken => "alarm",
+        },
+        verdict: match (summary.verdict, summary.requirements.is_empty()) {
+            (RunVerdict::RequirementsMet, true) => "The scenario states no requirement.",
+            (verdict, _) => verdict.sentence(),
+        }
+        .to_string(),
+        remark: proof(certificate).to_string(),
+        heading: summary.scenario.clone(),
+        introduction: paragraph(&summary.controller) + &source(&summary.source),
         sections,
-        footer: provenance(summary),
+        footer: vec![
+            vec![format!(
+                "{}; {}; random numbers: {} with seed {}",
+                made.generator, made.integrator, made.random_generator, made.seed
+            )],
+            hashes(&made.scenario_sha256, made.design_sha256.as_deref()),
+        ],
     };
     Ok(page.to_html())
 }
 
-fn header(summary: &Summary) -> Header {
-    let class = match summary.verdict {
-        RunVerdict::RequirementsMet => "good",
-        RunVerdict::RequirementsMissed => "bad",
-        RunVerdict::Diverged | RunVerdict::ProofBroken => "alarm",
-    };
-    let proof = match &summary.certificate {
+/// What is proved of a run, in a sentence.
+fn proof(certificate: Option<&CertificateOutcome>) -> &'static str {
+    match certificate {
         Some(outcome) if outcome.broken() => "The proof was broken.",
         Some(outcome) if outcome.covers_run => {
             "The design is proved, the proof covers this run, and the run kept its bound."
@@ -57,17 +70,6 @@ fn header(summary: &Summary) -> Header {
         }
         Some(_) => "The design is NOT proved.",
         None => "Nothing is proved for this controller.",
-    };
-    let requirements = match (summary.verdict, summary.requirements.is_empty()) {
-        (RunVerdict::RequirementsMet, true) => "The scenario states no requirement.",
-        (verdict, _) => verdict.sentence(),
-    };
-    Header {
-        class,
-        verdict: requirements.to_string(),
-        remark: proof.to_string(),
-        title: summary.scenario.clone(),
-        body: paragraph(&summary.controller) + &source(&summary.source),
     }
 }
 
@@ -80,15 +82,12 @@ const FIRST: [Metric; 5] = [
     Metric::SettleSeconds,
 ];
 
-fn metrics(summary: &Summary) -> Section {
+fn metrics(summary: &Summary) -> Vec<(String, String)> {
     let line = |metric: Metric| {
-        let value = match (summary.metric(metric), metric.entry().whole) {
-            (Some(count), true) => count.to_string(),
-            (value, _) => short_or_none(value),
-        };
-        (metric.entry().title(), value)
+        let entry = metric.entry();
+        (entry.title(), metric_text(entry, summary.metric(metric)))
     };
-    let mut rows: Vec<(String, String)> = vec![
+    let mut rows = vec![
         line(Metric::Triggers),
         ("Samples".to_string(), summary.samples.to_string()),
     ];
@@ -104,22 +103,39 @@ fn metrics(summary: &Summary) -> Section {
         };
         rows.push((title, value));
     }
-    rows.extend(bound_rows(summary));
+    let mut more = |name: &str, value: String| rows.push((name.to_string(), value));
+    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
+        more("Turned on; off", format!("{on}; {off}"));
+        let fraction = short(100.0 * summary.on_time_share);
+        more("Time with a torque (%)", fraction);
+    }
+    let utilisations = [
+        ("Largest error over its prescribed bound", &summary.funnel),
+        ("Largest trigger over its threshold", &summary.threshold),
+    ];
+    for (name, utilisation) in utilisations {
+        if let Some(own) = utilisation {
+            more(name, ratio_at(own.largest_ratio, own.largest_ratio_at_s));
+        }
+    }
     if summary.held_samples > 0 {
         let reason = summary.first_hold.as_deref().unwrap_or("unknown");
-        rows.push((
-            "Samples not used".to_string(),
-            format!("{} ({reason})", summary.held_samples),
-        ));
+        let text = format!("{} ({reason})", summary.held_samples);
+        more("Samples not used", text);
     }
     if let Some(mismatch) = summary.largest_membership_mismatch {
-        rows.push(("Largest membership mismatch".to_string(), short(mismatch)));
+        more("Largest membership mismatch", short(mismatch));
     }
-    Section::new("Numbers").with_table(&HtmlTable::numbers(&rows))
+    rows
 }
 
-fn link(outcome: &LinkOutcome) -> Section {
-    let rows = [
+/// A ratio and when it was reached.
+fn ratio_at(ratio: f64, time_s: f64) -> String {
+    format!("{ratio:.6} at {} s", short(time_s))
+}
+
+fn link_rows(outcome: &LinkOutcome) -> [(&'static str, String); 11] {
+    [
         ("Encoding", outcome.encoding.clone()),
         ("Messages", outcome.messages.to_string()),
         ("Words", outcome.words.to_string()),
@@ -140,61 +156,42 @@ fn link(outcome: &LinkOutcome) -> Section {
             "Longest disagreement of the two ends (s)",
             short(outcome.longest_disagreement_s),
         ),
-    ];
-    Section::new("Link to the actuators").with_table(&HtmlTable::numbers(&rows))
+    ]
 }
 
-/// Switching and prescribed bounds, for the controllers that have them.
-fn bound_rows(summary: &Summary) -> Vec<(String, String)> {
-    let mut rows = Vec::new();
-    if let (Some(on), Some(off)) = (summary.turn_ons, summary.turn_offs) {
-        rows.push(("Turned on; off".to_string(), format!("{on}; {off}")));
-        let fraction = short(100.0 * summary.on_time_share);
-        rows.push(("Time with a torque (%)".to_string(), fraction));
-    }
-    let usages = [
-        ("Largest error over its prescribed bound", &summary.funnel),
-        ("Largest trigger over its threshold", &summary.threshold),
-    ];
-    for (name, usage) in usages {
-        if let Some(usage) = usage {
-            let ratio = format!(
-                "{:.6} at {} s",
-                usage.largest_ratio,
-                short(usage.largest_ratio_at_s)
-            );
-            rows.push((name.to_string(), ratio));
-        }
-    }
-    rows
-}
-
-fn requirements(summary: &Summary) -> Option<Section> {
+/// The table of the requirements; empty without any.
+fn requirements(summary: &Summary) -> String {
     if summary.requirements.is_empty() {
-        return None;
+        return String::new();
     }
-    let mut table = HtmlTable::new("").head(["Requirement", "Limit", "Value", ""]);
-    for requirement in &summary.requirements {
-        let (class, word) = if requirement.met {
-            ("good", "met")
-        } else {
-            ("bad", "missed")
-        };
-        table.row([
+    let rows = summary.requirements.iter().map(|requirement| {
+        let word = if requirement.met { "met" } else { "missed" };
+        row([
             cell(&requirement.name),
             cell(short(requirement.limit)),
             cell(short_or_none(requirement.value)),
-            cell_of_class(class, word),
-        ]);
-    }
-    Some(Section::new("Requirements").with_table(&table))
+            judged(requirement.met, word),
+        ])
+    });
+    table("", ["Requirement", "Limit", "Value", ""], rows)
 }
 
-fn certificate(outcome: &CertificateOutcome) -> Section {
+fn certificate_section(outcome: &CertificateOutcome) -> String {
+    let mut html = numbers(certificate_rows(outcome));
+    if !outcome.not_covered.is_empty() {
+        html += &paragraph("The proof does not cover this run because of:");
+        html += &list(outcome.not_covered.iter().map(|reason| escape(reason)));
+    }
+    section("Certificate", &html)
+}
+
+fn certificate_rows(outcome: &CertificateOutcome) -> Vec<(&'static str, String)> {
     let yes = |value: bool| if value { "yes" } else { "NO" }.to_string();
     let never =
         |time: Option<f64>| time.map_or("never".to_string(), |t| format!("at {} s", short(t)));
-    let mut rows: Vec<(&str, String)> = vec![
+    let gains = [outcome.guaranteed_gain, outcome.gamma].map(short);
+    let largest = outcome.largest_lyapunov_ratio;
+    let mut rows = vec![
         ("Design proved from its numbers", yes(outcome.proved)),
         ("Proof covers this run", yes(outcome.covers_run)),
         (
@@ -203,11 +200,7 @@ fn certificate(outcome: &CertificateOutcome) -> Section {
         ),
         (
             "Largest x'Ux over its bound",
-            format!(
-                "{:.6} at {} s",
-                outcome.largest_lyapunov_ratio,
-                short(outcome.largest_lyapunov_ratio_at_s)
-            ),
+            ratio_at(largest, outcome.largest_lyapunov_ratio_at_s),
         ),
         (
             "Steps above the bound",
@@ -220,57 +213,42 @@ fn certificate(outcome: &CertificateOutcome) -> Section {
         ("Left the box of the model", never(outcome.left_box_s)),
         ("Largest output", short(outcome.peak_output)),
         ("Largest disturbance", short(outcome.peak_disturbance)),
-        (
-            "Guaranteed gain; gamma",
-            format!(
-                "{}; {}",
-                short(outcome.guaranteed_gain),
-                short(outcome.gamma)
-            ),
-        ),
+        ("Guaranteed gain; gamma", gains.join("; ")),
     ];
     if let (Some(margin), Some(name)) = (outcome.worst_margin, &outcome.worst_condition) {
         rows.push(("Smallest margin", format!("{margin:.3e} ({name})")));
     }
     if let Some(ratio) = outcome.peak_ratio {
-        let from = if outcome.from_rest_in_origin {
-            short(ratio)
-        } else {
-            format!(
-                "{} (no test of the gain: the run does not start in the origin)",
-                short(ratio)
-            )
+        let caution = match outcome.from_rest_in_origin {
+            true => "",
+            false => " (no test of the gain: the run does not start in the origin)",
         };
-        rows.push(("Largest output over largest disturbance", from));
+        rows.push((
+            "Largest output over largest disturbance",
+            short(ratio) + caution,
+        ));
     }
-    rows.extend(inner::rows(outcome));
-    let section = Section::new("Certificate").with_table(&HtmlTable::numbers(&rows));
-    if outcome.not_covered.is_empty() {
-        return section;
-    }
-    section
-        .with(&paragraph("The proof does not cover this run because of:"))
-        .with(&list(&outcome.not_covered))
+    rows.extend(outcome.inner.iter().flat_map(inner_rows));
+    rows
 }
 
-fn notes(summary: &Summary) -> Option<Section> {
-    if summary.notes.is_empty() {
-        return None;
-    }
-    Some(Section::new("Notes").with(&list(&summary.notes)))
-}
-
-fn provenance(summary: &Summary) -> Vec<Vec<String>> {
-    let made = &summary.provenance;
-    let design = made.design_sha256.as_deref().unwrap_or("none");
-    vec![
-        vec![format!(
-            "{}; {}; random numbers: {} with seed {}",
-            made.generator, made.integrator, made.random_generator, made.seed
-        )],
-        vec![
-            format!("scenario SHA-256 {}", made.scenario_sha256),
-            format!("design SHA-256 {design}"),
-        ],
+/// Of the inner certificate of a design with two.
+fn inner_rows(inner: &InnerOutcome) -> [(&'static str, String); 4] {
+    let entered = inner.entered_s;
+    let largest = inner.largest_lyapunov_ratio;
+    [
+        (
+            "Inner certificate holds from",
+            entered.map_or("never".to_string(), |time| format!("{} s", short(time))),
+        ),
+        (
+            "Inner: largest x'Ux over its bound",
+            ratio_at(largest, inner.largest_lyapunov_ratio_at_s),
+        ),
+        (
+            "Inner: steps above the bound; outside",
+            format!("{}; {}", inner.bound_broken_steps, inner.outside_steps),
+        ),
+        ("Inner: largest output", short(inner.peak_output)),
     ]
 }

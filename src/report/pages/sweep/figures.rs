@@ -1,40 +1,174 @@
-//! Which curves show a sweep.
+//! What a page shows of a sweep, and which curves show it.
 
 use synth::model::Kind;
 
 use crate::base::number::label;
+use crate::batch::sweep::finished::Finished;
 use crate::batch::sweep::outcome::PointOutcome;
-use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::table::metric_names;
-use crate::batch::variation::grid::Grid;
-use crate::report::chart::COLOURS;
-use crate::report::plot::{Marker, Plot, Series, FAINT, INK};
+use crate::report::axis::{Axis, Spacing};
+use crate::report::chart::{Figure, FAINT, INK};
+use crate::report::series::{Mark, Series, COLOURS};
 
-/// Most curves of one plot.
+/// Most curves of one figure.
 const CURVES: usize = COLOURS.len();
 /// Metrics of a model that are drawn.
 const MODEL_METRICS: [&str; 3] = ["gamma", "guaranteed_gain", "certified_angle_deg"];
 
-/// Names of what is drawn: axes and metrics with their units.
-pub struct Labels {
-    /// Of the axes.
-    pub axes: Vec<String>,
+/// A sweep with the names of its axes.
+pub struct View<'a> {
+    /// The sweep.
+    pub sweep: &'a Finished<'a>,
+    /// Names and units of the axes.
+    pub labels: Vec<String>,
+    /// The values of each axis.
+    pub values: Vec<&'a [f64]>,
 }
 
-impl Labels {
-    /// The last key of each axis, or the full name where that is another's too.
-    pub fn new(subject: &Subject, grid: &Grid) -> Self {
-        let names = grid.names();
+impl<'a> View<'a> {
+    /// Axes are named by their last key, or by the full name where that key is another's too.
+    pub fn new(sweep: &'a Finished<'a>) -> Self {
+        let names = sweep.grid.names();
         let last = |name: &String| name.rsplit('.').next().unwrap_or(name).to_string();
-        let axes = names.iter().map(|name| {
+        let labels = names.iter().map(|name| {
             let short = last(name);
             let unique = names.iter().filter(|other| last(other) == short).count() == 1;
             let shown = if unique { short } else { name.clone() };
-            labelled(&shown, subject.unit(name))
+            labelled(&shown, sweep.subject.unit(name))
         });
-        Labels {
-            axes: axes.collect(),
+        View {
+            sweep,
+            labels: labels.collect(),
+            values: sweep.grid.axes().map(|(_, values)| values).collect(),
         }
+    }
+
+    /// Whether a model was swept, not a scenario.
+    pub fn of_model(&self) -> bool {
+        self.sweep.subject.kind() == Kind::Model
+    }
+
+    /// A metric as text, its unit in brackets.
+    pub fn named(&self, metric: &str) -> String {
+        labelled(metric, self.sweep.subject.unit(metric))
+    }
+
+    /// The value that is shown of a point: of a model, only what is proved counts.
+    pub fn shown(&self, outcome: &PointOutcome, metric: &str) -> Option<f64> {
+        let counts = !self.of_model() || outcome.good();
+        outcome.metric(metric).filter(|_| counts)
+    }
+
+    /// The values that are shown of a metric.
+    pub fn all(&self, metric: &'a str) -> impl Iterator<Item = f64> + '_ {
+        let outcomes = self.sweep.outcomes.iter();
+        outcomes.filter_map(move |outcome| self.shown(outcome, metric))
+    }
+
+    /// The metrics that differ between points, and those that do not.
+    pub fn metrics(&self) -> (Vec<String>, Vec<String>) {
+        let names = match self.of_model() {
+            true => MODEL_METRICS.map(str::to_string).to_vec(),
+            false => metric_names(self.sweep.outcomes),
+        };
+        let known = names
+            .into_iter()
+            .filter(|name| self.all(name).next().is_some());
+        known.partition(|name| {
+            let first = self.all(name).next();
+            self.of_model() || self.all(name).any(|value| Some(value) != first)
+        })
+    }
+
+    /// The axes with several values.
+    pub fn varied(&self) -> Vec<usize> {
+        let axes = 0..self.values.len();
+        axes.filter(|&axis| self.values[axis].len() > 1).collect()
+    }
+
+    /// The distance of points that are neighbours along an axis only.
+    pub fn stride(&self, axis: usize) -> usize {
+        let faster = self.values[axis + 1..].iter();
+        faster.map(|values| values.len()).product()
+    }
+
+    /// The points that have the first value of each of these axes.
+    pub fn starts(&self, axes: &[usize]) -> Vec<usize> {
+        let first = |point: &usize| {
+            let mut axes = axes.iter();
+            axes.all(|&axis| (point / self.stride(axis)) % self.values[axis].len() == 0)
+        };
+        (0..self.sweep.grid.points()).filter(first).collect()
+    }
+
+    /// The indices of an axis's values, from the smallest to the largest.
+    pub fn order(&self, axis: usize) -> Vec<usize> {
+        let values = self.values[axis];
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        order
+    }
+
+    /// The values of a point as text, without those of some axes.
+    pub fn place(&self, point: &[f64], without: &[usize]) -> String {
+        let named = self.labels.iter().zip(point).enumerate();
+        let named = named.filter(|(axis, _)| !without.contains(axis));
+        let named = named.map(|(_, (axis, &value))| format!("{axis} {}", label(value)));
+        named.collect::<Vec<_>>().join(", ")
+    }
+
+    /// A metric against an axis: one curve for each choice of the other axes, as many as can be told apart.
+    pub fn curve(&self, metric: &str, axis: usize) -> Figure {
+        let starts = self.starts(&[axis]);
+        let chosen = evenly(starts.len(), CURVES);
+        let mut series = Vec::new();
+        let mut without = Vec::new();
+        for (&choice, colour) in chosen.iter().zip(COLOURS) {
+            let start = starts[choice];
+            let points = self.order(axis).into_iter().map(|index| {
+                let outcome = &self.sweep.outcomes[start + index * self.stride(axis)];
+                (self.values[axis][index], self.shown(outcome, metric))
+            });
+            let points: Vec<(f64, Option<f64>)> = points.collect();
+            let mut name = self.place(&self.sweep.grid.point(start), &[axis]);
+            let runs = points.split(|(_, value)| value.is_none());
+            for run in runs.filter(|run| !run.is_empty()) {
+                let run = run.iter().filter_map(|&(at, value)| Some((at, value?)));
+                series.push(Series {
+                    colour: Some(colour),
+                    ..Series::new(&std::mem::take(&mut name), Mark::Joined, run)
+                });
+            }
+            let missing = points.iter().filter(|(_, value)| value.is_none());
+            without.extend(missing.map(|&(at, _)| (at, 0.0)));
+        }
+        if !without.is_empty() {
+            series.push(Series {
+                colour: Some(INK),
+                ..Series::new("no value", Mark::Crosses, without)
+            });
+        }
+        let (across, up) = (&self.labels[axis], self.named(metric));
+        let note = match chosen.len() < starts.len() {
+            true => format!(" ({} of {} curves)", chosen.len(), starts.len()),
+            false => String::new(),
+        };
+        plot(
+            format!("{up} against {across}{note}"),
+            [across, &up],
+            series,
+        )
+    }
+}
+
+/// A figure of values against values.
+fn plot(title: String, labels: [&str; 2], series: Vec<Series>) -> Figure {
+    Figure {
+        title,
+        axes: labels.map(|label| Axis::new(label, Spacing::Fitting)),
+        series,
+        narrow: true,
+        ..Figure::default()
     }
 }
 
@@ -54,31 +188,6 @@ fn unit_key(unit: &str) -> String {
         .replace('/', "_")
         .replace("N m", "nm");
     format!("_{}", key.replace('^', "").replace(' ', "_"))
-}
-
-/// The value that a curve shows: of a model, only what is proved counts.
-pub fn shown(subject: &Subject, outcome: &PointOutcome, metric: &str) -> Option<f64> {
-    let counts = subject.kind() == Kind::Scenario || outcome.good();
-    outcome.metric(metric).filter(|_| counts)
-}
-
-/// The metrics that differ between points, and those that do not.
-pub fn metrics(subject: &Subject, outcomes: &[PointOutcome]) -> (Vec<String>, Vec<String>) {
-    let names = match subject.kind() {
-        Kind::Model => MODEL_METRICS.map(str::to_string).to_vec(),
-        _ => metric_names(outcomes),
-    };
-    let values = |name: &str| {
-        let values = outcomes.iter();
-        values
-            .filter_map(|outcome| shown(subject, outcome, name))
-            .collect::<Vec<_>>()
-    };
-    let known = names.into_iter().filter(|name| !values(name).is_empty());
-    known.partition(|name| {
-        let values = values(name);
-        subject.kind() == Kind::Model || values.iter().any(|value| *value != values[0])
-    })
 }
 
 /// The points that no other beats: the larger angle costs the larger gamma. In the order of the angle.
@@ -105,113 +214,26 @@ pub fn front(outcomes: &[PointOutcome]) -> Vec<usize> {
     front
 }
 
-/// Gamma against the certified angle, with the front.
-pub fn trade_off(outcomes: &[PointOutcome], front: &[usize]) -> Option<Plot> {
+/// Gamma against the certified angle, with the front; `None` without one.
+pub fn trade_off(outcomes: &[PointOutcome], front: &[usize]) -> Option<Figure> {
     let at = |outcome: &PointOutcome| {
-        Some((
-            outcome.metric("certified_angle_deg")?,
-            outcome.metric("gamma")?,
-        ))
+        let angle = outcome.metric("certified_angle_deg")?;
+        Some((angle, outcome.metric("gamma")?))
     };
     let proved = outcomes.iter().filter(|outcome| outcome.good());
-    let series = |name: &str, colour, mark, points: Vec<(f64, f64)>| Series {
-        name: name.to_string(),
-        colour,
-        mark,
-        points,
+    let proved = Series {
+        colour: Some(FAINT),
+        ..Series::new("proved", Mark::Points, proved.filter_map(at))
     };
     let on_front = front.iter().filter_map(|&index| at(&outcomes[index]));
-    let on_front: Vec<(f64, f64)> = on_front.collect();
-    (!on_front.is_empty()).then(|| Plot {
-        title: "gamma against certified angle".to_string(),
-        horizontal: "certified angle at rest (deg)".to_string(),
-        vertical: "gamma".to_string(),
-        series: vec![
-            series(
-                "proved",
-                FAINT,
-                Marker::Dots,
-                proved.filter_map(at).collect(),
-            ),
-            series("Pareto front", COLOURS[0], Marker::Steps, on_front),
-        ],
-    })
-}
-
-/// A metric against an axis: one curve for each choice of the other axes, as many as can be told apart.
-pub fn curve(
-    subject: &Subject,
-    grid: &Grid,
-    outcomes: &[PointOutcome],
-    metric: &str,
-    axis: usize,
-    labels: &Labels,
-) -> Plot {
-    let groups = groups(grid, axis);
-    let chosen = evenly(groups.len(), CURVES);
-    let mut series = Vec::new();
-    let mut without = Vec::new();
-    for (&group, colour) in chosen.iter().zip(COLOURS) {
-        let mut name = group_name(grid, &groups[group], axis, labels);
-        let mut run: Vec<(f64, f64)> = Vec::new();
-        let mut close = |run: &mut Vec<(f64, f64)>, name: &mut String| {
-            if !run.is_empty() {
-                series.push(Series {
-                    name: std::mem::take(name),
-                    colour,
-                    mark: Marker::Joined,
-                    points: std::mem::take(run),
-                });
-            }
-        };
-        for &point in &sorted(grid, &groups[group], axis) {
-            let at = grid.point(point)[axis];
-            match shown(subject, &outcomes[point], metric) {
-                Some(value) => run.push((at, value)),
-                None => {
-                    without.push((at, 0.0));
-                    close(&mut run, &mut name);
-                }
-            }
-        }
-        close(&mut run, &mut name);
-    }
-    if !without.is_empty() {
-        series.push(Series {
-            name: "no value".to_string(),
-            colour: INK,
-            mark: Marker::Crosses,
-            points: without,
-        });
-    }
-    let vertical = labelled(metric, subject.unit(metric));
-    let note = match chosen.len() < groups.len() {
-        true => format!(" ({} of {} curves)", chosen.len(), groups.len()),
-        false => String::new(),
+    let on_front = Series {
+        colour: Some(COLOURS[0]),
+        ..Series::new("Pareto front", Mark::Steps, on_front)
     };
-    Plot {
-        title: format!("{vertical} against {}{note}", labels.axes[axis]),
-        horizontal: labels.axes[axis].clone(),
-        vertical,
-        series,
-    }
-}
-
-/// The points of the grid that differ in one axis only, for every choice of the others.
-fn groups(grid: &Grid, axis: usize) -> Vec<Vec<usize>> {
-    let sizes: Vec<usize> = grid.axes().map(|(_, values)| values.len()).collect();
-    let stride: usize = sizes[axis + 1..].iter().product();
-    let starts = (0..grid.points()).filter(|point| (point / stride) % sizes[axis] == 0);
-    starts
-        .map(|start| (0..sizes[axis]).map(|step| start + step * stride).collect())
-        .collect()
-}
-
-/// The points in the order of the axis's values.
-fn sorted(grid: &Grid, points: &[usize], axis: usize) -> Vec<usize> {
-    let mut points = points.to_vec();
-    points.sort_by(|&a, &b| grid.point(a)[axis].total_cmp(&grid.point(b)[axis]));
-    points
+    let title = "gamma against certified angle".to_string();
+    let labels = ["certified angle at rest (deg)", "gamma"];
+    let some = !on_front.points.is_empty();
+    some.then(|| plot(title, labels, vec![proved, on_front]))
 }
 
 /// At most `count` of `of` indices, at equal distances, the first and the last among them.
@@ -222,17 +244,6 @@ fn evenly(of: usize, count: usize) -> Vec<usize> {
             .map(|index| index * (of - 1) / (count - 1))
             .collect(),
     }
-}
-
-/// The values that the other axes have.
-fn group_name(grid: &Grid, group: &[usize], axis: usize, labels: &Labels) -> String {
-    let values = grid.point(group[0]);
-    let others = values
-        .iter()
-        .enumerate()
-        .filter(|(other, _)| *other != axis);
-    let names = others.map(|(other, value)| format!("{} {}", labels.axes[other], label(*value)));
-    names.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

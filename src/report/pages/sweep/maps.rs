@@ -1,15 +1,14 @@
 //! Maps over two axes: where the answer is yes, why it is no elsewhere, and how large a metric is.
 
+use std::cmp::Reverse;
+
 use plotters::style::RGBColor;
 
-use super::figures::{shown, Labels};
+use super::figures::View;
 use super::reasons::Reason;
 use crate::base::number::label;
-use crate::batch::sweep::outcome::PointOutcome;
-use crate::batch::sweep::subject::Subject;
-use crate::batch::variation::grid::Grid;
-use crate::report::chart::hexadecimal;
-use crate::report::plot::{Cell, Map};
+use crate::report::axis::{ends, Axis, Spacing};
+use crate::report::chart::{hexadecimal, Cell, Figure};
 
 /// Most choices of the axes beyond two that are drawn.
 pub const CHOICES: usize = 4;
@@ -45,183 +44,112 @@ pub fn verdict_colour(verdict: &str) -> RGBColor {
     found.map_or(OTHER, |(_, colour)| *colour)
 }
 
-/// Two axes of a grid and a choice of the others.
-pub struct Slice {
+/// Two axes of a grid, and a point with the first value of both and a choice of the others.
+pub struct Slice<'a> {
+    view: &'a View<'a>,
     axes: [usize; 2],
-    first: Vec<usize>,
-    /// The values of the other axes as text; empty where there are none.
-    pub others: String,
+    start: usize,
 }
 
 /// The slices through the two axes with the most values, and how many there would be.
-pub fn slices(grid: &Grid, labels: &Labels) -> (Vec<Slice>, usize) {
-    let sizes: Vec<usize> = grid.axes().map(|(_, values)| values.len()).collect();
-    let mut order: Vec<usize> = (0..sizes.len()).filter(|&axis| sizes[axis] > 1).collect();
-    order.sort_by_key(|&axis| (std::cmp::Reverse(sizes[axis]), axis));
+pub fn slices<'a>(view: &'a View) -> (Vec<Slice<'a>>, usize) {
+    let mut order = view.varied();
+    order.sort_by_key(|&axis| (Reverse(view.values[axis].len()), axis));
     let &[a, b, ..] = order.as_slice() else {
         return (Vec::new(), 0);
     };
     let axes = [a.min(b), a.max(b)];
-    let others: Vec<usize> = (0..sizes.len())
-        .filter(|axis| !axes.contains(axis))
-        .collect();
-    let total: usize = others.iter().map(|&axis| sizes[axis]).product();
-    let slice = |choice: usize| {
-        let mut rest = choice;
-        let mut first = vec![0; sizes.len()];
-        for &axis in others.iter().rev() {
-            first[axis] = rest % sizes[axis];
-            rest /= sizes[axis];
-        }
-        let named = others.iter().map(|&axis| {
-            let value = grid.axes().nth(axis).map(|(_, values)| values[first[axis]]);
-            format!("{} {}", labels.axes[axis], label(value.unwrap_or(f64::NAN)))
-        });
-        Slice {
-            axes,
-            others: named.collect::<Vec<_>>().join(", "),
-            first,
-        }
-    };
-    ((0..total.min(CHOICES)).map(slice).collect(), total)
+    let starts = view.starts(&axes);
+    let slices = starts.iter().take(CHOICES);
+    let slices = slices.map(|&start| Slice { view, axes, start });
+    (slices.collect(), starts.len())
 }
 
-impl Slice {
-    fn map(&self, title: &str, grid: &Grid, labels: &Labels, cell: impl Fn(usize) -> Cell) -> Map {
-        let values: Vec<&[f64]> = grid.axes().map(|(_, values)| values).collect();
-        let [across, up] = self.axes.map(|axis| Order::of(values[axis]));
-        let number = |place: &[usize]| {
-            let sizes = values.iter().map(|values| values.len());
-            sizes
-                .zip(place)
-                .fold(0, |number, (size, &index)| number * size + index)
-        };
-        let mut cells = Vec::new();
-        for &row in &up.0 {
-            for &column in &across.0 {
-                let mut place = self.first.clone();
-                place[self.axes[0]] = column;
-                place[self.axes[1]] = row;
-                cells.push(cell(number(&place)));
-            }
-        }
-        let axis = |axis: usize, order: &Order| {
-            let sorted = order.0.iter().map(|&index| values[axis][index]);
-            (labels.axes[axis].clone(), sorted.collect())
-        };
-        let title = match self.others.as_str() {
+impl Slice<'_> {
+    /// A cell for each pair of values, given the index of its point.
+    fn map(&self, title: &str, cell: impl Fn(usize) -> Cell) -> Figure {
+        let view = self.view;
+        let [across, up] = self.axes.map(|axis| {
+            let stride = view.stride(axis);
+            let order = view.order(axis).into_iter();
+            order.map(move |index| index * stride).collect::<Vec<_>>()
+        });
+        let steps = up
+            .iter()
+            .flat_map(|up| across.iter().map(move |across| up + across));
+        let cells = steps.map(|step| cell(self.start + step)).collect();
+        let others = view.place(&view.sweep.grid.point(self.start), &self.axes);
+        let title = match others.as_str() {
             "" => title.to_string(),
             others => format!("{title}, {others}"),
         };
-        Map {
+        Figure {
             title,
-            horizontal: axis(self.axes[0], &across),
-            vertical: axis(self.axes[1], &up),
+            axes: self.axes.map(|axis| {
+                let sorted = view.order(axis).into_iter();
+                let names = sorted.map(|index| label(view.values[axis][index]));
+                Axis::new(&view.labels[axis], Spacing::Cells(names.collect()))
+            }),
             cells,
+            narrow: true,
+            ..Figure::default()
         }
     }
 
     /// Where the answer is yes, and a letter for the reason where it is no.
-    pub fn answers(
-        &self,
-        grid: &Grid,
-        labels: &Labels,
-        outcomes: &[PointOutcome],
-        reasons: &[Reason],
-    ) -> Map {
+    pub fn answers(&self, reasons: &[Reason]) -> Figure {
+        let outcomes = self.view.sweep.outcomes;
         let mut letters = vec![""; outcomes.len()];
         for reason in reasons {
             for &point in &reason.points {
                 letters[point] = &reason.letter;
             }
         }
-        self.map("Feasibility", grid, labels, |point| Cell {
+        self.map("Feasibility", |point| Cell {
             colour: verdict_colour(&outcomes[point].verdict),
             mark: letters[point].to_string(),
         })
     }
 
-    /// How large a metric is.
-    pub fn shades(
-        &self,
-        grid: &Grid,
-        labels: &Labels,
-        (subject, outcomes): (&Subject, &[PointOutcome]),
-        metric: &str,
-        title: &str,
-    ) -> Map {
-        let range = Range::of(subject, outcomes, metric);
-        self.map(title, grid, labels, |point| {
-            let value = shown(subject, &outcomes[point], metric);
-            let shade = value
-                .zip(range.as_ref())
-                .map(|(value, range)| range.shade(value));
+    /// How large a metric is, with a key to the shades; `None` where no point has it.
+    pub fn shades(&self, metric: &str) -> Option<(Figure, String)> {
+        let range = ends(self.view.all(metric))?;
+        let map = self.map(&self.view.named(metric), |point| {
+            let value = self.view.shown(&self.view.sweep.outcomes[point], metric);
             Cell {
-                colour: shade.unwrap_or(EMPTY),
-                mark: if shade.is_some() { "" } else { "x" }.to_string(),
+                colour: value.map_or(EMPTY, |value| shade(range, value)),
+                mark: if value.is_some() { "" } else { "x" }.to_string(),
             }
-        })
-    }
-}
-
-/// Indices of values in rising order.
-struct Order(Vec<usize>);
-
-impl Order {
-    fn of(values: &[f64]) -> Self {
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-        Order(order)
-    }
-}
-
-/// Range of a metric over the whole sweep.
-pub struct Range {
-    /// Smallest value.
-    pub low: f64,
-    /// Largest value.
-    pub high: f64,
-}
-
-impl Range {
-    /// Of a metric, where any point has it.
-    pub fn of(subject: &Subject, outcomes: &[PointOutcome], metric: &str) -> Option<Self> {
-        let values = outcomes
-            .iter()
-            .filter_map(|outcome| shown(subject, outcome, metric));
-        values.fold(None, |range: Option<Range>, value| {
-            let Range { low, high } = range.unwrap_or(Range {
-                low: value,
-                high: value,
-            });
-            Some(Range {
-                low: low.min(value),
-                high: high.max(value),
-            })
-        })
-    }
-
-    /// Whether the shades are at equal ratios.
-    pub fn logarithmic(&self) -> bool {
-        self.low > 0.0 && self.high / self.low > 30.0
-    }
-
-    fn shade(&self, value: f64) -> RGBColor {
-        let fraction = match (self.logarithmic(), self.high > self.low) {
-            (_, false) => 0.5,
-            (true, _) => (value / self.low).ln() / (self.high / self.low).ln(),
-            (false, _) => (value - self.low) / (self.high - self.low),
+        });
+        let scale = match logarithmic(range) {
+            true => ", at equal ratios",
+            false => "",
         };
-        let place = fraction.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
-        let below = (place.floor() as usize).min(SHADES.len() - 2);
-        let (a, b, part) = (SHADES[below], SHADES[below + 1], place - below as f64);
-        let mix = |a: u8, b: u8| (f64::from(a) * (1.0 - part) + f64::from(b) * part).round() as u8;
-        RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+        let [low, high] = [range.0, range.1].map(label);
+        let gradient = SHADES.map(hexadecimal).join(", ");
+        let key = format!(
+            "<p class=\"legend\">{low}<i class=\"shades\" style=\"background: linear-gradient(to right, \
+             {gradient})\"></i>{high}{scale}; x: no proved value</p>\n"
+        );
+        Some((map, key))
     }
 }
 
-/// The shades as a gradient of CSS.
-pub fn gradient() -> String {
-    let colours = SHADES.map(hexadecimal);
-    format!("linear-gradient(to right, {})", colours.join(", "))
+/// Whether the shades are at equal ratios.
+fn logarithmic((low, high): (f64, f64)) -> bool {
+    low > 0.0 && high / low > 30.0
+}
+
+/// The shade of a value within the range of its metric over the whole sweep.
+fn shade((low, high): (f64, f64), value: f64) -> RGBColor {
+    let fraction = match (logarithmic((low, high)), high > low) {
+        (_, false) => 0.5,
+        (true, _) => (value / low).ln() / (high / low).ln(),
+        (false, _) => (value - low) / (high - low),
+    };
+    let place = fraction.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
+    let below = (place.floor() as usize).min(SHADES.len() - 2);
+    let (a, b, part) = (SHADES[below], SHADES[below + 1], place - below as f64);
+    let mix = |a: u8, b: u8| (f64::from(a) * (1.0 - part) + f64::from(b) * part).round() as u8;
+    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
 }

@@ -4,26 +4,19 @@ mod figures;
 mod maps;
 mod reasons;
 
-use std::collections::HashSet;
-
-use synth::model::Kind;
-
-use figures::{curve, front, labelled, metrics, shown, trade_off, Labels};
-use maps::{slices, verdict_colour, Range};
+use figures::{front, trade_off, View};
+use maps::{slices, verdict_colour};
 use reasons::{reasons, Reason};
 
+use super::optional;
 use crate::base::number::label;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PARQUET_FILE};
-use crate::batch::sweep::outcome::PointOutcome;
 use crate::report::chart::{hexadecimal, FigureError};
 use crate::report::html::{
-    cell, cell_of_class, division, escape, figure, legend, paragraph, Header, HtmlCell, HtmlTable,
-    Page, Section,
+    captioned, cell, division, escape, heading, judged, paragraph, row, row_of_class, section,
+    table, Page,
 };
-use crate::report::plot::Plot;
 use crate::run::summary::RunVerdict;
-
-const STYLE: &str = include_str!("sweep.css");
 
 /// Most plots of metrics against axes.
 const PLOTS: usize = 24;
@@ -39,24 +32,39 @@ const MAPPED: [&str; 2] = ["gamma", "certified_angle_deg"];
 /// # Errors
 /// A figure that cannot be drawn.
 pub fn page(sweep: &Finished) -> Result<String, FigureError> {
-    let labels = Labels::new(sweep.subject, sweep.grid);
-    let front = match sweep.subject.kind() {
-        Kind::Model => front(sweep.outcomes),
-        _ => Vec::new(),
+    let view = View::new(sweep);
+    let front = match view.of_model() {
+        true => front(sweep.outcomes),
+        false => Vec::new(),
     };
     let reasons = reasons(sweep.outcomes);
     let mut sections = Vec::new();
-    sections.extend(pareto(sweep, &labels, &front)?);
-    sections.extend(maps(sweep, &labels, &reasons)?);
-    sections.extend(curves(sweep, &labels)?);
-    sections.extend(why(sweep, &labels, &reasons));
-    sections.push(points(sweep, &labels, &front));
+    sections.extend(optional("Trade-off", &pareto(&view, &front)?));
+    sections.extend(optional("Feasibility", &maps(&view, &reasons)?));
+    sections.extend(optional("Curves", &curves(&view)?));
+    sections.extend(optional("Why points failed", &why(&view, &reasons)));
+    sections.push(section("Points", &points(&view, &front)));
+    let good = sweep.outcomes.iter().filter(|point| point.good()).count();
+    let total = sweep.outcomes.len();
+    let broken = RunVerdict::ProofBroken.name();
+    let alarm = sweep.outcomes.iter().any(|point| point.verdict == broken);
+    let answer = match view.of_model() {
+        true => "are proved",
+        false => "meet every requirement",
+    };
     let page = Page {
         title: format!("Sweep of {}", sweep.file),
-        style: STYLE,
-        header: header(sweep, &labels),
+        class: match (alarm, good == total) {
+            (true, _) => "alarm",
+            (_, true) => "good",
+            (_, false) => "bad",
+        },
+        verdict: format!("{good} of {total} points {answer}."),
+        heading: format!("Sweep of {}", sweep.file),
+        introduction: introduction(&view),
         sections,
         footer: vec![provenance(sweep)],
+        ..Page::default()
     };
     Ok(page.to_html())
 }
@@ -65,37 +73,17 @@ fn words(verdict: &str) -> String {
     verdict.replace('_', " ")
 }
 
-fn header(sweep: &Finished, labels: &Labels) -> Header {
-    let (good, total) = (
-        sweep.outcomes.iter().filter(|point| point.good()).count(),
-        sweep.outcomes.len(),
-    );
-    let broken = RunVerdict::ProofBroken.name();
-    let alarm = sweep.outcomes.iter().any(|point| point.verdict == broken);
-    let class = match (alarm, good == total) {
-        (true, _) => "alarm",
-        (_, true) => "good",
-        (_, false) => "bad",
-    };
-    let answer = match sweep.subject.kind() {
-        Kind::Model => "are proved",
-        _ => "meet every requirement",
-    };
-    let mut table = HtmlTable::new("numbers");
-    let axes = sweep.grid.names().into_iter().zip(sweep.grid.axes());
-    for (name, (written, (_, values))) in labels.axes.iter().zip(axes) {
-        table.named_row(name, [cell(listed(values)), cell(written)]);
-    }
-    for (verdict, count) in sweep.verdicts() {
-        table.named_row(&words(verdict), [cell(count.to_string()), cell("")]);
-    }
-    Header {
-        class,
-        verdict: format!("{good} of {total} points {answer}."),
-        remark: String::new(),
-        title: format!("Sweep of {}", sweep.file),
-        body: table.to_html(),
-    }
+/// What was varied, and how many points have each verdict.
+fn introduction(view: &View) -> String {
+    let axes = view.labels.iter().zip(&view.values);
+    let axes = axes.zip(view.sweep.grid.names());
+    let axes = axes.map(|((name, values), written)| [name.clone(), listed(values), written]);
+    let verdicts = view.sweep.verdicts().into_iter();
+    let verdicts =
+        verdicts.map(|(verdict, count)| [words(verdict), count.to_string(), String::new()]);
+    let rows = axes.chain(verdicts);
+    let rows = rows.map(|[name, a, b]| row([heading(name), cell(a), cell(b)]));
+    table("numbers", [""; 0], rows)
 }
 
 /// Values as text: all of a few, the ends of many.
@@ -117,212 +105,158 @@ fn listed(values: &[f64]) -> String {
     }
 }
 
-fn drawn(plot: &Plot) -> Result<String, FigureError> {
-    let named = plot.series.iter().filter(|series| !series.name.is_empty());
-    let names = named.map(|series| (&series.name, hexadecimal(series.colour)));
-    Ok(figure("", &plot.title, &(legend(names) + &plot.to_svg()?)))
-}
-
-fn pareto(
-    sweep: &Finished,
-    labels: &Labels,
-    front: &[usize],
-) -> Result<Option<Section>, FigureError> {
-    let Some(trade_off) = trade_off(sweep.outcomes, front) else {
-        return Ok(None);
+/// Points that no other beats; empty without any.
+fn pareto(view: &View, front: &[usize]) -> Result<String, FigureError> {
+    let Some(trade_off) = trade_off(view.sweep.outcomes, front) else {
+        return Ok(String::new());
     };
     let metrics = ["certified_angle_deg", "gamma", "guaranteed_gain"];
-    let names = ["certified angle (deg)", "gamma", "guaranteed gain"];
-    let axes = labels.axes.iter().map(String::as_str);
-    let mut table = HtmlTable::new("front").head(axes.chain(names));
-    for &index in front {
-        let point = &sweep.outcomes[index];
+    let axes = view.labels.iter().cloned();
+    let names = axes.chain(metrics.map(|metric| view.named(metric)));
+    let rows = front.iter().map(|&index| {
+        let point = &view.sweep.outcomes[index];
         let values = point.values.iter().copied().map(Some);
-        let shown = metrics.into_iter().map(|metric| point.metric(metric));
-        table.row(values.chain(shown).map(number_cell));
-    }
+        let shown = metrics.map(|metric| point.metric(metric));
+        row(values.chain(shown).map(number_cell))
+    });
+    let best = table("front", names, rows);
     let title = "Points that no other beats: a larger proved angle costs a larger gamma";
-    let best = figure("wide", title, &table.to_html());
-    let plots = division("plots", &(drawn(&trade_off)? + &best));
-    Ok(Some(Section::new("Trade-off").with(&plots)))
+    let best = captioned(title, &division("wide", &best));
+    Ok(division("plots", &(trade_off.captioned()? + &best)))
 }
 
-fn number_cell(value: Option<f64>) -> HtmlCell {
+fn number_cell(value: Option<f64>) -> String {
     cell(value.map_or(String::new(), label))
 }
 
-fn maps(
-    sweep: &Finished,
-    labels: &Labels,
-    reasons: &[Reason],
-) -> Result<Option<Section>, FigureError> {
-    let (slices, total) = slices(sweep.grid, labels);
+/// Maps over two axes; empty where only one is varied.
+fn maps(view: &View, reasons: &[Reason]) -> Result<String, FigureError> {
+    let (slices, total) = slices(view);
     if slices.is_empty() {
-        return Ok(None);
+        return Ok(String::new());
     }
-    let key = sweep.verdicts().into_keys().map(|verdict| {
+    let key = view.sweep.verdicts().into_keys().map(|verdict| {
         let colour = hexadecimal(verdict_colour(verdict));
         let verdict = escape(&words(verdict));
         format!("<span><i style=\"background: {colour}\"></i>{verdict}</span>")
     });
-    let key = key.collect::<String>();
-    let mut section = Section::new("Feasibility").with(&format!("<p class=\"key\">{key}</p>\n"));
+    let mut html = format!("<p class=\"key\">{}</p>\n", key.collect::<String>());
     if !reasons.is_empty() {
-        section = section.with("<p>Letters stand for the <a href=\"#why\">reasons</a>.</p>\n");
+        html += "<p>Letters stand for the <a href=\"#why\">reasons</a>.</p>\n";
     }
     if slices.len() < total {
-        let count = slices.len();
-        section = section.with(&paragraph(&format!(
-            "{count} of {total} choices of the other axes are drawn."
-        )));
+        html += &paragraph(&format!(
+            "{} of {total} choices of the other axes are drawn.",
+            slices.len()
+        ));
     }
     let mut plots = String::new();
     for slice in &slices {
-        let map = slice.answers(sweep.grid, labels, sweep.outcomes, reasons);
-        plots += &figure("", &map.title, &map.to_svg()?);
-        if sweep.subject.kind() != Kind::Model {
-            continue;
-        }
-        for metric in MAPPED {
-            let Some(range) = Range::of(sweep.subject, sweep.outcomes, metric) else {
-                continue;
-            };
-            let name = labelled(metric, sweep.subject.unit(metric));
-            let data = (sweep.subject, sweep.outcomes);
-            let map = slice.shades(sweep.grid, labels, data, metric, &name);
-            plots += &figure("", &map.title, &(shades(&range) + &map.to_svg()?));
+        plots += &slice.answers(reasons).captioned()?;
+        let mapped = MAPPED.iter().filter(|_| view.of_model());
+        for (map, key) in mapped.filter_map(|metric| slice.shades(metric)) {
+            plots += &captioned(&map.title, &(key + &map.to_svg()?));
         }
     }
-    Ok(Some(section.with(&division("plots", &plots))))
+    Ok(html + &division("plots", &plots))
 }
 
-fn shades(range: &Range) -> String {
-    let scale = if range.logarithmic() {
-        ", at equal ratios"
-    } else {
-        ""
-    };
-    format!(
-        "<p class=\"legend\">{}<i class=\"shades\" style=\"background: {}\"></i>{}{scale}; x: no proved value</p>\n",
-        label(range.low),
-        maps::gradient(),
-        label(range.high)
-    )
-}
-
-fn curves(sweep: &Finished, labels: &Labels) -> Result<Option<Section>, FigureError> {
-    let (metrics, constant) = metrics(sweep.subject, sweep.outcomes);
-    let sizes = sweep.grid.axes().map(|(_, values)| values.len());
-    let axes: Vec<usize> = sizes
-        .enumerate()
-        .filter(|(_, size)| *size > 1)
-        .map(|(axis, _)| axis)
-        .collect();
+/// Metrics against axes; empty without any that differ.
+fn curves(view: &View) -> Result<String, FigureError> {
+    let (metrics, constant) = view.metrics();
+    let axes = view.varied();
     let wanted = metrics
         .iter()
         .flat_map(|metric| axes.iter().map(move |&axis| (metric, axis)));
-    let wanted: Vec<(&String, usize)> = wanted.collect();
-    if wanted.is_empty() {
-        return Ok(None);
+    let count = wanted.clone().count();
+    if count == 0 {
+        return Ok(String::new());
     }
-    let mut plots = String::new();
-    for &(metric, axis) in wanted.iter().take(PLOTS) {
-        let (subject, grid) = (sweep.subject, sweep.grid);
-        let plot = curve(subject, grid, sweep.outcomes, metric, axis, labels);
-        plots += &drawn(&plot)?;
-    }
-    let mut section = Section::new("Curves").with(&division("plots", &plots));
-    if wanted.len() > PLOTS {
-        let count = wanted.len();
-        section = section.with(&paragraph(&format!(
+    let plots = wanted
+        .take(PLOTS)
+        .map(|(metric, axis)| view.curve(metric, axis).captioned());
+    let mut html = division("plots", &plots.collect::<Result<String, _>>()?);
+    if count > PLOTS {
+        html += &paragraph(&format!(
             "{PLOTS} of {count} plots are drawn; every number is in {CSV_FILE}."
-        )));
+        ));
     }
     if !constant.is_empty() {
         let names = constant.join(", ");
-        section = section.with(&paragraph(&format!("The same at every point: {names}.")));
+        html += &paragraph(&format!("The same at every point: {names}."));
     }
-    Ok(Some(section))
+    Ok(html)
 }
 
-fn why(sweep: &Finished, labels: &Labels, reasons: &[Reason]) -> Option<Section> {
+/// The reasons; empty without any.
+fn why(view: &View, reasons: &[Reason]) -> String {
     if reasons.is_empty() {
-        return None;
+        return String::new();
     }
-    let mut table = HtmlTable::new("").within("wide").head([
+    let title = [
         "",
         "Points",
         "Verdict",
         "Reason, with the numbers of the first",
         "The first",
-    ]);
-    for reason in reasons.iter().take(REASONS) {
-        let first = reason
-            .points
-            .first()
-            .and_then(|&point| sweep.outcomes.get(point));
-        table.row([
+    ];
+    let rows = reasons.iter().take(REASONS).map(|reason| {
+        let first = reason.points.first();
+        let first = first.and_then(|&point| view.sweep.outcomes.get(point));
+        row([
             cell(&reason.letter),
             cell(reason.points.len().to_string()),
             cell(words(&reason.verdict)),
             cell(&reason.example),
-            cell(first.map_or(String::new(), |point| place(point, labels))),
-        ]);
+            cell(first.map_or(String::new(), |point| view.place(&point.values, &[]))),
+        ])
+    });
+    let rows = division("wide", &table("", title, rows));
+    let mut html = "<a id=\"why\"></a>".to_string() + &rows;
+    if reasons.len() > REASONS {
+        let rest = reasons.len() - REASONS;
+        html += &paragraph(&format!("{rest} more are in {CSV_FILE}."));
     }
-    let section = Section::new("Why points failed")
-        .id("why")
-        .with_table(&table);
-    if reasons.len() <= REASONS {
-        return Some(section);
-    }
-    let rest = reasons.len() - REASONS;
-    Some(section.with(&paragraph(&format!("{rest} more are in {CSV_FILE}."))))
+    html
 }
 
-/// The values of a point as text.
-fn place(point: &PointOutcome, labels: &Labels) -> String {
-    let values = labels.axes.iter().zip(&point.values);
-    let values = values.map(|(axis, &value)| format!("{axis} {}", label(value)));
-    values.collect::<Vec<_>>().join(", ")
-}
-
-fn points(sweep: &Finished, labels: &Labels, front: &[usize]) -> Section {
-    let mut columns = metrics(sweep.subject, sweep.outcomes).0;
-    if sweep.subject.kind() == Kind::Model {
+/// The table of the points.
+fn points(view: &View, front: &[usize]) -> String {
+    let mut columns = view.metrics().0;
+    if view.of_model() {
         columns.push("worst_margin".to_string());
     }
     columns.truncate(8);
-    let named = columns
+    let named = columns.iter().map(|name| view.named(name));
+    let names = view.labels.iter().cloned();
+    let names = names.chain(["verdict".to_string()]).chain(named);
+    let names = names.chain(["reason".to_string()]);
+    let outcomes = view.sweep.outcomes;
+    let rows = outcomes
         .iter()
-        .map(|name| labelled(name, sweep.subject.unit(name)));
-    let head = labels.axes.iter().cloned();
-    let head = head.chain(["verdict".to_string()]).chain(named);
-    let mut table = HtmlTable::new("points")
-        .within("wide")
-        .head(head.chain(["reason".to_string()]));
-    let front: HashSet<usize> = front.iter().copied().collect();
-    for (index, point) in sweep.outcomes.iter().enumerate().take(ROWS) {
-        let class = if front.contains(&index) { "front" } else { "" };
-        let good = if point.good() { "good" } else { "bad" };
-        let values = point.values.iter().copied().map(Some).map(number_cell);
-        let shown = columns.iter().map(|name| shown(sweep.subject, point, name));
-        let cells = values
-            .chain([cell_of_class(good, words(&point.verdict))])
-            .chain(shown.map(number_cell))
-            .chain([cell(point.reason.as_deref().unwrap_or_default())]);
-        table.row_of_class(class, cells);
-    }
-    let mut section = Section::new("Points").with_table(&table);
-    let total = sweep.outcomes.len();
+        .take(ROWS)
+        .enumerate()
+        .map(|(index, point)| {
+            let class = if front.contains(&index) { "front" } else { "" };
+            let values = point.values.iter().copied().map(Some).map(number_cell);
+            let shown = columns.iter().map(|name| view.shown(point, name));
+            let cells = values
+                .chain([judged(point.good(), words(&point.verdict))])
+                .chain(shown.map(number_cell))
+                .chain([cell(point.reason.as_deref().unwrap_or_default())]);
+            row_of_class(class, cells)
+        });
+    let mut html = division("wide", &table("points", names, rows));
+    let total = outcomes.len();
     if total > ROWS {
-        section = section.with(&paragraph(&format!(
+        html += &paragraph(&format!(
             "The first {ROWS} of {total} points; all are in {CSV_FILE}."
-        )));
+        ));
     }
     if !front.is_empty() {
-        section = section.with(&paragraph("Points in bold are on the Pareto front."));
+        html += &paragraph("Points in bold are on the Pareto front.");
     }
-    section
+    html
 }
 
 fn provenance(sweep: &Finished) -> Vec<String> {
