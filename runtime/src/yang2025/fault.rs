@@ -28,7 +28,7 @@ pub enum FaultEstimation {
 
 /// What the nominal model says about the time since the last sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
+pub struct SampleInterval {
     /// Length, s.
     pub seconds: f64,
     /// D0 u over the interval, N m.
@@ -83,7 +83,7 @@ impl FaultEstimator {
         &mut self,
         rate: &Vector3<f64>,
         given: Option<&Vector3<f64>>,
-        interval: Option<&Interval>,
+        interval: Option<&SampleInterval>,
     ) {
         let momentum = self.inertia * rate;
         match (self.kind, interval, &self.rate) {

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use self::allocation::Allocation;
 use self::envelope::{Bounds, Correction, Envelope, EnvelopeParameters};
-use self::fault::{FaultEstimation, FaultEstimator, Interval};
+use self::fault::{FaultEstimation, FaultEstimator, SampleInterval};
 use self::law::{Gains, Motion, TransformedError};
 use crate::attitude::{AttitudeMeasurement, Quaternion};
 use crate::command::{Command, HoldReason, Status, BITS_PER_NUMBER};
@@ -222,7 +222,7 @@ impl<const M: usize> Controller<M> {
         let mut memory = self.continued(time_s, measurement, seconds);
         let motion = motion(&memory.attitude, measurement);
         let held = measurement.held_nm.unwrap_or(memory.command);
-        let interval = seconds.map(|seconds| Interval {
+        let interval = seconds.map(|seconds| SampleInterval {
             seconds,
             torque: self.allocation.torque(&held),
         });
