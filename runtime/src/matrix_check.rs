@@ -2,30 +2,17 @@
 
 use nalgebra::SMatrix;
 
-use crate::error::{require_finite, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// Largest difference between mirrored entries of a symmetric matrix, relative to its largest entry.
-pub(crate) const SYMMETRY_TOLERANCE: f64 = 1e-9;
-
-/// Checks that every entry is finite.
-pub(crate) fn require_finite_entries<const R: usize, const C: usize>(
-    name: &'static str,
-    matrix: &SMatrix<f64, R, C>,
-) -> Result<(), ParameterError> {
-    for (column, values) in matrix.data.0.iter().enumerate() {
-        for (row, value) in values.iter().enumerate() {
-            require_finite(Field::entry(name, row, column), *value)?;
-        }
-    }
-    Ok(())
-}
+pub const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
 /// Checks that a matrix is finite, symmetric up to [`SYMMETRY_TOLERANCE`] and positive definite.
 pub(crate) fn require_positive_definite<const N: usize>(
     name: &'static str,
     matrix: &SMatrix<f64, N, N>,
 ) -> Result<(), ParameterError> {
-    require_finite_entries(name, matrix)?;
+    AllowedRange::FINITE.check_entries(matrix, |row, column| Field::entry(name, row, column))?;
     let columns = matrix.data.0;
     let rows = matrix.transpose().data.0;
     let entries = columns.iter().flatten();

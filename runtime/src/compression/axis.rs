@@ -4,7 +4,7 @@ use super::alphabet::Alphabet;
 use super::levels::Levels;
 use super::number::{NumberFormat, Refusal};
 use super::word::Word;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// How a compressed axis is resynchronised: the number held, in single precision.
 pub const RESYNCHRONISATION: NumberFormat = NumberFormat::Single;
@@ -77,12 +77,12 @@ impl<const L: usize> AxisParameters<L> {
     /// Checks the parameters of the axis with this number, which an error carries.
     pub(super) fn check(&self, axis: usize) -> Result<(), ParameterError> {
         let field = |name| Field::component(name, axis);
-        require(field("limit"), self.limit, AllowedRange::POSITIVE)?;
+        AllowedRange::POSITIVE.check(field("limit"), self.limit)?;
         let step = AllowedRange::left_open(0.0, 2.0 * self.limit);
         match &self.scheme {
             Scheme::EveryChange { format } => format.check(axis),
             Scheme::FixedThreshold { threshold, format } => {
-                require(field("threshold"), *threshold, step)?;
+                step.check(field("threshold"), *threshold)?;
                 format.check(axis)
             }
             Scheme::RelativeThreshold {
@@ -90,9 +90,8 @@ impl<const L: usize> AxisParameters<L> {
                 absolute,
                 format,
             } => {
-                let share = AllowedRange::half_open(0.0, 1.0);
-                require(field("relative"), *relative, share)?;
-                require(field("absolute"), *absolute, step)?;
+                AllowedRange::half_open(0.0, 1.0).check(field("relative"), *relative)?;
+                step.check(field("absolute"), *absolute)?;
                 format.check(axis)
             }
             Scheme::Compressed { alphabet, levels } => {
@@ -204,15 +203,9 @@ impl<const L: usize> AxisEncoder<L> {
     /// Takes the command u of one sample, N m. A command that is not a number changes nothing.
     pub fn encode(&mut self, command: f64) -> AxisOutput {
         let limit = self.mirror.parameters.limit;
-        let step = if command.is_nan() {
-            None
-        } else {
-            self.step(command.max(-limit).min(limit))
-        };
-        let (word, level) = match step {
-            Some((word, level)) => (Some(word), level),
-            None => (None, None),
-        };
+        let usable = Some(command).filter(|command| !command.is_nan());
+        let step = usable.and_then(|command| self.step(command.max(-limit).min(limit)));
+        let (word, level) = step.unzip();
         if let Some(word) = &word {
             // The encoder's own words are never refused.
             let _ = self.mirror.receive(word);
@@ -220,7 +213,7 @@ impl<const L: usize> AxisEncoder<L> {
         AxisOutput {
             held: self.mirror.held,
             word,
-            level,
+            level: level.flatten(),
         }
     }
 

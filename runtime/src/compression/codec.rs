@@ -4,7 +4,7 @@ use nalgebra::SVector;
 
 use super::axis::{AxisDecoder, AxisEncoder, AxisParameters};
 use super::word::Word;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Share of a resynchronisation period by which a sample may be early, so that rounding of the
 /// sampling instants does not delay the word by a sample.
@@ -23,8 +23,7 @@ pub struct Parameters<const M: usize, const L: usize> {
 impl<const M: usize, const L: usize> Parameters<M, L> {
     fn check(&self) -> Result<(), ParameterError> {
         if let Some(period) = self.resynchronisation_period_s {
-            let field = Field::scalar("resynchronisation_period_s");
-            require(field, period, AllowedRange::POSITIVE)?;
+            AllowedRange::POSITIVE.check_scalar("resynchronisation_period_s", period)?;
         }
         let mut axes = self.axes.iter().enumerate();
         axes.try_for_each(|(index, axis)| axis.check(index))
@@ -81,7 +80,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
 
     /// The numbers held, N m.
     pub fn held(&self) -> SVector<f64, M> {
-        collect(self.axes.iter().map(AxisEncoder::held))
+        SVector::from(self.axes.each_ref().map(AxisEncoder::held))
     }
 
     /// Takes the commands of the sample at `time_s` seconds, N m.
@@ -159,7 +158,7 @@ impl<const M: usize, const L: usize> Decoder<M, L> {
 
     /// The numbers held, N m.
     pub fn held(&self) -> SVector<f64, M> {
-        collect(self.axes.iter().map(AxisDecoder::held))
+        SVector::from(self.axes.each_ref().map(AxisDecoder::held))
     }
 
     /// Takes the words that have arrived, at most one for each axis. An axis whose word is refused
@@ -181,12 +180,4 @@ impl<const M: usize, const L: usize> Decoder<M, L> {
     pub fn reset(&mut self) {
         self.axes.iter_mut().for_each(AxisDecoder::reset);
     }
-}
-
-fn collect<const M: usize>(values: impl Iterator<Item = f64>) -> SVector<f64, M> {
-    let mut collected = SVector::<f64, M>::zeros();
-    for (place, value) in collected.iter_mut().zip(values) {
-        *place = value;
-    }
-    collected
 }

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Where the estimate comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ impl FaultEstimator {
     /// # Errors
     /// A time constant or bandwidth that is not finite and positive.
     pub fn new(kind: FaultEstimation, inertia: Matrix3<f64>) -> Result<Self, ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         match kind {
             FaultEstimation::External => {}
             FaultEstimation::LowPass { time_constant_s } => {
