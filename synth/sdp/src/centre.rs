@@ -9,7 +9,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::DMatrix;
 
-use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
+use crate::lmi::{inner, svec_index, Cone, Entry, Semidefinite};
 
 /// Largest number of unknowns: the equations are dense.
 const MOST_UNKNOWNS: usize = 3000;
@@ -82,8 +82,7 @@ fn shifted_inside(
         return None;
     }
     let full = sides.zip(duals).map(|(side, dual)| {
-        let at = |r: usize, c: usize| dual[svec_index(r.min(c), r.max(c))];
-        let matrix = DMatrix::from_fn(side, side, at);
+        let matrix = DMatrix::from_fn(side, side, |r, c| dual[svec_index(r, c)]);
         // Each shift makes up for a negative eigenvalue that is ten times larger.
         let shifts = (0..SHIFT_DECADES).map(|decade| shift * 10_f64.powi(decade));
         let mut shifted = shifts.map(|shift| &matrix + shift * DMatrix::identity(side, side));
@@ -169,11 +168,11 @@ impl<'a> Equations<'a> {
         let mut values = vec![0.0; count];
         for (block, z) in self.blocks.iter().zip(point) {
             for (j, (column, entries)) in block.rows.iter().enumerate() {
-                values[*column] += inner(entries, z);
+                values[*column] += inner(entries, |r, c| z[(r, c)]);
                 let image = sandwich(entries, z);
                 for (row, others) in &block.rows[j..] {
                     // Rows ascend within a block.
-                    matrix[(*row, *column)] += inner(others, &image);
+                    matrix[(*row, *column)] += inner(others, |r, c| image[(r, c)]);
                 }
             }
         }
@@ -249,15 +248,6 @@ fn symmetric_product(lower: &Mat<f64>, vector: &Mat<f64>) -> Mat<f64> {
         }
     }
     out
-}
-
-/// `<F, Z>` for the upper triangle of F.
-fn inner(entries: &[Entry], z: &DMatrix<f64>) -> f64 {
-    let terms = entries.iter().map(|entry| {
-        let weight = if entry.row == entry.column { 1.0 } else { 2.0 };
-        weight * entry.value * z[(entry.row, entry.column)]
-    });
-    terms.sum()
 }
 
 /// `Z F Z`.

@@ -40,6 +40,6 @@ pub use affine::Affine;
 pub use blocks::SymmetricBlocks;
 pub use condition::{Condition, LmiProblem};
 pub use sdpa_read::SdpaError;
-pub use semidefinite::{svec_index, Cone, Entry, Semidefinite};
+pub use semidefinite::{inner, svec_index, Cone, Entry, Semidefinite};
 pub use strictness::Strictness;
 pub use unknowns::Unknowns;

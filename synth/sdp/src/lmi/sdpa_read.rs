@@ -107,13 +107,8 @@ impl Semidefinite {
         let mut blocks = Vec::new();
         for (index, (line, word)) in sizes.into_iter().enumerate() {
             let size: i64 = number(line, word, "the size of a block")?;
-            let side = in_range(
-                line,
-                "the size of a block",
-                size.saturating_abs(),
-                1,
-                LARGEST_COUNT,
-            )?;
+            let what = "the size of a block";
+            let side = in_range(line, what, size.saturating_abs(), 1, LARGEST_COUNT)?;
             let name = names.get(&(index + 1)).cloned();
             let name = name.unwrap_or_else(|| format!("block {}", index + 1));
             let diagonal = size < 0;
@@ -127,10 +122,9 @@ impl Semidefinite {
                 false => cones.push((name, side)),
             }
         }
-        let mut cost = Vec::with_capacity(unknowns);
-        for (line, word) in reader.words(unknowns, "the costs", false)? {
-            cost.push(number::<f64>(line, word, "a cost")?);
-        }
+        let costs = reader.words(unknowns, "the costs", false)?.into_iter();
+        let cost = costs.map(|(line, word)| number(line, word, "a cost"));
+        let cost = cost.collect::<Result<Vec<f64>, _>>()?;
         let mut matrices: Vec<BTreeMap<usize, SparseMatrix>> = vec![BTreeMap::new(); cones.len()];
         while let Some((line, text)) = reader.line() {
             reader_entry(line, text, unknowns, &blocks, &mut matrices)?;
@@ -158,11 +152,7 @@ fn cone(name: String, side: usize, matrices: BTreeMap<usize, SparseMatrix>) -> C
         let sign = if matrix == 0 { -1.0 } else { 1.0 };
         let entries = entries.into_iter().filter(|(_, value)| *value != 0.0);
         let entries: Vec<Entry> = entries
-            .map(|((row, column), value)| Entry {
-                row,
-                column,
-                value: sign * value,
-            })
+            .map(|((row, column), value)| Entry::new(row, column, sign * value))
             .collect();
         match matrix {
             0 => out.constant = entries,
@@ -208,20 +198,14 @@ fn reader_entry(
         true => (block.first_cone + row - 1, (0, 0)),
         false => (block.first_cone, (row.min(column) - 1, row.max(column) - 1)),
     };
-    *matrices[cone]
-        .entry(matrix)
-        .or_default()
-        .entry(at)
-        .or_insert(0.0) += value;
+    let entries = matrices[cone].entry(matrix).or_default();
+    *entries.entry(at).or_insert(0.0) += value;
     Ok(())
 }
 
 impl<'a> Reader<'a> {
     fn new(text: &'a str) -> Self {
-        let lines = text
-            .lines()
-            .enumerate()
-            .map(|(index, line)| (index + 1, line.trim()));
+        let lines = (1..).zip(text.lines().map(str::trim));
         let lines = lines.filter(|(_, line)| !(line.is_empty() || line.starts_with(['"', '*'])));
         Reader {
             lines: lines.collect(),
@@ -239,13 +223,8 @@ impl<'a> Reader<'a> {
     fn count(&mut self, what: &'static str) -> Result<usize, SdpaError> {
         let (line, text) = self.line().ok_or(SdpaError::Ends { what })?;
         let word = split(text).next().unwrap_or("");
-        in_range(
-            line,
-            what,
-            number(line, word, "a whole number")?,
-            1,
-            LARGEST_COUNT,
-        )
+        let value = number(line, word, "a whole number")?;
+        in_range(line, what, value, 1, LARGEST_COUNT)
     }
 
     /// So many numbers, on one line or more. What follows the last one on its line may be a remark, but no
@@ -269,8 +248,7 @@ impl<'a> Reader<'a> {
                 return Err(wrong(out.len()));
             }
             let missing = count - out.len();
-            let words = split(text).map(|word| (line, word));
-            let mut usable = words.map(|(line, word)| match whole {
+            let mut usable = split(text).map(|word| match whole {
                 // Some writers put a plus sign before sizes.
                 true => (line, word.trim_start_matches('+')),
                 false => (line, word),
@@ -342,15 +320,10 @@ fn comments(text: &str) -> (f64, BTreeMap<usize, String>) {
         if let Some(value) = comment.strip_prefix("objective offset ") {
             offset = value.trim().parse().unwrap_or(0.0);
         }
-        let block = comment
-            .strip_prefix("block ")
-            .and_then(|rest| rest.split_once(": "));
-        if let Some((head, name)) = block {
-            let index = head
-                .split_whitespace()
-                .next()
-                .and_then(|word| word.parse().ok());
-            if let Some(index) = index {
+        let block = comment.strip_prefix("block ");
+        if let Some((head, name)) = block.and_then(|rest| rest.split_once(": ")) {
+            let index = head.split_whitespace().next();
+            if let Some(index) = index.and_then(|word| word.parse().ok()) {
                 names.insert(index, name.to_string());
             }
         }

@@ -13,6 +13,34 @@ pub struct Entry {
     pub value: f64,
 }
 
+impl Entry {
+    /// The entry at (row, column), or at (column, row) where that is above the diagonal.
+    pub fn new(row: usize, column: usize, value: f64) -> Self {
+        Entry {
+            row: row.min(column),
+            column: row.max(column),
+            value,
+        }
+    }
+
+    /// How often it stands in the full matrix.
+    pub fn count(&self) -> f64 {
+        if self.row == self.column {
+            1.0
+        } else {
+            2.0
+        }
+    }
+}
+
+/// `<F, Z>` for the upper triangle of F and a symmetric Z, given by its entry at (row, column).
+pub fn inner(entries: &[Entry], z: impl Fn(usize, usize) -> f64) -> f64 {
+    let terms = entries
+        .iter()
+        .map(|e| e.count() * e.value * z(e.row, e.column));
+    terms.sum()
+}
+
 /// `constant + sum_i y_i coefficient_i >= 0`, symmetric of the given side.
 #[derive(Debug, Clone)]
 pub struct Cone {
@@ -26,6 +54,13 @@ pub struct Cone {
     pub coefficients: Vec<(usize, Vec<Entry>)>,
 }
 
+impl Cone {
+    /// Entries of its stacked upper triangle, in the order of [`svec_index`].
+    pub fn height(&self) -> usize {
+        self.side * (self.side + 1) / 2
+    }
+}
+
 /// `minimise cost' y + offset` subject to every cone's matrix being positive semidefinite.
 #[derive(Debug, Clone)]
 pub struct Semidefinite {
@@ -37,9 +72,11 @@ pub struct Semidefinite {
     pub cones: Vec<Cone>,
 }
 
-/// Place of entry (row, column), row <= column, in the stacked upper triangle read by columns
-/// (`svec`): column (column + 1) / 2 + row. Off-diagonal entries are stored times sqrt(2) there.
+/// Place of entry (row, column), or of its mirror image, in the stacked upper triangle read by columns
+/// (`svec`): column (column + 1) / 2 + row where row <= column. Off-diagonal entries are stored times
+/// sqrt(2) there.
 pub fn svec_index(row: usize, column: usize) -> usize {
+    let (row, column) = (row.min(column), row.max(column));
     column * (column + 1) / 2 + row
 }
 

@@ -3,7 +3,7 @@
 use faer::Side;
 
 use crate::backend::Solution;
-use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
+use crate::lmi::{inner, svec_index, Cone, Semidefinite};
 
 /// Error measures of a candidate, in the manner of the DIMACS challenge; all are zero at an exact solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,16 +30,15 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
     let (mut dual_objective, mut lowest, mut dual_lowest) = (0.0, 0.0_f64, 0.0_f64);
     let mut largest = 0.0_f64;
     for (cone, dual) in problem.cones.iter().zip(&solution.duals) {
-        dual_objective -= inner(&cone.constant, dual);
+        let dual_entry = |r: usize, c: usize| dual[svec_index(r, c)];
+        dual_objective -= inner(&cone.constant, dual_entry);
         for (unknown, entries) in &cone.coefficients {
-            products[*unknown] += inner(entries, dual);
+            products[*unknown] += inner(entries, dual_entry);
         }
         let sizes = cone.constant.iter().map(|entry| entry.value.abs());
         largest = sizes.fold(largest, f64::max);
-        lowest = lowest.min(smallest_eigenvalue(
-            &slack(cone, &solution.values),
-            cone.side,
-        ));
+        let slack = slack(cone, &solution.values);
+        lowest = lowest.min(smallest_eigenvalue(&slack, cone.side));
         dual_lowest = dual_lowest.min(smallest_eigenvalue(dual, cone.side));
     }
     let squares = products
@@ -57,18 +56,9 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
     }
 }
 
-/// `<F, Z>` for upper triangles.
-fn inner(entries: &[Entry], dual: &[f64]) -> f64 {
-    let term = |e: &Entry| {
-        let count = if e.row == e.column { 1.0 } else { 2.0 };
-        count * e.value * dual[svec_index(e.row, e.column)]
-    };
-    entries.iter().map(term).sum()
-}
-
 /// The matrix of a cone at a point, as its upper triangle by columns.
 fn slack(cone: &Cone, values: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; cone.side * (cone.side + 1) / 2];
+    let mut out = vec![0.0; cone.height()];
     for entry in &cone.constant {
         out[svec_index(entry.row, entry.column)] += entry.value;
     }
@@ -85,8 +75,7 @@ fn smallest_eigenvalue(upper: &[f64], side: usize) -> f64 {
     if !upper.iter().all(|entry| entry.is_finite()) {
         return f64::NAN;
     }
-    let at = |i: usize, j: usize| upper[svec_index(i.min(j), i.max(j))];
-    let matrix = faer::Mat::from_fn(side, side, at);
+    let matrix = faer::Mat::from_fn(side, side, |i, j| upper[svec_index(i, j)]);
     match matrix.self_adjoint_eigenvalues(Side::Lower) {
         Ok(values) => values.into_iter().fold(f64::INFINITY, f64::min),
         Err(_) => f64::NAN,

@@ -364,57 +364,6 @@ pub fn smallest_eigenvalue(diagonal: &[f64], off: &[f64], enough: f64) -> f64 {
     low
 }
 
-/// Eigenvalues and eigenvectors (columns of the result) of a symmetric A by cyclic Jacobi rotations: slow and
-/// accurate, for use outside of the iterations.
-pub fn eigen(a: &[f64], n: usize) -> (Vec<f64>, Vec<f64>) {
-    let mut a = a.to_vec();
-    let mut vectors = vec![0.0; n * n];
-    (0..n).for_each(|k| vectors[k * n + k] = 1.0);
-    let total: f64 = dot(&a, &a);
-    for _ in 0..60 {
-        let off: f64 = (0..n)
-            .flat_map(|j| (0..j).map(move |i| (i, j)))
-            .map(|(i, j)| a[j * n + i] * a[j * n + i])
-            .sum();
-        if off.is_nan() || off <= 1e-32 * total {
-            break;
-        }
-        for q in 1..n {
-            for p in 0..q {
-                rotate(&mut a, &mut vectors, n, p, q);
-            }
-        }
-    }
-    ((0..n).map(|k| a[k * n + k]).collect(), vectors)
-}
-
-/// One Jacobi rotation that makes entry (p, q) zero.
-fn rotate(a: &mut [f64], vectors: &mut [f64], n: usize, p: usize, q: usize) {
-    let apq = a[q * n + p];
-    if apq == 0.0 {
-        return;
-    }
-    let theta = (a[q * n + q] - a[p * n + p]) / (2.0 * apq);
-    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let s = t * c;
-    for k in 0..n {
-        let (kp, kq) = (a[p * n + k], a[q * n + k]);
-        a[p * n + k] = c * kp - s * kq;
-        a[q * n + k] = s * kp + c * kq;
-    }
-    for k in 0..n {
-        let (pk, qk) = (a[k * n + p], a[k * n + q]);
-        a[k * n + p] = c * pk - s * qk;
-        a[k * n + q] = s * pk + c * qk;
-    }
-    for k in 0..n {
-        let (kp, kq) = (vectors[p * n + k], vectors[q * n + k]);
-        vectors[p * n + k] = c * kp - s * kq;
-        vectors[q * n + k] = s * kp + c * kq;
-    }
-}
-
 /// `out = sum over pairs (p, q) of p q' + q p'`, the first `rows` rows of it on and above the diagonal (what else it writes is
 /// of no use); `basis` holds the columns p0, q0, p1, q1, ..., `count` in all. Columns are `stride` apart, a multiple of
 /// the lanes.
