@@ -18,9 +18,8 @@ pub(super) unsafe fn letter(option: *const c_char) -> u8 {
 }
 
 /// Whether an operand is transposed.
-pub(super) unsafe fn transposition(option: *const c_char) -> Option<bool> {
-    // SAFETY: a scalar argument (module contract).
-    match unsafe { letter(option) } {
+pub(super) fn transposition(letter: u8) -> Option<bool> {
+    match letter {
         b'N' => Some(false),
         b'T' | b'C' => Some(true),
         _ => None,
@@ -28,9 +27,8 @@ pub(super) unsafe fn transposition(option: *const c_char) -> Option<bool> {
 }
 
 /// The triangle a symmetric matrix is stored in.
-pub(super) unsafe fn triangle(option: *const c_char) -> Option<Part> {
-    // SAFETY: a scalar argument (module contract).
-    match unsafe { letter(option) } {
+pub(super) fn triangle(letter: u8) -> Option<Part> {
+    match letter {
         b'L' => Some(Part::Lower),
         b'U' => Some(Part::Upper),
         _ => None,

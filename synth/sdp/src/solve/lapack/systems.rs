@@ -5,7 +5,7 @@ use core::ffi::{c_char, c_int};
 use faer::reborrow::*;
 
 use super::arguments::{
-    array, contained, illegal_argument, matrix, matrix_mut, triangle, INTERNAL_FAILURE,
+    array, contained, illegal_argument, letter, matrix, matrix_mut, triangle, INTERNAL_FAILURE,
 };
 use super::kernels::blas::Part;
 use super::kernels::factor::{self, FactorError};
@@ -21,9 +21,6 @@ fn factor_info(outcome: Option<Result<(), FactorError>>) -> c_int {
 /// Cholesky factor of a symmetric matrix of order `n`, in place: `L` with `A = L L'` or `U` with `A = U' U`.
 ///
 /// `info = k`: pivot `k` is not positive.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dpotrf_(
     uplo: *const c_char,
@@ -34,7 +31,7 @@ pub unsafe extern "C" fn dpotrf_(
 ) {
     // SAFETY: the module's contract; views are taken once the arguments are found legal.
     unsafe {
-        let part = triangle(uplo);
+        let part = triangle(letter(uplo));
         let (n, lda) = (*n, *lda);
         let legal = [part.is_some(), n >= 0, true, lda >= n.max(1)];
         if let Some(position) = illegal_argument(&legal) {
@@ -54,9 +51,6 @@ pub unsafe extern "C" fn dpotrf_(
 }
 
 /// Solves `A X = B` with `nrhs` right-hand sides in place, given the factor that `dpotrf_` computed.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dpotrs_(
     uplo: *const c_char,
@@ -70,18 +64,11 @@ pub unsafe extern "C" fn dpotrs_(
 ) {
     // SAFETY: the module's contract; views are taken once the arguments are found legal.
     unsafe {
-        let part = triangle(uplo);
+        let part = triangle(letter(uplo));
         let (n, nrhs, lda, ldb) = (*n, *nrhs, *lda, *ldb);
-        let (has_lda, has_ldb) = (lda >= n.max(1), ldb >= n.max(1));
-        let legal = [
-            part.is_some(),
-            n >= 0,
-            nrhs >= 0,
-            true,
-            has_lda,
-            true,
-            has_ldb,
-        ];
+        let mut legal = [true; 7];
+        (legal[0], legal[1], legal[2]) = (part.is_some(), n >= 0, nrhs >= 0);
+        (legal[4], legal[6]) = (lda >= n.max(1), ldb >= n.max(1));
         if let Some(position) = illegal_argument(&legal) {
             *info = -position;
             return;
@@ -104,9 +91,6 @@ pub unsafe extern "C" fn dpotrs_(
 /// Solves `A X = B` with `nrhs` right-hand sides by LU factorization, both in place.
 ///
 /// `info = k`: pivot `k` is zero; `B` is then left as it was.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dgesv_(
     n: *const c_int,
