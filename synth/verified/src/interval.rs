@@ -210,17 +210,13 @@ fn exp_of_reduced(reduced: Interval) -> Interval {
     let mut sum = Interval::ONE;
     let mut remainder = Interval::from(reduced.magnitude());
     for degree in (1..=EXP_DEGREE).rev() {
-        sum = Interval::ONE + reduced * sum / Interval::from(f64::from(degree));
-        remainder = remainder * Interval::from(reduced.magnitude()) / degree_after(degree);
+        let (this, next) = (f64::from(degree), f64::from(degree + 1));
+        sum = Interval::ONE + reduced * sum / Interval::from(this);
+        remainder = remainder * Interval::from(reduced.magnitude()) / Interval::from(next);
     }
     // Lagrange's form: |r|^(n+1) / (n+1)! times e^|r|, and e^0.36 < 2.
     let bound = mul_up(2.0, remainder.hi);
     sum + Interval::new(-bound, bound)
-}
-
-#[inline]
-fn degree_after(degree: u32) -> Interval {
-    Interval::from(f64::from(degree + 1))
 }
 
 /// Enclosure of `sin^2(theta / 2)` for an angle in radians.
@@ -273,10 +269,8 @@ impl From<f64> for Interval {
     #[inline]
     fn from(value: f64) -> Self {
         if value.is_finite() {
-            Interval {
-                lo: value,
-                hi: value,
-            }
+            let (lo, hi) = (value, value);
+            Interval { lo, hi }
         } else {
             Interval::ENTIRE
         }
@@ -342,21 +336,14 @@ fn over_corners(
     lower: fn(f64, f64) -> f64,
     upper: fn(f64, f64) -> f64,
 ) -> Interval {
-    let corners = [
-        (left.lo, right.lo),
-        (left.lo, right.hi),
-        (left.hi, right.lo),
-        (left.hi, right.hi),
-    ];
-    let lo = corners
-        .iter()
-        .map(|&(x, y)| lower(x, y))
-        .fold(f64::INFINITY, f64::min);
-    let hi = corners
-        .iter()
-        .map(|&(x, y)| upper(x, y))
-        .fold(f64::NEG_INFINITY, f64::max);
-    Interval::new(lo, hi)
+    let (a, b) = (left, right);
+    let corners = [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)];
+    let lo = corners.map(|(x, y)| lower(x, y));
+    let hi = corners.map(|(x, y)| upper(x, y));
+    Interval::new(
+        lo.into_iter().fold(f64::INFINITY, f64::min),
+        hi.into_iter().fold(f64::NEG_INFINITY, f64::max),
+    )
 }
 
 impl Mul for Interval {
