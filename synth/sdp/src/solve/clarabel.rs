@@ -1,6 +1,7 @@
 //! The `clarabel` crate as a backend.
 
 use std::collections::HashSet;
+use std::f64::consts::SQRT_2;
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -11,7 +12,7 @@ use clarabel::solver::{
 use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
-use crate::lmi::{svec_index, Cone, Semidefinite};
+use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
 
 /// In which cones explicit zeros are stored, so that every column that touches such a cone touches
 /// all its rows.
@@ -124,13 +125,9 @@ fn refused(error: impl std::fmt::Display) -> SolveError {
     }
 }
 
-/// Factor between an entry and its place in the stacked vector.
-fn weight(row: usize, column: usize) -> f64 {
-    if row == column {
-        1.0
-    } else {
-        std::f64::consts::SQRT_2
-    }
+/// An entry in the stacked vector.
+fn stacked(entry: &Entry) -> f64 {
+    entry.count().sqrt() * entry.value
 }
 
 /// `A y + s = b` with s in the cones: b stacks the constants, -A the coefficients.
@@ -146,13 +143,13 @@ fn conic_form(
     for cone in &problem.cones {
         for entry in &cone.constant {
             let row = base + svec_index(entry.row, entry.column);
-            rhs[row] = weight(entry.row, entry.column) * entry.value;
+            rhs[row] = stacked(entry);
         }
         for (unknown, entries) in &cone.coefficients {
             let start = rows.len();
             for entry in entries {
                 rows.push(base + svec_index(entry.row, entry.column));
-                values.push(-weight(entry.row, entry.column) * entry.value);
+                values.push(-stacked(entry));
             }
             if dense_columns.covers(cone) {
                 let present: HashSet<usize> = rows[start..].iter().copied().collect();
@@ -180,7 +177,7 @@ fn split_duals(problem: &Semidefinite, stacked: &[f64], factor: f64) -> Vec<Vec<
         dual.iter_mut().for_each(|entry| *entry *= factor);
         for column in 0..cone.side {
             for row in 0..column {
-                dual[svec_index(row, column)] /= weight(row, column);
+                dual[svec_index(row, column)] /= SQRT_2;
             }
         }
         out.push(dual);

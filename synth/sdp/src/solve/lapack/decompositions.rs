@@ -4,15 +4,15 @@ use core::ffi::{c_char, c_int};
 use core::mem::MaybeUninit;
 
 use super::arguments::{
-    array, contained, illegal_argument, letter, matrix_mut, triangle, INTERNAL_FAILURE,
+    array, contained, illegal_argument, letter, matrix_mut, outcome_info, triangle,
 };
 use super::kernels::blas::Part;
-use super::kernels::spectral::{self, SingularVectors, SpectralError, Vectors};
+use super::kernels::spectral::{self, SingularVectors, Vectors};
 
 /// The singular vectors wanted of one side.
 fn vectors(letter: u8) -> Option<Vectors> {
     match letter {
-        b'N' => Some(Vectors::None),
+        b'N' => Some(Vectors::No),
         b'S' => Some(Vectors::Thin),
         b'A' => Some(Vectors::Full),
         _ => None,
@@ -23,15 +23,6 @@ fn vectors(letter: u8) -> Option<Vectors> {
 fn workspace_length(documented: i64, wanted: impl FnOnce() -> usize) -> f64 {
     let wanted = contained(wanted).unwrap_or(0);
     (documented as f64).max(wanted as f64).max(1.0)
-}
-
-/// `info` of a decomposition whose matrix is argument number `position`.
-fn spectral_info(outcome: Option<Result<(), SpectralError>>, position: c_int) -> c_int {
-    match outcome {
-        Some(Ok(())) => 0,
-        Some(Err(SpectralError::NotFinite)) => -position,
-        Some(Err(SpectralError::NoConvergence | SpectralError::Memory)) | None => INTERNAL_FAILURE,
-    }
 }
 
 /// All eigenvalues of a symmetric matrix of order `n`, ascending, and with `jobz = 'V'` its eigenvectors.
@@ -100,7 +91,7 @@ pub unsafe extern "C" fn dsyevr_(
         w.write_bytes(0, n as usize);
         let outcome = contained(|| spectral::eigen(a, array(w, n), z, scratch));
         *work = optimum;
-        *info = spectral_info(outcome, 5);
+        *info = outcome_info(outcome, 5);
     }
 }
 
@@ -124,11 +115,11 @@ impl SingularRequest {
     /// The first illegal argument, where `work` must have at least `least` entries.
     fn illegal(&self, least: i64) -> Option<c_int> {
         let least_ldu = match self.left {
-            None | Some(Vectors::None) => 1,
+            None | Some(Vectors::No) => 1,
             Some(_) => self.m.max(1),
         };
         let least_ldvt = match self.right {
-            None | Some(Vectors::None) => 1,
+            None | Some(Vectors::No) => 1,
             Some(Vectors::Thin) => self.m.min(self.n).max(1),
             Some(Vectors::Full) => self.n.max(1),
         };
@@ -166,7 +157,7 @@ impl SingularRequest {
                 return self.empty(left, right);
             }
             let columns = |side, full| match side {
-                Vectors::None => None,
+                Vectors::No => None,
                 Vectors::Thin => Some(size),
                 Vectors::Full => Some(full),
             };
@@ -181,7 +172,7 @@ impl SingularRequest {
             let outcome =
                 contained(|| spectral::singular(a, array(self.s, size), vectors, scratch));
             *work = optimum;
-            spectral_info(outcome, self.options as c_int + 3)
+            outcome_info(outcome, self.options as c_int + 3)
         }
     }
 
@@ -237,7 +228,7 @@ pub unsafe extern "C" fn dgesdd_(
         };
         let (short, long) = (i64::from(m.min(n)), i64::from(m.max(n)));
         let least = match job {
-            None | Some(Vectors::None) => 3 * short + long.max(7 * short),
+            None | Some(Vectors::No) => 3 * short + long.max(7 * short),
             Some(Vectors::Thin) => 4 * short * short + 7 * short,
             Some(Vectors::Full) => 4 * short * short + 6 * short + long,
         };

@@ -5,18 +5,10 @@ use core::ffi::{c_char, c_int};
 use faer::reborrow::*;
 
 use super::arguments::{
-    array, contained, illegal_argument, letter, matrix, matrix_mut, triangle, INTERNAL_FAILURE,
+    array, contained, illegal_argument, letter, matrix, matrix_mut, outcome_info, triangle,
 };
 use super::kernels::blas::Part;
-use super::kernels::factor::{self, FactorError};
-
-fn factor_info(outcome: Option<Result<(), FactorError>>) -> c_int {
-    match outcome {
-        Some(Ok(())) => 0,
-        Some(Err(FactorError::Pivot(index))) => index as c_int,
-        Some(Err(FactorError::Memory)) | None => INTERNAL_FAILURE,
-    }
-}
+use super::kernels::factor;
 
 /// Cholesky factor of a symmetric matrix of order `n`, in place: `L` with `A = L L'` or `U` with `A = U' U`.
 ///
@@ -46,7 +38,7 @@ pub unsafe extern "C" fn dpotrf_(
         if part == Some(Part::Upper) {
             a = a.transpose_mut();
         }
-        *info = factor_info(contained(|| factor::cholesky(a)));
+        *info = outcome_info(contained(|| factor::cholesky(a)), 3);
     }
 }
 
@@ -81,10 +73,8 @@ pub unsafe extern "C" fn dpotrs_(
         if part == Some(Part::Upper) {
             factor = factor.transpose();
         }
-        *info = factor_info(contained(|| {
-            factor::solve_with_cholesky(factor, b);
-            Ok(())
-        }));
+        let outcome = contained(|| factor::solve_with_cholesky(factor, b));
+        *info = outcome_info(outcome.map(Ok), 4);
     }
 }
 
@@ -121,13 +111,11 @@ pub unsafe extern "C" fn dgesv_(
         }
         let pivots = array(ipiv, n);
         let outcome = contained(|| factor::lu(a.rb_mut(), pivots));
-        *info = factor_info(outcome);
+        *info = outcome_info(outcome, 3);
         if *info == 0 && nrhs > 0 {
             let b = matrix_mut(b, n, nrhs, ldb);
-            *info = factor_info(contained(|| {
-                factor::solve_with_lu(a.rb(), pivots, b);
-                Ok(())
-            }));
+            let outcome = contained(|| factor::solve_with_lu(a.rb(), pivots, b));
+            *info = outcome_info(outcome.map(Ok), 3);
         }
     }
 }

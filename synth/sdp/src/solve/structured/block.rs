@@ -139,7 +139,7 @@ impl Block {
                 out[at as usize] += y[unknown] * value;
             }
         }
-        super::dense::mirror_upper(out, n);
+        super::dense::mirror(out, n, |upper, _| upper);
     }
 
     /// `out_i += <A_i, W>` for a symmetric W.

@@ -221,37 +221,17 @@ pub fn congruence_by_lower(l: &[f64], a: &[f64], work: &mut [f64], out: &mut [f6
         column.fill(0.0);
         combine(work, n, j, 0..j + 1, |k| l[k * n + j], column);
     }
-    mirror_lower(out, n);
+    mirror(out, n, |_, lower| lower);
 }
 
-/// Copies the upper triangle onto the lower one.
+/// Puts in the place of each entry above the diagonal, and of its mirror image below, what is made of both.
 #[inline(always)]
-pub fn mirror_upper(a: &mut [f64], n: usize) {
+pub fn mirror(a: &mut [f64], n: usize, made_of: impl Fn(f64, f64) -> f64) {
     for j in 0..n {
         for i in 0..j {
-            a[i * n + j] = a[j * n + i];
-        }
-    }
-}
-
-/// Copies the lower triangle onto the upper one.
-#[inline(always)]
-pub fn mirror_lower(a: &mut [f64], n: usize) {
-    for j in 0..n {
-        for i in 0..j {
-            a[j * n + i] = a[i * n + j];
-        }
-    }
-}
-
-/// `A <- (A + A') / 2`.
-#[inline(always)]
-pub fn symmetrise(a: &mut [f64], n: usize) {
-    for j in 0..n {
-        for i in 0..j {
-            let mean = 0.5 * (a[j * n + i] + a[i * n + j]);
-            a[j * n + i] = mean;
-            a[i * n + j] = mean;
+            let value = made_of(a[j * n + i], a[i * n + j]);
+            a[j * n + i] = value;
+            a[i * n + j] = value;
         }
     }
 }

@@ -58,7 +58,7 @@ impl Factors {
                         let out = &mut out[range.start - base..range.end - base];
                         dense::product(&z[range.clone()], &w[range.clone()], &mut work, n);
                         dense::product(&work, &self.s_inverse[range], out, n);
-                        dense::symmetrise(out, n);
+                        dense::mirror(out, n, |upper, lower| 0.5 * (upper + lower));
                     }
                 },
             );

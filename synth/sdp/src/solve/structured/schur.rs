@@ -302,20 +302,14 @@ fn terms(entries: &[Entry]) -> Vec<Term> {
         (touches, usize::MAX - c)
     }) {
         let mut rest = Vec::new();
-        left.retain(|e| match (e.row == center, e.column == center) {
-            (true, true) => {
-                rest.push((center, 0.5 * e.value));
-                false
-            }
-            (true, false) => {
-                rest.push((e.column, e.value));
-                false
-            }
-            (false, true) => {
-                rest.push((e.row, e.value));
-                false
-            }
-            (false, false) => true,
+        left.retain(|e| {
+            rest.push(match (e.row == center, e.column == center) {
+                (true, true) => (center, 0.5 * e.value),
+                (true, false) => (e.column, e.value),
+                (false, true) => (e.row, e.value),
+                (false, false) => return true,
+            });
+            false
         });
         if rest.is_empty() {
             break;
