@@ -4,10 +4,9 @@ use core::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::error::{AllowedRange, Field, ParameterError};
-use crate::matrix_check::require_positive_definite;
+use crate::error::{require_positive_definite, AllowedRange, Field, ParameterError};
 
-pub use crate::matrix_check::SYMMETRY_TOLERANCE;
+pub use crate::error::SYMMETRY_TOLERANCE;
 
 /// Adaptation of the threshold at every trigger, Xu and Huang 2020, below (10): with d the norm of
 /// the step from the last sent state to the new one, the threshold is multiplied by

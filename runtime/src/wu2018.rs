@@ -4,9 +4,8 @@
 use nalgebra::Vector3;
 
 use crate::attitude::{AttitudeMeasurement, SignHysteresis};
-use crate::command::{Command, HoldReason, Status, BYTES_PER_NUMBER};
+use crate::command::{Command, HoldReason, SampleClock, Status, BYTES_PER_NUMBER};
 use crate::error::{AllowedRange, ParameterError};
-use crate::sample_clock::SampleClock;
 use crate::saturation::Saturation;
 
 /// Bytes of one message: the filtered error and the torque, three numbers each (the paper's section

@@ -3,10 +3,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::command::{Command, Departure, HoldReason, Status, BYTES_PER_NUMBER};
+use crate::command::{Command, Departure, HoldReason, SampleClock, Status, BYTES_PER_NUMBER};
 use crate::error::{AllowedRange, ParameterError};
 use crate::membership::Membership;
-use crate::sample_clock::SampleClock;
 use crate::saturation::Saturation;
 use crate::trigger::{AperiodicTrigger, ThresholdUpdate};
 

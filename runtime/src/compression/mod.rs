@@ -27,7 +27,6 @@ mod axis;
 mod codec;
 mod levels;
 mod number;
-mod packing;
 mod word;
 
 pub use alphabet::{Alphabet, MOST_WORDS};
@@ -35,5 +34,4 @@ pub use axis::{AxisDecoder, AxisEncoder, AxisOutput, AxisParameters, Scheme, RES
 pub use codec::{Decoded, Decoder, Encoded, Encoder, Parameters};
 pub use levels::{Level, Levels};
 pub use number::{NumberFormat, Refusal};
-pub use packing::{BitReader, BitWriter};
-pub use word::Word;
+pub use word::{BitReader, BitWriter, Word};

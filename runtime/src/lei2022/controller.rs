@@ -4,9 +4,8 @@ use nalgebra::Vector3;
 
 use super::{ControlLaw, Evaluation, Switching, TriggerRule};
 use crate::attitude::{AttitudeMeasurement, SignHysteresis};
-use crate::command::{Command, HoldReason, Status, BYTES_PER_NUMBER};
+use crate::command::{Command, HoldReason, SampleClock, Status, BYTES_PER_NUMBER};
 use crate::error::ParameterError;
-use crate::sample_clock::SampleClock;
 use crate::saturation::Saturation;
 
 /// Bytes of one message to the actuators: the torque from now on, three numbers, zero to turn off.

@@ -4,8 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Barrier, PerformanceFunction, VirtualLaw};
 use crate::attitude::Quaternion;
-use crate::error::{AllowedRange, ParameterError};
-use crate::matrix_check::require_positive_definite;
+use crate::error::{require_positive_definite, AllowedRange, ParameterError};
 
 /// The term D_m tanh(z2 / p) of (12) against a bounded disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]

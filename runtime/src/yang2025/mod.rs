@@ -18,10 +18,8 @@ use self::envelope::{Bounds, Correction, Envelope, EnvelopeParameters};
 use self::fault::{FaultEstimation, FaultEstimator, SampleInterval};
 use self::law::{Gains, Motion, TransformedError};
 use crate::attitude::{AttitudeMeasurement, Quaternion};
-use crate::command::{Command, HoldReason, Status, BITS_PER_NUMBER};
-use crate::error::ParameterError;
-use crate::matrix_check::require_positive_definite;
-use crate::sample_clock::SampleClock;
+use crate::command::{Command, HoldReason, SampleClock, Status, BITS_PER_NUMBER};
+use crate::error::{require_positive_definite, ParameterError};
 
 /// Bits of one message: a torque for each of `M` actuators.
 pub const fn message_bits<const M: usize>() -> usize {

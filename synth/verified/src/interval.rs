@@ -43,29 +43,32 @@ const SINE_TERMS: u32 = 13;
 
 impl Interval {
     /// The whole real line: nothing is known.
-    pub const ENTIRE: Interval = Interval {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub const ENTIRE: Interval = Interval::between(f64::NEG_INFINITY, f64::INFINITY);
 
     /// The number 0.
-    pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
+    pub const ZERO: Interval = Interval::between(0.0, 0.0);
 
     /// The number 1.
-    pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
+    pub const ONE: Interval = Interval::between(1.0, 1.0);
 
     /// The number pi, between its two neighbouring doubles.
-    pub const PI: Interval = Interval {
-        lo: std::f64::consts::PI,
-        hi: f64::from_bits(std::f64::consts::PI.to_bits() + 1),
-    };
+    pub const PI: Interval = Interval::between(
+        std::f64::consts::PI,
+        f64::from_bits(std::f64::consts::PI.to_bits() + 1),
+    );
+
+    /// Bounds that are known to be in order.
+    #[inline]
+    const fn between(lo: f64, hi: f64) -> Self {
+        Interval { lo, hi }
+    }
 
     /// The interval from `lo` to `hi`, or [`Interval::ENTIRE`] if they are out of order, NaN, or
     /// an infinity on the wrong side.
     #[inline]
     pub fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
-            Interval { lo, hi }
+            Interval::between(lo, hi)
         } else {
             Interval::ENTIRE
         }
@@ -129,10 +132,7 @@ impl Interval {
     /// The smallest interval that contains both.
     #[inline]
     pub fn hull(self, other: Self) -> Self {
-        Interval {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Interval::between(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
     /// The greater of two numbers, one from each interval.
@@ -141,10 +141,7 @@ impl Interval {
         if self.is_entire() || other.is_entire() {
             return Interval::ENTIRE;
         }
-        Interval {
-            lo: self.lo.max(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Interval::between(self.lo.max(other.lo), self.hi.max(other.hi))
     }
 
     /// The square.
@@ -227,7 +224,7 @@ fn exp_of_reduced(reduced: Interval) -> Interval {
 #[inline]
 pub fn half_angle_sine_squared(theta: impl Into<Interval>) -> Interval {
     let theta = theta.into();
-    let unit = Interval { lo: 0.0, hi: 1.0 };
+    let unit = Interval::between(0.0, 1.0);
     if theta.is_entire() {
         return theta;
     }
@@ -269,8 +266,7 @@ impl From<f64> for Interval {
     #[inline]
     fn from(value: f64) -> Self {
         if value.is_finite() {
-            let (lo, hi) = (value, value);
-            Interval { lo, hi }
+            Interval::between(value, value)
         } else {
             Interval::ENTIRE
         }
@@ -282,10 +278,7 @@ impl Neg for Interval {
 
     #[inline]
     fn neg(self) -> Interval {
-        Interval {
-            lo: -self.hi,
-            hi: -self.lo,
-        }
+        Interval::between(-self.hi, -self.lo)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The lowered form that backends and file writers read.
 
-use super::{Affine, LmiProblem};
+use super::affine::{Affine, Entries};
+use super::LmiProblem;
 
 /// One entry of a symmetric matrix: row <= column, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,16 +85,16 @@ impl LmiProblem {
     /// Lowers the problem to lists of entries.
     pub fn lower(&self) -> Semidefinite {
         let mut cost = vec![0.0; self.unknowns.count()];
-        for (&unknown, entries) in self.objective.coefficient_entries() {
+        for (&unknown, entries) in &self.objective.coefficients {
             cost[unknown] = entries.values().sum();
         }
-        let offset = self.objective.constant_entries().values().sum();
+        let offset = self.objective.constant.values().sum();
         let cones = self.conditions.iter().map(|condition| {
             let expression = condition.expression();
             Cone {
                 name: condition.name().to_string(),
                 side: condition.side(),
-                constant: upper(expression.constant_entries().iter()),
+                constant: upper(&expression.constant),
                 coefficients: coefficients(expression),
             }
         });
@@ -106,15 +107,16 @@ impl LmiProblem {
 }
 
 fn coefficients(expression: &Affine) -> Vec<(usize, Vec<Entry>)> {
-    let lowered = expression.coefficient_entries().iter();
+    let lowered = expression.coefficients.iter();
     lowered
-        .map(|(&unknown, entries)| (unknown, upper(entries.iter())))
+        .map(|(&unknown, entries)| (unknown, upper(entries)))
         .filter(|(_, entries)| !entries.is_empty())
         .collect()
 }
 
-fn upper<'a>(entries: impl Iterator<Item = (&'a (usize, usize), &'a f64)>) -> Vec<Entry> {
+fn upper(entries: &Entries) -> Vec<Entry> {
     entries
+        .iter()
         .filter(|((row, column), _)| row <= column)
         .map(|(&(row, column), &value)| Entry { row, column, value })
         .collect()
