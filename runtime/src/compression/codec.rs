@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::axis::{AxisDecoder, AxisEncoder, AxisParameters};
+use super::axis::{AxisEnd, AxisParameters};
 use super::word::Word;
 use crate::error::{AllowedRange, ParameterError};
 
@@ -59,7 +59,7 @@ impl<const M: usize> Encoded<M> {
 /// The controller's end of the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder<const M: usize, const L: usize> {
-    axes: [AxisEncoder<L>; M],
+    axes: [AxisEnd<L>; M],
     period_s: Option<f64>,
     period_began_s: Option<f64>,
 }
@@ -72,7 +72,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
     pub fn new(parameters: &Parameters<M, L>) -> Result<Self, ParameterError> {
         parameters.check()?;
         Ok(Self {
-            axes: parameters.axes.map(AxisEncoder::with_checked),
+            axes: parameters.axes.map(AxisEnd::with_checked),
             period_s: parameters.resynchronisation_period_s,
             period_began_s: None,
         })
@@ -80,7 +80,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
 
     /// The numbers held, N m.
     pub fn held(&self) -> SVector<f64, M> {
-        SVector::from(self.axes.each_ref().map(AxisEncoder::held))
+        SVector::from(self.axes.each_ref().map(AxisEnd::held))
     }
 
     /// Takes the commands of the sample at `time_s` seconds, N m.
@@ -108,7 +108,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
 
     /// Back to the state before the first sample.
     pub fn reset(&mut self) {
-        self.axes.iter_mut().for_each(AxisEncoder::reset);
+        self.axes.iter_mut().for_each(AxisEnd::reset);
         self.period_began_s = None;
     }
 
@@ -141,7 +141,7 @@ pub struct Decoded<const M: usize> {
 /// The actuators' end of the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decoder<const M: usize, const L: usize> {
-    axes: [AxisDecoder<L>; M],
+    axes: [AxisEnd<L>; M],
 }
 
 impl<const M: usize, const L: usize> Decoder<M, L> {
@@ -152,13 +152,13 @@ impl<const M: usize, const L: usize> Decoder<M, L> {
     pub fn new(parameters: &Parameters<M, L>) -> Result<Self, ParameterError> {
         parameters.check()?;
         Ok(Self {
-            axes: parameters.axes.map(AxisDecoder::with_checked),
+            axes: parameters.axes.map(AxisEnd::with_checked),
         })
     }
 
     /// The numbers held, N m.
     pub fn held(&self) -> SVector<f64, M> {
-        SVector::from(self.axes.each_ref().map(AxisDecoder::held))
+        SVector::from(self.axes.each_ref().map(AxisEnd::held))
     }
 
     /// Takes the words that have arrived, at most one for each axis. An axis whose word is refused
@@ -178,6 +178,6 @@ impl<const M: usize, const L: usize> Decoder<M, L> {
 
     /// Back to the state before the first word.
     pub fn reset(&mut self) {
-        self.axes.iter_mut().for_each(AxisDecoder::reset);
+        self.axes.iter_mut().for_each(AxisEnd::reset);
     }
 }

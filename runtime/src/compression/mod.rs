@@ -30,7 +30,7 @@ mod number;
 mod word;
 
 pub use alphabet::{Alphabet, MOST_WORDS};
-pub use axis::{AxisDecoder, AxisEncoder, AxisOutput, AxisParameters, Scheme, RESYNCHRONISATION};
+pub use axis::{AxisEnd, AxisOutput, AxisParameters, Scheme, RESYNCHRONISATION};
 pub use codec::{Decoded, Decoder, Encoded, Encoder, Parameters};
 pub use levels::{Level, Levels};
 pub use number::{NumberFormat, Refusal};

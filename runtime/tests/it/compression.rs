@@ -5,8 +5,8 @@ mod links;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use runtime::compression::{
-    Alphabet, AxisDecoder, AxisEncoder, AxisParameters, BitReader, BitWriter, Decoder, Encoder,
-    Level, Levels, NumberFormat, Parameters, Refusal, Scheme, Word,
+    Alphabet, AxisEnd, AxisParameters, BitReader, BitWriter, Decoder, Encoder, Level, Levels,
+    NumberFormat, Parameters, Refusal, Scheme, Word,
 };
 use runtime::error::{Field, ParameterError};
 use runtime::nalgebra::Vector3;
@@ -187,7 +187,7 @@ proptest! {
     ) {
         let axis = full(which);
         let Scheme::Compressed { levels, .. } = axis.scheme else { unreachable!() };
-        let mut encoder = AxisEncoder::new(axis).unwrap();
+        let mut encoder = AxisEnd::new(axis).unwrap();
         for command in commands {
             let (before, cut) = (encoder.held(), command.clamp(-LIMIT, LIMIT));
             let step = levels.threshold(levels.level(cut.abs(), LIMIT)).unwrap();
@@ -209,7 +209,7 @@ proptest! {
         let format = NumberFormat::Quantised { bits };
         let resolution = LIMIT / (2.0f64.powi(bits as i32 - 1) - 1.0);
         for (axis, relative) in [(fixed(format), 0.0), (relative(format), 0.1)] {
-            let mut encoder = AxisEncoder::new(axis).unwrap();
+            let mut encoder = AxisEnd::new(axis).unwrap();
             for command in &commands {
                 let before = encoder.held();
                 let threshold = relative * command.abs() + 0.02;
@@ -259,7 +259,7 @@ proptest! {
         words in prop::collection::vec((any::<u64>(), 1u32..=64), 1..200),
         axis in prop::sample::select(every_scheme()),
     ) {
-        let mut decoder = AxisDecoder::new(axis).unwrap();
+        let mut decoder = AxisEnd::new(axis).unwrap();
         for (value, bits) in words {
             let before = decoder.held();
             let answer = decoder.receive(&Word::new(value, bits).unwrap());
@@ -332,7 +332,7 @@ fn the_words_of_table_1_are_levels_up_and_down() {
 #[test]
 fn a_step_has_the_size_of_the_commands_level() {
     let [axis, ..] = published();
-    let mut encoder = AxisEncoder::new(axis).unwrap();
+    let mut encoder = AxisEnd::new(axis).unwrap();
     let mut steps = Vec::new();
     for _ in 0..6 {
         let output = encoder.encode(0.12);
@@ -360,7 +360,7 @@ fn a_million_random_words_leave_the_torque_within_the_limit() {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut decoders: Vec<_> = every_scheme()
         .into_iter()
-        .map(|axis| AxisDecoder::new(axis).unwrap())
+        .map(|axis| AxisEnd::new(axis).unwrap())
         .collect();
     let (mut taken, mut refused) = (0, 0);
     for index in 0..1_000_000_usize {
@@ -385,7 +385,7 @@ fn a_million_random_words_leave_the_torque_within_the_limit() {
 
 #[test]
 fn a_coarse_number_is_not_sent_again_and_again() {
-    let mut encoder = AxisEncoder::new(fixed(NumberFormat::Quantised { bits: 3 })).unwrap();
+    let mut encoder = AxisEnd::new(fixed(NumberFormat::Quantised { bits: 3 })).unwrap();
     // The torques are multiples of 0.0667; 0.03 is nearest to zero, which is held already.
     assert_eq!(encoder.encode(0.03).word, None);
     assert!(encoder.encode(0.04).word.is_some());
@@ -394,7 +394,7 @@ fn a_coarse_number_is_not_sent_again_and_again() {
 
 #[test]
 fn what_no_word_says_is_refused() {
-    let mut decoder = AxisDecoder::new(full((6, 4))).unwrap();
+    let mut decoder = AxisEnd::new(full((6, 4))).unwrap();
     let refusal = |word| decoder.receive(&word).unwrap_err();
     // 6^4 = 1296 words in 11 bits.
     let mut refusal = refusal;
@@ -419,7 +419,7 @@ fn what_no_word_says_is_refused() {
         alphabet: Alphabet::new(4, 2).unwrap(),
         levels: published_levels([0.03; 4]),
     };
-    let mut decoder = AxisDecoder::new(axis).unwrap();
+    let mut decoder = AxisEnd::new(axis).unwrap();
     let unknown = Refusal::Unknown { value: 4 };
     assert_eq!(decoder.receive(&Word::new(4, 4).unwrap()), Err(unknown));
 }

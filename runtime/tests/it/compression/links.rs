@@ -49,7 +49,7 @@ fn a_clock_that_goes_back_resynchronises_and_one_that_is_not_a_number_does_nothi
 #[test]
 fn a_command_that_is_not_a_number_changes_nothing_and_infinities_are_cut_off() {
     for axis in every_scheme() {
-        let mut encoder = AxisEncoder::new(axis).unwrap();
+        let mut encoder = AxisEnd::new(axis).unwrap();
         for _ in 0..400 {
             encoder.encode(f64::INFINITY);
         }
