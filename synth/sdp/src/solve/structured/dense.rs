@@ -352,20 +352,10 @@ pub fn sum_of_pairs(basis: &[f64], count: usize, stride: usize, rows: usize, out
     for c in 0..rows {
         let top = (c / LANES + 1) * LANES;
         let y = &mut out[c * stride..c * stride + top];
-        let column = |k: usize| &basis[k * stride..k * stride + top];
         let weight = |k: usize| basis[(k ^ 1) * stride + c];
-        let mut k = 0;
         y.fill(0.0);
-        if count % 4 == 2 {
-            axpy(weight(0), column(0), y);
-            axpy(weight(1), column(1), y);
-            k = 2;
-        }
-        while k + 4 <= count {
-            let weights = [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)];
-            let columns = [column(k), column(k + 1), column(k + 2), column(k + 3)];
-            add_vectors(weights, columns, false, y);
-            k += 4;
-        }
+        // What is left of fours comes first.
+        combine(basis, stride, 0, 0..count % 4, weight, y);
+        combine(basis, stride, 0, count % 4..count, weight, y);
     }
 }
