@@ -142,9 +142,8 @@ unsafe fn rank_update(
     unsafe {
         let view = |x, ld| transposed_if(trans, matrix(x, rows, cols, ld));
         let (a, b) = (view(a, lda), b.map(|(b, ldb)| view(b, ldb)));
-        contained_product(matrix_mut(c, n, n, ldc), part, |c| match b {
-            None => blas::rank_k_update(alpha, a, beta, c, part),
-            Some(b) => blas::rank_2k_update(alpha, a, b, beta, c, part),
+        contained_product(matrix_mut(c, n, n, ldc), part, |c| {
+            blas::rank_update(alpha, a, b, beta, c, part)
         });
     }
 }
