@@ -38,7 +38,8 @@ impl Unknowns {
     fn matrix(&mut self, name: &str, rows: usize, columns: usize, symmetric: bool) -> Affine {
         let mut terms = Vec::with_capacity(rows * columns);
         for column in 0..columns {
-            for row in 0..if symmetric { column + 1 } else { rows } {
+            let end = if symmetric { column + 1 } else { rows };
+            for row in 0..end {
                 let unknown = self.next(format!("{name}[{row},{column}]"));
                 terms.push((unknown, row, column, 1.0));
                 if symmetric && row != column {
