@@ -7,9 +7,10 @@
 use core::ops::{Mul, Neg};
 
 use nalgebra::{Matrix3, Vector3, Vector6};
+use thiserror::Error;
 
 use crate::command::HoldReason;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Largest difference from 1 of the norm of a quaternion that still counts as an attitude
 /// measurement. Sensor noise and published values printed to four digits stay far below; a sensor
@@ -191,19 +192,12 @@ pub fn skew(vector: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// A quaternion or axis cannot be normalised.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("norm {norm} gives no direction")]
 pub struct NormError {
     /// Its norm.
     pub norm: f64,
 }
-
-impl core::fmt::Display for NormError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "norm {} gives no direction", self.norm)
-    }
-}
-
-impl core::error::Error for NormError {}
 
 /// An attitude measurement: the error from the reference attitude and the rate error.
 ///
@@ -232,12 +226,8 @@ impl AttitudeMeasurement {
     /// The reason why a controller must not use it.
     pub fn check(&self) -> Result<(), HoldReason> {
         let scalar = core::iter::once(&self.error.scalar);
-        let mut components = scalar
-            .chain(self.error.vector.iter())
-            .chain(self.rate_rad_s.iter());
-        if let Some(component) = components.position(|value| !value.is_finite()) {
-            return Err(HoldReason::NonFiniteMeasurement { component });
-        }
+        let attitude = scalar.chain(self.error.vector.iter());
+        HoldReason::check_finite(0, attitude.chain(self.rate_rad_s.iter()))?;
         let norm = self.error.norm();
         if (norm - 1.0).abs() <= NORM_TOLERANCE {
             Ok(())
@@ -262,11 +252,7 @@ impl SignHysteresis {
     /// # Errors
     /// A half width that is not finite or outside of `[0, 1)`.
     pub fn new(half_width: f64) -> Result<Self, ParameterError> {
-        require(
-            Field::scalar("hysteresis"),
-            half_width,
-            AllowedRange::half_open(0.0, 1.0),
-        )?;
+        AllowedRange::half_open(0.0, 1.0).check_scalar("hysteresis", half_width)?;
         Ok(Self {
             half_width,
             positive: None,

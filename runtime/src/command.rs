@@ -1,8 +1,7 @@
 //! What a controller step returns: the torque, whether something was sent, and the step's status.
 
-use core::fmt;
-
 use nalgebra::SVector;
+use thiserror::Error;
 
 /// Bytes of one transmitted number. A message is counted in IEEE 754 single precision, as in Wu et
 /// al. 2018, section 5. Only the count presumes it: the values themselves are held in double
@@ -32,12 +31,19 @@ impl<const M: usize> Command<M> {
         self.bits.div_ceil(8)
     }
 
-    pub(crate) fn held(torque: SVector<f64, M>, reason: HoldReason) -> Self {
+    /// After a step: the torque in force, the bits of a message, and whether one was sent with what
+    /// status, or why the sample was not used.
+    pub(crate) fn of_step(
+        torque: SVector<f64, M>,
+        message_bits: usize,
+        outcome: Result<(bool, Status), HoldReason>,
+    ) -> Self {
+        let (sent, status) = outcome.unwrap_or_else(|reason| (false, Status::Held(reason)));
         Self {
             torque,
-            sent: false,
-            bits: 0,
-            status: Status::Held(reason),
+            sent,
+            bits: if sent { message_bits } else { 0 },
+            status,
         }
     }
 }
@@ -70,11 +76,13 @@ pub enum Departure {
 }
 
 /// Why a sample was not used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum HoldReason {
     /// The time is infinite or not a number.
+    #[error("the time is not a finite number")]
     NonFiniteTime,
     /// The time is not later than that of the last usable sample.
+    #[error("the time {time_s} s is not later than the last sample's {last_s} s")]
     TimeNotIncreasing {
         /// Time of the last usable sample, s.
         last_s: f64,
@@ -82,6 +90,7 @@ pub enum HoldReason {
         time_s: f64,
     },
     /// A component of the measurement is infinite or not a number.
+    #[error("measurement component {component} is not a finite number")]
     NonFiniteMeasurement {
         /// Index of the first such component, counted from zero in the order the controller's
         /// measurement type documents.
@@ -89,34 +98,59 @@ pub enum HoldReason {
     },
     /// The measured quaternion is too far from unit length to be an attitude (see
     /// [`NORM_TOLERANCE`](crate::attitude::NORM_TOLERANCE)).
+    #[error("the measured quaternion has norm {norm}, not 1")]
     NotUnitQuaternion {
         /// Its norm.
         norm: f64,
     },
     /// The measurement is finite but so large that the law or the trigger overflows.
+    #[error("the measurement is too large to compute with")]
     Overflow,
 }
 
-impl fmt::Display for HoldReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFiniteTime => write!(f, "the time is not a finite number"),
-            Self::TimeNotIncreasing { last_s, time_s } => write!(
-                f,
-                "the time {time_s} s is not later than the last sample's {last_s} s"
-            ),
-            Self::NonFiniteMeasurement { component } => {
-                write!(
-                    f,
-                    "measurement component {component} is not a finite number"
-                )
-            }
-            Self::NotUnitQuaternion { norm } => {
-                write!(f, "the measured quaternion has norm {norm}, not 1")
-            }
-            Self::Overflow => write!(f, "the measurement is too large to compute with"),
+impl HoldReason {
+    /// Refuses measured values that are not finite; the first one is number `first` of the components.
+    pub(crate) fn check_finite<'a>(
+        first: usize,
+        values: impl IntoIterator<Item = &'a f64>,
+    ) -> Result<(), Self> {
+        match values.into_iter().position(|value| !value.is_finite()) {
+            Some(index) => Err(Self::NonFiniteMeasurement {
+                component: first + index,
+            }),
+            None => Ok(()),
         }
     }
 }
 
-impl core::error::Error for HoldReason {}
+/// Refuses times that are not finite or not later than the last accepted one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SampleClock {
+    last_s: Option<f64>,
+}
+
+impl SampleClock {
+    /// Interval since the last accepted sample in s; `None` at the first.
+    pub(crate) fn interval(&self, time_s: f64) -> Result<Option<f64>, HoldReason> {
+        if !time_s.is_finite() {
+            return Err(HoldReason::NonFiniteTime);
+        }
+        match self.last_s {
+            Some(last_s) if time_s <= last_s => {
+                Err(HoldReason::TimeNotIncreasing { last_s, time_s })
+            }
+            Some(last_s) => Ok(Some(time_s - last_s)),
+            None => Ok(None),
+        }
+    }
+
+    /// Time of the last accepted sample, s.
+    pub(crate) fn last_s(&self) -> Option<f64> {
+        self.last_s
+    }
+
+    /// Makes `time_s` the time of the last usable sample.
+    pub(crate) fn accept(&mut self, time_s: f64) {
+        self.last_s = Some(time_s);
+    }
+}

@@ -5,8 +5,10 @@
 
 use nalgebra::SVector;
 
-use crate::error::{require, AllowedRange, Element, Field, ParameterError};
+use crate::error::{AllowedRange, Element, Field, ParameterError};
 use crate::membership::Membership;
+
+pub use crate::membership::normalise;
 
 /// A fuzzy set over one state; numbers in that state's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,35 +56,40 @@ impl FuzzySet {
             let rising = points.iter().zip(points.iter().skip(1));
             finite && rising.into_iter().all(|(a, b)| a <= b) && points.first() < points.last()
         };
+        match (*self, self.corners()) {
+            (_, Some(corners)) => ordered(&corners),
+            (FuzzySet::Gaussian { centre, width }, _) => {
+                centre.is_finite() && width.is_finite() && width > 0.0
+            }
+            _ => true,
+        }
+    }
+
+    /// Where the grade leaves 0, reaches 1, leaves 1 and reaches 0, of a set with straight sides.
+    fn corners(&self) -> Option<[f64; 4]> {
         match *self {
-            FuzzySet::Any | FuzzySet::Never => true,
-            FuzzySet::Triangular { left, peak, right } => ordered(&[left, peak, right]),
+            FuzzySet::Triangular { left, peak, right } => Some([left, peak, peak, right]),
             FuzzySet::Trapezoidal {
                 left,
                 left_top,
                 right_top,
                 right,
-            } => ordered(&[left, left_top, right_top, right]),
-            FuzzySet::Gaussian { centre, width } => {
-                centre.is_finite() && width.is_finite() && width > 0.0
-            }
+            } => Some([left, left_top, right_top, right]),
+            _ => None,
         }
     }
 
     /// What an invalid set is refused with.
     fn refusal(&self, field: Field) -> ParameterError {
-        let (lower, upper) = match *self {
-            FuzzySet::Gaussian { width, .. } => {
-                return ParameterError::OutOfRange {
-                    field,
-                    value: width,
-                    allowed: AllowedRange::POSITIVE,
-                };
-            }
-            FuzzySet::Triangular { left, right, .. }
-            | FuzzySet::Trapezoidal { left, right, .. } => (left, right),
-            FuzzySet::Any | FuzzySet::Never => (f64::NEG_INFINITY, f64::INFINITY),
-        };
+        if let FuzzySet::Gaussian { width, .. } = *self {
+            return ParameterError::OutOfRange {
+                field,
+                value: width,
+                allowed: AllowedRange::POSITIVE,
+            };
+        }
+        let everything = [f64::NEG_INFINITY, 0.0, 0.0, f64::INFINITY];
+        let [lower, .., upper] = self.corners().unwrap_or(everything);
         ParameterError::EmptyInterval {
             field,
             lower,
@@ -93,27 +100,19 @@ impl FuzzySet {
     /// The grade of a value as `factor exp(-exponent)`, `0 <= factor <= 1`, `exponent >= 0`. A sum of
     /// exponents stays meaningful where the product of the grades underflows.
     pub fn grade(&self, value: f64) -> (f64, f64) {
-        match *self {
-            FuzzySet::Any => (1.0, 0.0),
-            FuzzySet::Never => (0.0, 0.0),
-            FuzzySet::Triangular { left, peak, right } => {
-                (trapezoid(value, left, peak, peak, right), 0.0)
-            }
-            FuzzySet::Trapezoidal {
-                left,
-                left_top,
-                right_top,
-                right,
-            } => (trapezoid(value, left, left_top, right_top, right), 0.0),
-            FuzzySet::Gaussian { centre, width } => {
+        match (*self, self.corners()) {
+            (_, Some(corners)) => (trapezoid(value, corners), 0.0),
+            (FuzzySet::Gaussian { centre, width }, _) => {
                 let offset = (value - centre) / width;
                 (1.0, 0.5 * offset * offset)
             }
+            (FuzzySet::Never, _) => (0.0, 0.0),
+            _ => (1.0, 0.0),
         }
     }
 }
 
-fn trapezoid(value: f64, left: f64, left_top: f64, right_top: f64, right: f64) -> f64 {
+fn trapezoid(value: f64, [left, left_top, right_top, right]: [f64; 4]) -> f64 {
     if left_top <= value && value <= right_top {
         1.0
     } else if left < value && value < left_top {
@@ -123,30 +122,6 @@ fn trapezoid(value: f64, left: f64, left_top: f64, right_top: f64, right: f64) -
     } else {
         0.0
     }
-}
-
-/// Turns the products of the rules' factors (in `weights`) and the sums of their exponents into
-/// weights with sum 1. `false`, and equal weights, when every rule's grade is 0 or a number is not
-/// finite.
-pub fn normalise(weights: &mut [f64], exponents: &[f64]) -> bool {
-    let used = weights
-        .iter()
-        .zip(exponents)
-        .filter(|(&factor, _)| factor > 0.0);
-    let nearest = used.fold(f64::INFINITY, |least, (_, &exponent)| least.min(exponent));
-    let mut sum = 0.0;
-    if nearest.is_finite() {
-        for (weight, exponent) in weights.iter_mut().zip(exponents) {
-            *weight *= libm::exp(nearest - exponent);
-            sum += *weight;
-        }
-    }
-    let usable = sum > 0.0 && sum.is_finite();
-    let count = weights.len() as f64;
-    for weight in weights.iter_mut() {
-        *weight = if usable { *weight / sum } else { 1.0 / count };
-    }
-    usable
 }
 
 /// Local rules over an `N`-dimensional state, on the box `|x_k| <= bounds[k]`. Outside of it the
@@ -173,18 +148,13 @@ impl<const N: usize, const R: usize> LocalRules<N, R> {
                         row: 0,
                         column,
                     };
-                    let field = Field {
-                        name: "sets",
-                        element,
-                    };
-                    return Err(set.refusal(field));
+                    return Err(set.refusal(Field::at("sets", element)));
                 }
             }
         }
         for (index, bound) in bounds.iter().enumerate() {
             if *bound != f64::INFINITY {
-                let field = Field::component("bounds", index);
-                require(field, *bound, AllowedRange::POSITIVE)?;
+                AllowedRange::POSITIVE.check(Field::component("bounds", index), *bound)?;
             }
         }
         Ok(Self { sets, bounds })

@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector6};
 
-use crate::error::{require, require_finite, AllowedRange, Element, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// Membership functions of `R` rules over an `N`-dimensional state.
 ///
@@ -15,6 +15,30 @@ pub trait Membership<const N: usize, const R: usize> {
 
     /// True when the state is in the region on which the model is meant to hold.
     fn contains(&self, state: &SVector<f64, N>) -> bool;
+}
+
+/// Turns the products of the rules' factors (in `weights`) and the sums of their exponents into
+/// weights with sum 1. `false`, and equal weights, when every rule's grade is 0 or a number is not
+/// finite.
+pub fn normalise(weights: &mut [f64], exponents: &[f64]) -> bool {
+    let used = weights
+        .iter()
+        .zip(exponents)
+        .filter(|(&factor, _)| factor > 0.0);
+    let nearest = used.fold(f64::INFINITY, |least, (_, &exponent)| least.min(exponent));
+    let mut sum = 0.0;
+    if nearest.is_finite() {
+        for (weight, exponent) in weights.iter_mut().zip(exponents) {
+            *weight *= libm::exp(nearest - exponent);
+            sum += *weight;
+        }
+    }
+    let usable = sum > 0.0 && sum.is_finite();
+    let count = weights.len() as f64;
+    for weight in weights.iter_mut() {
+        *weight = if usable { *weight / sum } else { 1.0 / count };
+    }
+    usable
 }
 
 /// One rule that always counts fully, on an unbounded region.
@@ -52,12 +76,13 @@ impl<const V: usize, const R: usize> IntervalProduct<V, R> {
     pub fn new(lower: [f64; V], upper: [f64; V]) -> Result<Self, ParameterError> {
         const { assert!(R == 1 << V, "an interval product has 2^V vertices") };
         for (variable, (low, high)) in lower.iter().zip(&upper).enumerate() {
-            require_finite(Field::component("lower", variable), *low)?;
-            require_finite(Field::component("upper", variable), *high)?;
+            let field = |name| Field::component(name, variable);
+            AllowedRange::FINITE.check(field("lower"), *low)?;
+            AllowedRange::FINITE.check(field("upper"), *high)?;
             let width = high - low;
             if !(width > 0.0 && width.is_finite()) {
                 return Err(ParameterError::EmptyInterval {
-                    field: Field::component("lower", variable),
+                    field: field("lower"),
                     lower: *low,
                     upper: *high,
                 });
@@ -135,18 +160,8 @@ impl RigidBodyBox {
     /// # Errors
     /// A rate bound that is not finite and positive; `scalar_min` outside of `[0, 1)`.
     pub fn new(rate_bound_rad_s: [f64; 3], scalar_min: f64) -> Result<Self, ParameterError> {
-        for (axis, bound) in rate_bound_rad_s.iter().enumerate() {
-            require(
-                Field::component("rate_bound_rad_s", axis),
-                *bound,
-                AllowedRange::POSITIVE,
-            )?;
-        }
-        require(
-            Field::scalar("scalar_min"),
-            scalar_min,
-            AllowedRange::half_open(0.0, 1.0),
-        )?;
+        AllowedRange::POSITIVE.check_vector("rate_bound_rad_s", &rate_bound_rad_s.into())?;
+        AllowedRange::half_open(0.0, 1.0).check_scalar("scalar_min", scalar_min)?;
         let [w1, w2, w3] = rate_bound_rad_s;
         let vertices = IntervalProduct::new([-w1, -w2, -w3, scalar_min], [w1, w2, w3, 1.0])?;
         Ok(Self { vertices })
@@ -223,29 +238,8 @@ impl<const N: usize, const R: usize> GaussianRules<N, R> {
         widths: SVector<f64, N>,
     ) -> Result<Self, ParameterError> {
         const { assert!(R >= 1, "a fuzzy model has at least one rule") };
-        for (rule, centre) in centres.iter().enumerate() {
-            for (row, value) in centre.iter().enumerate() {
-                let element = Element::RuleEntry {
-                    rule,
-                    row,
-                    column: 0,
-                };
-                require_finite(
-                    Field {
-                        name: "centres",
-                        element,
-                    },
-                    *value,
-                )?;
-            }
-        }
-        for (index, width) in widths.iter().enumerate() {
-            require(
-                Field::component("widths", index),
-                *width,
-                AllowedRange::POSITIVE,
-            )?;
-        }
+        AllowedRange::FINITE.check_rules("centres", &centres)?;
+        AllowedRange::POSITIVE.check_vector("widths", &widths)?;
         Ok(Self { centres, widths })
     }
 }
@@ -254,24 +248,12 @@ impl<const N: usize, const R: usize> Membership<N, R> for GaussianRules<N, R> {
     /// Weights relative to the nearest rule, so that they stay defined far from every centre; equal
     /// weights where even the distance overflows.
     fn weights(&self, state: &SVector<f64, N>) -> [f64; R] {
-        let mut weights = [0.0; R];
-        let mut nearest = f64::INFINITY;
-        for (weight, centre) in weights.iter_mut().zip(&self.centres) {
+        let exponents = self.centres.map(|centre| {
             let offset = (state - centre).component_div(&self.widths);
-            *weight = offset.dot(&offset);
-            nearest = nearest.min(*weight);
-        }
-        if !nearest.is_finite() {
-            return [1.0 / R as f64; R];
-        }
-        let mut sum = 0.0;
-        for weight in &mut weights {
-            *weight = libm::exp(0.5 * (nearest - *weight));
-            sum += *weight;
-        }
-        for weight in &mut weights {
-            *weight /= sum;
-        }
+            0.5 * offset.dot(&offset)
+        });
+        let mut weights = [1.0; R];
+        normalise(&mut weights, &exponents);
         weights
     }
 

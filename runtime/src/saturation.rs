@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Symmetric limits on each of `M` actuated axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,13 +16,7 @@ impl<const M: usize> Saturation<M> {
     /// # Errors
     /// A limit that is not finite or not positive.
     pub fn new(limit: SVector<f64, M>) -> Result<Self, ParameterError> {
-        for (axis, value) in limit.iter().enumerate() {
-            require(
-                Field::component("torque_limit", axis),
-                *value,
-                AllowedRange::POSITIVE,
-            )?;
-        }
+        AllowedRange::POSITIVE.check_vector("torque_limit", &limit)?;
         Ok(Self { limit })
     }
 

@@ -4,11 +4,9 @@ use core::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
-use crate::matrix_check::require_positive_definite;
+use crate::error::{require_positive_definite, AllowedRange, Field, ParameterError};
 
-/// Largest difference between mirrored entries of a trigger weight, relative to its largest entry.
-pub const SYMMETRY_TOLERANCE: f64 = crate::matrix_check::SYMMETRY_TOLERANCE;
+pub use crate::error::SYMMETRY_TOLERANCE;
 
 /// Adaptation of the threshold at every trigger, Xu and Huang 2020, below (10): with d the norm of
 /// the step from the last sent state to the new one, the threshold is multiplied by
@@ -26,9 +24,9 @@ pub struct Adaptation {
 impl Adaptation {
     fn check(&self) -> Result<(), ParameterError> {
         let allowed = AllowedRange::NON_NEGATIVE;
-        require(Field::scalar("amplitude"), self.amplitude, allowed)?;
-        require(Field::scalar("slope"), self.slope, allowed)?;
-        require(Field::scalar("dead_band"), self.dead_band, allowed)
+        allowed.check_scalar("amplitude", self.amplitude)?;
+        allowed.check_scalar("slope", self.slope)?;
+        allowed.check_scalar("dead_band", self.dead_band)
     }
 
     fn factor(&self, step: f64) -> f64 {
@@ -71,71 +69,62 @@ impl ThresholdUpdate {
     /// Largest threshold this update can reach; `None` when there is no bound, and therefore no
     /// certificate.
     pub fn certifiable_maximum(&self) -> Option<f64> {
+        let (_, _, maximum) = self.parts();
+        maximum
+    }
+
+    /// Rule of change, if any, smallest and first threshold, and largest one, if any.
+    fn parts(&self) -> (Option<Adaptation>, f64, Option<f64>) {
         match *self {
-            Self::Fixed { threshold } => Some(threshold),
-            Self::Clamped { maximum, .. } => Some(maximum),
-            Self::UnclampedAsPublished { .. } => None,
+            Self::Fixed { threshold } => (None, threshold, Some(threshold)),
+            Self::Clamped {
+                adaptation,
+                minimum,
+                maximum,
+            } => (Some(adaptation), minimum, Some(maximum)),
+            Self::UnclampedAsPublished {
+                adaptation,
+                minimum,
+            } => (Some(adaptation), minimum, None),
         }
     }
 
     /// Threshold before the first update.
     pub fn initial(&self) -> f64 {
-        match *self {
-            Self::Fixed { threshold } => threshold,
-            Self::Clamped { minimum, .. } | Self::UnclampedAsPublished { minimum, .. } => minimum,
-        }
+        let (_, first, _) = self.parts();
+        first
     }
 
     /// Threshold after a trigger at which the sent state moved by `step` (Euclidean norm). It stays
     /// finite: the unclamped update ends at the largest representable number.
     pub fn next(&self, threshold: f64, step: f64) -> f64 {
-        match *self {
-            Self::Fixed { threshold } => threshold,
-            Self::Clamped {
-                adaptation,
-                minimum,
-                maximum,
-            } => (threshold * adaptation.factor(step))
+        match self.parts() {
+            (None, fixed, _) => fixed,
+            (Some(adaptation), minimum, maximum) => (threshold * adaptation.factor(step))
                 .max(minimum)
-                .min(maximum),
-            Self::UnclampedAsPublished {
-                adaptation,
-                minimum,
-            } => (threshold * adaptation.factor(step))
-                .max(minimum)
-                .min(f64::MAX),
+                .min(maximum.unwrap_or(f64::MAX)),
         }
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         let allowed = AllowedRange::half_open(0.0, 1.0);
-        match *self {
-            Self::Fixed { threshold } => require(Field::scalar("threshold"), threshold, allowed),
-            Self::Clamped {
-                adaptation,
-                minimum,
-                maximum,
-            } => {
-                adaptation.check()?;
-                require(Field::scalar("minimum"), minimum, allowed)?;
-                require(Field::scalar("maximum"), maximum, allowed)?;
-                if minimum <= maximum {
-                    Ok(())
-                } else {
-                    Err(ParameterError::EmptyInterval {
-                        field: Field::scalar("minimum"),
-                        lower: minimum,
-                        upper: maximum,
-                    })
-                }
-            }
-            Self::UnclampedAsPublished {
-                adaptation,
-                minimum,
-            } => {
-                adaptation.check()?;
-                require(Field::scalar("minimum"), minimum, allowed)
-            }
+        let (Some(adaptation), minimum, maximum) = self.parts() else {
+            return allowed.check_scalar("threshold", self.initial());
+        };
+        adaptation.check()?;
+        allowed.check_scalar("minimum", minimum)?;
+        let Some(maximum) = maximum else {
+            return Ok(());
+        };
+        allowed.check_scalar("maximum", maximum)?;
+        if minimum <= maximum {
+            Ok(())
+        } else {
+            Err(ParameterError::EmptyInterval {
+                field: Field::scalar("minimum"),
+                lower: minimum,
+                upper: maximum,
+            })
         }
     }
 }
@@ -169,7 +158,7 @@ impl<const N: usize> AperiodicTrigger<N> {
         weight: SMatrix<f64, N, N>,
         update: ThresholdUpdate,
     ) -> Result<Self, ParameterError> {
-        require_positive_definite(WEIGHT, &weight)?;
+        require_positive_definite("trigger_weight", &weight)?;
         update.check()?;
         Ok(Self {
             weight,
@@ -233,5 +222,3 @@ impl<const N: usize> AperiodicTrigger<N> {
         value.is_finite().then_some(value)
     }
 }
-
-const WEIGHT: &str = "trigger_weight";

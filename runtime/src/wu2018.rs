@@ -4,9 +4,8 @@
 use nalgebra::Vector3;
 
 use crate::attitude::{AttitudeMeasurement, SignHysteresis};
-use crate::command::{Command, HoldReason, Status, BYTES_PER_NUMBER};
-use crate::error::{require, AllowedRange, Field, ParameterError};
-use crate::sample_clock::SampleClock;
+use crate::command::{Command, HoldReason, SampleClock, Status, BYTES_PER_NUMBER};
+use crate::error::{AllowedRange, ParameterError};
 use crate::saturation::Saturation;
 
 /// Bytes of one message: the filtered error and the torque, three numbers each (the paper's section
@@ -36,7 +35,7 @@ impl Gains {
         damping_ratio: f64,
         settling_time_s: f64,
     ) -> Result<Self, ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         positive("largest_inertia_kg_m2", largest_inertia_kg_m2)?;
         positive("damping_ratio", damping_ratio)?;
         positive("settling_time_s", settling_time_s)?;
@@ -109,7 +108,7 @@ impl Controller {
     /// # Errors
     /// The first parameter that is not finite or out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         positive("error_gain", parameters.gains.error_gain)?;
         positive("attitude_weight", parameters.gains.attitude_weight)?;
         if let TriggerRule::Relative {
@@ -117,8 +116,7 @@ impl Controller {
             absolute_rad_s,
         } = parameters.trigger
         {
-            let allowed = AllowedRange::open(0.0, 1.0);
-            require(Field::scalar("relative"), relative, allowed)?;
+            AllowedRange::open(0.0, 1.0).check_scalar("relative", relative)?;
             positive("absolute_rad_s", absolute_rad_s)?;
         }
         let sign = match parameters.unwinding {
@@ -139,22 +137,15 @@ impl Controller {
     /// Takes the measurement at `time_s` seconds. The first usable one is always sent; later ones
     /// when the trigger fires. In between the torque is constant.
     pub fn step(&mut self, time_s: f64, measurement: &AttitudeMeasurement) -> Command<3> {
-        match self.advance(time_s, measurement) {
-            Ok(sent) => Command {
-                torque: self.torque,
-                sent,
-                bits: if sent { 8 * MESSAGE_BYTES } else { 0 },
-                status: Status::Nominal,
-            },
-            Err(reason) => Command::held(self.torque, reason),
-        }
+        let outcome = self.advance(time_s, measurement);
+        Command::of_step(self.torque, 8 * MESSAGE_BYTES, outcome)
     }
 
     fn advance(
         &mut self,
         time_s: f64,
         measurement: &AttitudeMeasurement,
-    ) -> Result<bool, HoldReason> {
+    ) -> Result<(bool, Status), HoldReason> {
         self.clock.interval(time_s)?;
         measurement.check()?;
         let mut sign = self.sign;
@@ -169,7 +160,7 @@ impl Controller {
             self.torque = self.saturation.saturate(&(error * -self.gains.error_gain));
             self.sent = Some(error);
         }
-        Ok(sent)
+        Ok((sent, Status::Nominal))
     }
 
     /// The filtered error s of (5), rad/s.

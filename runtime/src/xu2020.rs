@@ -3,10 +3,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::command::{Command, Departure, HoldReason, Status, BYTES_PER_NUMBER};
-use crate::error::{require, require_finite, AllowedRange, Element, Field, ParameterError};
+use crate::command::{Command, Departure, HoldReason, SampleClock, Status, BYTES_PER_NUMBER};
+use crate::error::{AllowedRange, ParameterError};
 use crate::membership::Membership;
-use crate::sample_clock::SampleClock;
 use crate::saturation::Saturation;
 use crate::trigger::{AperiodicTrigger, ThresholdUpdate};
 
@@ -52,20 +51,7 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> FuzzyL
         torque_limit: SVector<f64, M>,
     ) -> Result<Self, ParameterError> {
         const { assert!(R >= 1, "a fuzzy controller has at least one rule") };
-        for (rule, gain) in gains.iter().enumerate() {
-            for (column, values) in gain.data.0.iter().enumerate() {
-                for (row, value) in values.iter().enumerate() {
-                    let element = Element::RuleEntry { rule, row, column };
-                    require_finite(
-                        Field {
-                            name: "gains",
-                            element,
-                        },
-                        *value,
-                    )?;
-                }
-            }
-        }
+        AllowedRange::FINITE.check_rules("gains", &gains)?;
         Ok(Self {
             gains,
             membership,
@@ -118,11 +104,7 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
     /// The first parameter that is not finite or out of its range.
     pub fn new(parameters: Parameters<S, N, M, R>) -> Result<Self, ParameterError> {
         if let Some(interval) = parameters.longest_interval_s {
-            require(
-                Field::scalar("longest_interval_s"),
-                interval,
-                AllowedRange::POSITIVE,
-            )?;
+            AllowedRange::POSITIVE.check_scalar("longest_interval_s", interval)?;
         }
         Ok(Self {
             law: FuzzyLaw::new(
@@ -140,15 +122,8 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
     /// Takes the sample of the state (N components) at `time_s` seconds. The first usable sample is
     /// always sent; later ones when the trigger fires. In between the torque is constant.
     pub fn step(&mut self, time_s: f64, state: &SVector<f64, N>) -> Command<M> {
-        match self.advance(time_s, state) {
-            Ok((sent, status)) => Command {
-                torque: self.torque,
-                sent,
-                bits: if sent { 8 * Self::MESSAGE_BYTES } else { 0 },
-                status,
-            },
-            Err(reason) => Command::held(self.torque, reason),
-        }
+        let outcome = self.advance(time_s, state);
+        Command::of_step(self.torque, 8 * Self::MESSAGE_BYTES, outcome)
     }
 
     fn advance(
@@ -157,9 +132,7 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
         state: &SVector<f64, N>,
     ) -> Result<(bool, Status), HoldReason> {
         let interval_s = self.clock.interval(time_s)?;
-        if let Some(component) = state.iter().position(|value| !value.is_finite()) {
-            return Err(HoldReason::NonFiniteMeasurement { component });
-        }
+        HoldReason::check_finite(0, state.iter())?;
         let sent = self.trigger.fires(state).ok_or(HoldReason::Overflow)?;
         if sent {
             self.torque = self.law.torque(state).ok_or(HoldReason::Overflow)?;

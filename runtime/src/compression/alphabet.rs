@@ -1,7 +1,7 @@
 //! The z-ary words of Yang et al. 2025, (22).
 
 use super::word::Word;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// Most words of an alphabet, z^m: 2^24. Its words are shorter than a resynchronisation word, from
 /// which they differ by their length.
@@ -25,33 +25,20 @@ impl Alphabet {
     /// Numbers that are not so.
     pub fn new(radix: u32, digits: u32) -> Result<Self, ParameterError> {
         let most = f64::from(MOST_WORDS);
-        require(
-            Field::scalar("radix"),
-            f64::from(radix),
-            AllowedRange::closed(2.0, most),
-        )?;
+        AllowedRange::closed(2.0, most).check_scalar("radix", f64::from(radix))?;
         if radix % 2 != 0 {
             return Err(ParameterError::NotEven {
                 field: Field::scalar("radix"),
                 value: radix,
             });
         }
-        let words = radix.checked_pow(digits).filter(|&w| w <= MOST_WORDS);
-        match words {
-            Some(words) if digits >= 1 => Ok(Self {
-                radix,
-                digits,
-                words,
-            }),
-            _ => Err(ParameterError::OutOfRange {
-                field: Field::scalar("digits"),
-                value: f64::from(digits),
-                allowed: AllowedRange::closed(
-                    1.0,
-                    libm::floor(libm::log2(most) / libm::log2(f64::from(radix)) + 1e-9),
-                ),
-            }),
-        }
+        let longest = libm::floor(libm::log2(most) / libm::log2(f64::from(radix)) + 1e-9);
+        AllowedRange::closed(1.0, longest).check_scalar("digits", f64::from(digits))?;
+        Ok(Self {
+            radix,
+            digits,
+            words: radix.saturating_pow(digits),
+        })
     }
 
     /// z.

@@ -4,7 +4,7 @@ use super::alphabet::Alphabet;
 use super::levels::Levels;
 use super::number::{NumberFormat, Refusal};
 use super::word::Word;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// How a compressed axis is resynchronised: the number held, in single precision.
 pub const RESYNCHRONISATION: NumberFormat = NumberFormat::Single;
@@ -77,12 +77,12 @@ impl<const L: usize> AxisParameters<L> {
     /// Checks the parameters of the axis with this number, which an error carries.
     pub(super) fn check(&self, axis: usize) -> Result<(), ParameterError> {
         let field = |name| Field::component(name, axis);
-        require(field("limit"), self.limit, AllowedRange::POSITIVE)?;
+        AllowedRange::POSITIVE.check(field("limit"), self.limit)?;
         let step = AllowedRange::left_open(0.0, 2.0 * self.limit);
         match &self.scheme {
             Scheme::EveryChange { format } => format.check(axis),
             Scheme::FixedThreshold { threshold, format } => {
-                require(field("threshold"), *threshold, step)?;
+                step.check(field("threshold"), *threshold)?;
                 format.check(axis)
             }
             Scheme::RelativeThreshold {
@@ -90,9 +90,8 @@ impl<const L: usize> AxisParameters<L> {
                 absolute,
                 format,
             } => {
-                let share = AllowedRange::half_open(0.0, 1.0);
-                require(field("relative"), *relative, share)?;
-                require(field("absolute"), *absolute, step)?;
+                AllowedRange::half_open(0.0, 1.0).check(field("relative"), *relative)?;
+                step.check(field("absolute"), *absolute)?;
                 format.check(axis)
             }
             Scheme::Compressed { alphabet, levels } => {
@@ -102,15 +101,27 @@ impl<const L: usize> AxisParameters<L> {
     }
 }
 
-/// The actuator's end of one axis. It holds zero until a word arrives.
+/// What the encoder of one axis made of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisDecoder<const L: usize> {
+pub struct AxisOutput {
+    /// The number held from now on, N m.
+    pub held: f64,
+    /// The word to send, if any.
+    pub word: Option<Word>,
+    /// The level of the step that was made, for [`Scheme::Compressed`] only.
+    pub level: Option<u32>,
+}
+
+/// One end of one axis. The controller's end encodes commands and receives its own words, the actuator's end receives
+/// those that arrive: both hold the same number, zero until the first word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisEnd<const L: usize> {
     parameters: AxisParameters<L>,
     held: f64,
 }
 
-impl<const L: usize> AxisDecoder<L> {
-    /// The decoder of one axis.
+impl<const L: usize> AxisEnd<L> {
+    /// One end of an axis.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
@@ -158,69 +169,20 @@ impl<const L: usize> AxisDecoder<L> {
         Ok(self.held)
     }
 
-    /// Back to zero.
-    pub fn reset(&mut self) {
-        self.held = 0.0;
-    }
-}
-
-/// What the encoder of one axis made of a command.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisOutput {
-    /// The number held from now on, N m.
-    pub held: f64,
-    /// The word to send, if any.
-    pub word: Option<Word>,
-    /// The level of the step that was made, for [`Scheme::Compressed`] only.
-    pub level: Option<u32>,
-}
-
-/// The controller's end of one axis. It holds zero until its first word.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisEncoder<const L: usize> {
-    mirror: AxisDecoder<L>,
-}
-
-impl<const L: usize> AxisEncoder<L> {
-    /// The encoder of one axis.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range.
-    pub fn new(parameters: AxisParameters<L>) -> Result<Self, ParameterError> {
-        AxisDecoder::new(parameters).map(|mirror| Self { mirror })
-    }
-
-    pub(super) const fn with_checked(parameters: AxisParameters<L>) -> Self {
-        Self {
-            mirror: AxisDecoder::with_checked(parameters),
-        }
-    }
-
-    /// The number held, N m: that of a decoder that received every word.
-    pub const fn held(&self) -> f64 {
-        self.mirror.held
-    }
-
     /// Takes the command u of one sample, N m. A command that is not a number changes nothing.
     pub fn encode(&mut self, command: f64) -> AxisOutput {
-        let limit = self.mirror.parameters.limit;
-        let step = if command.is_nan() {
-            None
-        } else {
-            self.step(command.max(-limit).min(limit))
-        };
-        let (word, level) = match step {
-            Some((word, level)) => (Some(word), level),
-            None => (None, None),
-        };
+        let limit = self.parameters.limit;
+        let usable = Some(command).filter(|command| !command.is_nan());
+        let step = usable.and_then(|command| self.step(command.max(-limit).min(limit)));
+        let (word, level) = step.unzip();
         if let Some(word) = &word {
             // The encoder's own words are never refused.
-            let _ = self.mirror.receive(word);
+            let _ = self.receive(word);
         }
         AxisOutput {
-            held: self.mirror.held,
+            held: self.held,
             word,
-            level,
+            level: level.flatten(),
         }
     }
 
@@ -228,12 +190,12 @@ impl<const L: usize> AxisEncoder<L> {
     /// it agree. It takes the place of the word of a step.
     pub fn encode_and_resynchronise(&mut self, command: f64) -> AxisOutput {
         let output = self.encode(command);
-        let format = self.mirror.parameters.scheme.resynchronisation();
-        let word = format.encode(self.mirror.held, self.mirror.parameters.limit);
+        let format = self.parameters.scheme.resynchronisation();
+        let word = format.encode(self.held, self.parameters.limit);
         // Both ends hold the number as the word has it.
-        let _ = self.mirror.receive(&word);
+        let _ = self.receive(&word);
         AxisOutput {
-            held: self.mirror.held,
+            held: self.held,
             word: Some(word),
             ..output
         }
@@ -241,13 +203,13 @@ impl<const L: usize> AxisEncoder<L> {
 
     /// Back to zero.
     pub fn reset(&mut self) {
-        self.mirror.reset();
+        self.held = 0.0;
     }
 
     /// The word to send for a command within the limit, and its level.
     fn step(&self, command: f64) -> Option<(Word, Option<u32>)> {
-        let AxisParameters { limit, scheme } = &self.mirror.parameters;
-        let distance = (command - self.mirror.held).abs();
+        let AxisParameters { limit, scheme } = &self.parameters;
+        let distance = (command - self.held).abs();
         let (threshold, format) = match scheme {
             Scheme::EveryChange { format } => (0.0, format),
             Scheme::FixedThreshold { threshold, format } => (*threshold, format),
@@ -259,7 +221,7 @@ impl<const L: usize> AxisEncoder<L> {
             Scheme::Compressed { alphabet, levels } => {
                 let level = levels.level(command.abs(), *limit);
                 let fires = distance >= levels.threshold(level)?;
-                let down = command < self.mirror.held;
+                let down = command < self.held;
                 let word = alphabet.word(level, down).filter(|_| fires)?;
                 return Some((word, Some(level)));
             }
@@ -269,7 +231,7 @@ impl<const L: usize> AxisEncoder<L> {
         }
         // A coarse number may not get any closer: then there is nothing to say.
         let word = format.encode(command, *limit);
-        let changes = format.decode(&word, *limit) != Ok(self.mirror.held);
+        let changes = format.decode(&word, *limit) != Ok(self.held);
         changes.then_some((word, None))
     }
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::SVector;
 
-use super::axis::{AxisDecoder, AxisEncoder, AxisParameters};
+use super::axis::{AxisEnd, AxisParameters};
 use super::word::Word;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Share of a resynchronisation period by which a sample may be early, so that rounding of the
 /// sampling instants does not delay the word by a sample.
@@ -23,8 +23,7 @@ pub struct Parameters<const M: usize, const L: usize> {
 impl<const M: usize, const L: usize> Parameters<M, L> {
     fn check(&self) -> Result<(), ParameterError> {
         if let Some(period) = self.resynchronisation_period_s {
-            let field = Field::scalar("resynchronisation_period_s");
-            require(field, period, AllowedRange::POSITIVE)?;
+            AllowedRange::POSITIVE.check_scalar("resynchronisation_period_s", period)?;
         }
         let mut axes = self.axes.iter().enumerate();
         axes.try_for_each(|(index, axis)| axis.check(index))
@@ -60,7 +59,7 @@ impl<const M: usize> Encoded<M> {
 /// The controller's end of the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder<const M: usize, const L: usize> {
-    axes: [AxisEncoder<L>; M],
+    axes: [AxisEnd<L>; M],
     period_s: Option<f64>,
     period_began_s: Option<f64>,
 }
@@ -73,7 +72,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
     pub fn new(parameters: &Parameters<M, L>) -> Result<Self, ParameterError> {
         parameters.check()?;
         Ok(Self {
-            axes: parameters.axes.map(AxisEncoder::with_checked),
+            axes: parameters.axes.map(AxisEnd::with_checked),
             period_s: parameters.resynchronisation_period_s,
             period_began_s: None,
         })
@@ -81,7 +80,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
 
     /// The numbers held, N m.
     pub fn held(&self) -> SVector<f64, M> {
-        collect(self.axes.iter().map(AxisEncoder::held))
+        SVector::from(self.axes.each_ref().map(AxisEnd::held))
     }
 
     /// Takes the commands of the sample at `time_s` seconds, N m.
@@ -109,7 +108,7 @@ impl<const M: usize, const L: usize> Encoder<M, L> {
 
     /// Back to the state before the first sample.
     pub fn reset(&mut self) {
-        self.axes.iter_mut().for_each(AxisEncoder::reset);
+        self.axes.iter_mut().for_each(AxisEnd::reset);
         self.period_began_s = None;
     }
 
@@ -142,7 +141,7 @@ pub struct Decoded<const M: usize> {
 /// The actuators' end of the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decoder<const M: usize, const L: usize> {
-    axes: [AxisDecoder<L>; M],
+    axes: [AxisEnd<L>; M],
 }
 
 impl<const M: usize, const L: usize> Decoder<M, L> {
@@ -153,13 +152,13 @@ impl<const M: usize, const L: usize> Decoder<M, L> {
     pub fn new(parameters: &Parameters<M, L>) -> Result<Self, ParameterError> {
         parameters.check()?;
         Ok(Self {
-            axes: parameters.axes.map(AxisDecoder::with_checked),
+            axes: parameters.axes.map(AxisEnd::with_checked),
         })
     }
 
     /// The numbers held, N m.
     pub fn held(&self) -> SVector<f64, M> {
-        collect(self.axes.iter().map(AxisDecoder::held))
+        SVector::from(self.axes.each_ref().map(AxisEnd::held))
     }
 
     /// Takes the words that have arrived, at most one for each axis. An axis whose word is refused
@@ -179,14 +178,6 @@ impl<const M: usize, const L: usize> Decoder<M, L> {
 
     /// Back to the state before the first word.
     pub fn reset(&mut self) {
-        self.axes.iter_mut().for_each(AxisDecoder::reset);
+        self.axes.iter_mut().for_each(AxisEnd::reset);
     }
-}
-
-fn collect<const M: usize>(values: impl Iterator<Item = f64>) -> SVector<f64, M> {
-    let mut collected = SVector::<f64, M>::zeros();
-    for (place, value) in collected.iter_mut().zip(values) {
-        *place = value;
-    }
-    collected
 }

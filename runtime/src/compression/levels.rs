@@ -1,6 +1,6 @@
 //! Which step belongs to which magnitude of the command: Yang et al. 2025, (21)-(22).
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// One interval of the command's magnitude and the step that belongs to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -103,23 +103,20 @@ impl<const L: usize> Levels<L> {
     /// Checks the levels of `axis` for its limit and the number of levels that a word can name.
     pub(super) fn check(&self, axis: usize, limit: f64, most: u32) -> Result<(), ParameterError> {
         let step = AllowedRange::left_open(0.0, 2.0 * limit);
-        let count = AllowedRange::closed(1.0, f64::from(most));
+        let count = |most, used| {
+            AllowedRange::closed(1.0, most).check(Field::component("level_count", axis), used)
+        };
         match self {
             Self::Table {
                 levels,
                 count: used,
             } => {
-                let most = count.upper.min(levels.len() as f64);
-                let count = AllowedRange::closed(1.0, most);
-                require(Field::component("level_count", axis), *used as f64, count)?;
+                count(f64::from(most).min(levels.len() as f64), *used as f64)?;
                 let mut lower = AllowedRange::closed(0.0, 0.0);
                 for (index, level) in levels.iter().take(*used).enumerate() {
-                    require(Field::entry("from", axis, index), level.from, lower)?;
-                    require(
-                        Field::entry("threshold", axis, index),
-                        level.threshold,
-                        step,
-                    )?;
+                    let field = |name| Field::entry(name, axis, index);
+                    lower.check(field("from"), level.from)?;
+                    step.check(field("threshold"), level.threshold)?;
                     lower = AllowedRange::open(level.from, limit);
                 }
                 Ok(())
@@ -129,12 +126,10 @@ impl<const L: usize> Levels<L> {
                 smallest_threshold,
                 largest_threshold,
             } => {
-                let given = f64::from(*used);
-                require(Field::component("level_count", axis), given, count)?;
-                let smallest = Field::component("smallest_threshold", axis);
-                require(smallest, *smallest_threshold, step)?;
-                let largest = Field::component("largest_threshold", axis);
-                require(largest, *largest_threshold, step)
+                count(f64::from(most), f64::from(*used))?;
+                let field = |name| Field::component(name, axis);
+                step.check(field("smallest_threshold"), *smallest_threshold)?;
+                step.check(field("largest_threshold"), *largest_threshold)
             }
         }
     }

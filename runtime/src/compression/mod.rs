@@ -27,13 +27,11 @@ mod axis;
 mod codec;
 mod levels;
 mod number;
-mod packing;
 mod word;
 
 pub use alphabet::{Alphabet, MOST_WORDS};
-pub use axis::{AxisDecoder, AxisEncoder, AxisOutput, AxisParameters, Scheme, RESYNCHRONISATION};
+pub use axis::{AxisEnd, AxisOutput, AxisParameters, Scheme, RESYNCHRONISATION};
 pub use codec::{Decoded, Decoder, Encoded, Encoder, Parameters};
 pub use levels::{Level, Levels};
 pub use number::{NumberFormat, Refusal};
-pub use packing::{BitReader, BitWriter};
-pub use word::Word;
+pub use word::{BitReader, BitWriter, Word};

@@ -1,9 +1,9 @@
 //! Torques written as numbers, and words that are refused.
 
-use core::fmt;
+use thiserror::Error;
 
 use super::word::Word;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// How a torque is written into a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,38 +21,27 @@ pub enum NumberFormat {
 }
 
 /// Why a received word was not used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Refusal {
     /// No word of this scheme has this length.
+    #[error("no word has {bits} bits")]
     Length {
         /// Its length in bits.
         bits: u32,
     },
     /// No word of this scheme has this value.
+    #[error("no word has the value {value}")]
     Unknown {
         /// Its value.
         value: u64,
     },
     /// The number in it is not finite or beyond the limit.
+    #[error("the word says {torque} N m, beyond the limit")]
     OutOfLimits {
         /// The number, N m.
         torque: f64,
     },
 }
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length { bits } => write!(f, "no word has {bits} bits"),
-            Self::Unknown { value } => write!(f, "no word has the value {value}"),
-            Self::OutOfLimits { torque } => {
-                write!(f, "the word says {torque} N m, beyond the limit")
-            }
-        }
-    }
-}
-
-impl core::error::Error for Refusal {}
 
 impl NumberFormat {
     /// Bits of a word.
@@ -66,11 +55,8 @@ impl NumberFormat {
 
     pub(super) fn check(&self, axis: usize) -> Result<(), ParameterError> {
         match self {
-            Self::Quantised { bits } => require(
-                Field::component("bits", axis),
-                f64::from(*bits),
-                AllowedRange::closed(2.0, 32.0),
-            ),
+            Self::Quantised { bits } => AllowedRange::closed(2.0, 32.0)
+                .check(Field::component("bits", axis), f64::from(*bits)),
             Self::Single | Self::Double => Ok(()),
         }
     }

@@ -5,7 +5,7 @@ use core::f64::consts::LN_2;
 use nalgebra::Vector3;
 
 use crate::attitude::Quaternion;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// V1 = (k1 F1 / 2) ln cosh(eps'eps / F1), (5) and (13), of the error eps_i = q_i / rho_i.
 ///
@@ -48,7 +48,7 @@ impl Barrier {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         positive("barrier_gain_j", self.gain_j)?;
         positive("barrier_width", self.width)
     }

@@ -4,9 +4,8 @@ use nalgebra::Vector3;
 
 use super::{ControlLaw, Evaluation, Switching, TriggerRule};
 use crate::attitude::{AttitudeMeasurement, SignHysteresis};
-use crate::command::{Command, HoldReason, Status, BYTES_PER_NUMBER};
+use crate::command::{Command, HoldReason, SampleClock, Status, BYTES_PER_NUMBER};
 use crate::error::ParameterError;
-use crate::sample_clock::SampleClock;
 use crate::saturation::Saturation;
 
 /// Bytes of one message to the actuators: the torque from now on, three numbers, zero to turn off.
@@ -77,22 +76,15 @@ impl Controller {
     /// Takes the measurement at `time_s` seconds. [`Command::sent`] says whether the actuators are
     /// switched at this sample; in between the torque is constant.
     pub fn step(&mut self, time_s: f64, measurement: &AttitudeMeasurement) -> Command<3> {
-        match self.advance(time_s, measurement) {
-            Ok(sent) => Command {
-                torque: self.torque,
-                sent,
-                bits: if sent { 8 * MESSAGE_BYTES } else { 0 },
-                status: Status::Nominal,
-            },
-            Err(reason) => Command::held(self.torque, reason),
-        }
+        let outcome = self.advance(time_s, measurement);
+        Command::of_step(self.torque, 8 * MESSAGE_BYTES, outcome)
     }
 
     fn advance(
         &mut self,
         time_s: f64,
         measurement: &AttitudeMeasurement,
-    ) -> Result<bool, HoldReason> {
+    ) -> Result<(bool, Status), HoldReason> {
         self.clock.interval(time_s)?;
         let mut sign = self.sign;
         let now = self.evaluate_with(&mut sign, time_s, measurement)?;
@@ -112,7 +104,7 @@ impl Controller {
             self.on_since_s = Some(elapsed_s);
             self.count.on = self.count.on.saturating_add(1);
         }
-        Ok(switching.off || switching.on)
+        Ok((switching.off || switching.on, Status::Nominal))
     }
 
     fn switching(&self, elapsed_s: f64, wanted: &Vector3<f64>, now: &Evaluation) -> Switching {

@@ -4,8 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Barrier, PerformanceFunction, VirtualLaw};
 use crate::attitude::Quaternion;
-use crate::error::{require, AllowedRange, Field, ParameterError};
-use crate::matrix_check::require_positive_definite;
+use crate::error::{require_positive_definite, AllowedRange, ParameterError};
 
 /// The term D_m tanh(z2 / p) of (12) against a bounded disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,11 +95,10 @@ impl ControlLaw {
         self.performance.check()?;
         self.barrier.check()?;
         self.virtual_law.check()?;
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         positive("rate_gain", self.rate_gain)?;
-        let bound = Field::scalar("disturbance_bound_nm");
-        let allowed = AllowedRange::NON_NEGATIVE;
-        require(bound, self.disturbance.bound_nm, allowed)?;
+        let bound = self.disturbance.bound_nm;
+        AllowedRange::NON_NEGATIVE.check_scalar("disturbance_bound_nm", bound)?;
         positive("smoothing_rad_s", self.disturbance.smoothing_rad_s)
     }
 }

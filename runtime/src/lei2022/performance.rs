@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, Field, ParameterError};
 
 /// Performance function (3) of each axis. It falls from `initial` to `terminal` and is half way at
 /// `midpoint_s`. Widths are those of components of the vector part of the error quaternion,
@@ -44,15 +44,12 @@ impl PerformanceFunction {
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         for (axis, (&initial, &terminal)) in self.initial.iter().zip(&self.terminal).enumerate() {
-            let field = Field::component("initial", axis);
-            require(field, initial, AllowedRange::POSITIVE)?;
-            let field = Field::component("terminal", axis);
-            require(field, terminal, AllowedRange::open(0.0, initial))?;
+            let field = |name| Field::component(name, axis);
+            AllowedRange::POSITIVE.check(field("initial"), initial)?;
+            AllowedRange::open(0.0, initial).check(field("terminal"), terminal)?;
         }
-        let midpoint = Field::scalar("midpoint_s");
-        require(midpoint, self.midpoint_s, AllowedRange::NON_NEGATIVE)?;
-        let scale = Field::scalar("time_scale_s");
-        require(scale, self.time_scale_s, AllowedRange::POSITIVE)
+        AllowedRange::NON_NEGATIVE.check_scalar("midpoint_s", self.midpoint_s)?;
+        AllowedRange::POSITIVE.check_scalar("time_scale_s", self.time_scale_s)
     }
 }
 

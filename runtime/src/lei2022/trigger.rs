@@ -1,6 +1,6 @@
 //! The composite event trigger: when the actuators are turned off, (6), and on, (8).
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Share of the longest on-time by which turning off may come early, so that rounding of the sampling
 /// instants does not make it late by a whole sample.
@@ -91,11 +91,8 @@ impl CompositeTrigger {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
-        let below = |name, value, upper| {
-            let allowed = AllowedRange::open(0.0, upper);
-            require(Field::scalar(name), value, allowed)
-        };
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
+        let below = |name, value, upper| AllowedRange::open(0.0, upper).check_scalar(name, value);
         positive("held_error_initial", self.held_error_initial)?;
         positive("held_error_terminal", self.held_error_terminal)?;
         positive("longest_on_s", self.longest_on_s)?;
@@ -103,9 +100,8 @@ impl CompositeTrigger {
         let initial = self.envelope_initial_j;
         below("envelope_terminal_j", self.envelope_terminal_j, initial)?;
         positive("decay_rate_per_s", self.decay_rate_per_s)?;
-        let allowed = AllowedRange::half_open(0.0, 1.0);
-        let relative = Field::scalar("relative_buffer");
-        require(relative, self.relative_buffer, allowed)?;
+        let fraction = AllowedRange::half_open(0.0, 1.0);
+        fraction.check_scalar("relative_buffer", self.relative_buffer)?;
         let room = (1.0 - self.relative_buffer) * self.envelope_terminal_j;
         below("buffer_j", self.buffer_j, room)
     }

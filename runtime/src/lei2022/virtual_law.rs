@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::performance::squared_hyperbolic_secant;
 use crate::attitude::Quaternion;
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Virtual law (10) without an inverse: with r_i = rho_i tanh(gamma q_i / rho_i) and unit norm,
 /// alpha = -k_m M sgn(q0) (q0^2 r - q0 q x r + q (q'r)).
@@ -78,7 +78,7 @@ impl VirtualLaw {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         positive("virtual_gain", self.gain)?;
         positive("rate_scale_rad_s", self.rate_scale_rad_s)?;
         positive("slope", self.slope)

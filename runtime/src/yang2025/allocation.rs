@@ -2,8 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use crate::error::{Field, ParameterError};
-use crate::matrix_check::require_finite_entries;
+use crate::error::{AllowedRange, Field, ParameterError};
 use crate::saturation::Saturation;
 
 /// Name of the actuator matrix in errors.
@@ -28,7 +27,8 @@ impl<const M: usize> Allocation<M> {
     /// An entry that is not finite, a matrix that does not reach every axis, a limit that is not
     /// positive.
     pub fn new(matrix: SMatrix<f64, 3, M>, limit: SVector<f64, M>) -> Result<Self, ParameterError> {
-        require_finite_entries(MATRIX, &matrix)?;
+        let entry = |row, column| Field::entry(MATRIX, row, column);
+        AllowedRange::FINITE.check_entries(&matrix, entry)?;
         let square = matrix * matrix.transpose();
         let scale = square.trace() / 3.0;
         let determinant = square.determinant() / (scale * scale * scale);
@@ -40,7 +40,7 @@ impl<const M: usize> Allocation<M> {
                 saturation: Saturation::new(limit)?,
             }),
             _ => Err(ParameterError::RankDeficient {
-                field: Field::entry(MATRIX, 0, 0),
+                field: entry(0, 0),
                 determinant: if determinant.is_finite() {
                     determinant
                 } else {

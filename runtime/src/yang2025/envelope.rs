@@ -1,7 +1,7 @@
 //! The resilient envelope of one axis: (10) to (12).
 
 use super::performance::{Level, Performance, PerformanceFunction};
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// The adhesive terms (12): the envelope starts around the initial error, wherever that is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,14 +90,12 @@ impl Envelope {
     /// # Errors
     /// The first parameter that is not finite or out of its range.
     pub fn new(parameters: EnvelopeParameters) -> Result<Self, ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
-        let not_negative =
-            |name, value| require(Field::scalar(name), value, AllowedRange::NON_NEGATIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
+        let not_negative = |name, value| AllowedRange::NON_NEGATIVE.check_scalar(name, value);
         let performance = PerformanceFunction::new(parameters.performance)?;
         positive("shape", parameters.shape)?;
         if let Some(adhesion) = &parameters.adhesion {
-            let allowed = AllowedRange::half_open(1.0, f64::INFINITY);
-            require(Field::scalar("width"), adhesion.width, allowed)?;
+            AllowedRange::half_open(1.0, f64::INFINITY).check_scalar("width", adhesion.width)?;
             positive("exponent", adhesion.exponent)?;
             positive("span_s", adhesion.span_s)?;
         }

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Where the estimate comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub enum FaultEstimation {
 
 /// What the nominal model says about the time since the last sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
+pub struct SampleInterval {
     /// Length, s.
     pub seconds: f64,
     /// D0 u over the interval, N m.
@@ -53,7 +53,7 @@ impl FaultEstimator {
     /// # Errors
     /// A time constant or bandwidth that is not finite and positive.
     pub fn new(kind: FaultEstimation, inertia: Matrix3<f64>) -> Result<Self, ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         match kind {
             FaultEstimation::External => {}
             FaultEstimation::LowPass { time_constant_s } => {
@@ -83,7 +83,7 @@ impl FaultEstimator {
         &mut self,
         rate: &Vector3<f64>,
         given: Option<&Vector3<f64>>,
-        interval: Option<&Interval>,
+        interval: Option<&SampleInterval>,
     ) {
         let momentum = self.inertia * rate;
         match (self.kind, interval, &self.rate) {

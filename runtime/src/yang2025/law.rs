@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::envelope::{sign, Bounds};
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Closest the error counts to a bound, as a share of the envelope's width: at a bound (14) is
 /// infinite. An error outside counts as this close inside.
@@ -29,27 +29,13 @@ pub struct Gains {
 
 impl Gains {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let positive = |name, value| require(Field::scalar(name), value, AllowedRange::POSITIVE);
+        let positive = |name, value| AllowedRange::POSITIVE.check_scalar(name, value);
         positive("surface_gain", self.surface_gain)?;
-        let allowed = AllowedRange::open(1.0, 2.0);
-        require(
-            Field::scalar("surface_exponent"),
-            self.surface_exponent,
-            allowed,
-        )?;
+        AllowedRange::open(1.0, 2.0).check_scalar("surface_exponent", self.surface_exponent)?;
         positive("linear_gain", self.linear_gain)?;
         positive("power_gain", self.power_gain)?;
-        let allowed = AllowedRange::open(0.0, 1.0);
-        require(
-            Field::scalar("power_exponent"),
-            self.power_exponent,
-            allowed,
-        )?;
-        for (axis, &zone) in self.dead_zone_rad_s.iter().enumerate() {
-            let field = Field::component("dead_zone_rad_s", axis);
-            require(field, zone, AllowedRange::NON_NEGATIVE)?;
-        }
-        Ok(())
+        AllowedRange::open(0.0, 1.0).check_scalar("power_exponent", self.power_exponent)?;
+        AllowedRange::NON_NEGATIVE.check_vector("dead_zone_rad_s", &self.dead_zone_rad_s)
     }
 
     /// The vector part of the error quaternion at which an axis comes to rest when its envelope has

@@ -15,13 +15,11 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use self::allocation::Allocation;
 use self::envelope::{Bounds, Correction, Envelope, EnvelopeParameters};
-use self::fault::{FaultEstimation, FaultEstimator, Interval};
+use self::fault::{FaultEstimation, FaultEstimator, SampleInterval};
 use self::law::{Gains, Motion, TransformedError};
 use crate::attitude::{AttitudeMeasurement, Quaternion};
-use crate::command::{Command, HoldReason, Status, BITS_PER_NUMBER};
-use crate::error::ParameterError;
-use crate::matrix_check::require_positive_definite;
-use crate::sample_clock::SampleClock;
+use crate::command::{Command, HoldReason, SampleClock, Status, BITS_PER_NUMBER};
+use crate::error::{require_positive_definite, ParameterError};
 
 /// Bits of one message: a torque for each of `M` actuators.
 pub const fn message_bits<const M: usize>() -> usize {
@@ -82,25 +80,10 @@ impl<const M: usize> Measurement<M> {
         self.attitude.check()?;
         let desired = self.desired_rate_rad_s.iter();
         let known = desired.chain(self.desired_acceleration_rad_s2.iter());
-        let fault = self.fault_nm.iter().flat_map(|fault| fault.iter());
-        let held = self.held_nm.iter().flat_map(|held| held.iter());
-        let parts = [
-            (7, not_finite(known)),
-            (13, not_finite(fault)),
-            (16, not_finite(held)),
-        ];
-        for (first, index) in parts {
-            if let Some(index) = index {
-                let component = first + index;
-                return Err(HoldReason::NonFiniteMeasurement { component });
-            }
-        }
-        Ok(())
+        HoldReason::check_finite(7, known)?;
+        HoldReason::check_finite(13, self.fault_nm.iter().flat_map(|fault| fault.iter()))?;
+        HoldReason::check_finite(16, self.held_nm.iter().flat_map(|held| held.iter()))
     }
-}
-
-fn not_finite<'a>(mut values: impl Iterator<Item = &'a f64>) -> Option<usize> {
-    values.position(|value| !value.is_finite())
 }
 
 /// What the controller knew at its last usable sample.
@@ -200,29 +183,22 @@ impl<const M: usize> Controller<M> {
 
     /// Takes the measurement at `time_s` seconds. The envelope's time counts from the first usable one.
     pub fn step(&mut self, time_s: f64, measurement: &Measurement<M>) -> Command<M> {
-        match self.advance(time_s, measurement) {
-            Ok(torque) => Command {
-                torque,
-                sent: true,
-                bits: message_bits::<M>(),
-                status: Status::Nominal,
-            },
-            Err(reason) => Command::held(self.torque(), reason),
-        }
+        let outcome = self.advance(time_s, measurement);
+        Command::of_step(self.torque(), message_bits::<M>(), outcome)
     }
 
     fn advance(
         &mut self,
         time_s: f64,
         measurement: &Measurement<M>,
-    ) -> Result<SVector<f64, M>, HoldReason> {
+    ) -> Result<(bool, Status), HoldReason> {
         let seconds = self.clock.interval(time_s)?;
         measurement.check()?;
         let mut estimator = self.estimator;
         let mut memory = self.continued(time_s, measurement, seconds);
         let motion = motion(&memory.attitude, measurement);
         let held = measurement.held_nm.unwrap_or(memory.command);
-        let interval = seconds.map(|seconds| Interval {
+        let interval = seconds.map(|seconds| SampleInterval {
             seconds,
             torque: self.allocation.torque(&held),
         });
@@ -244,8 +220,8 @@ impl<const M: usize> Controller<M> {
             &fault,
         );
         let command = self.allocation.command(&torque);
-        let numbers = command.iter().chain(fault.iter()).chain(sliding.iter());
-        if not_finite(numbers).is_some() {
+        let mut numbers = command.iter().chain(fault.iter()).chain(sliding.iter());
+        if !numbers.all(|value| value.is_finite()) {
             return Err(HoldReason::Overflow);
         }
         memory.command = command;
@@ -254,7 +230,7 @@ impl<const M: usize> Controller<M> {
         self.estimator = estimator;
         self.memory = Some(memory);
         self.clock.accept(time_s);
-        Ok(command)
+        Ok((true, Status::Nominal))
     }
 
     /// The memory with the attitude of this sample and the corrections advanced to it.

@@ -2,22 +2,12 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::error::{require, AllowedRange, Field, ParameterError};
+use crate::error::{AllowedRange, ParameterError};
 
 /// Allowed values of the offset b in (8).
-const OFFSET: AllowedRange = AllowedRange {
-    lower: 1e-3,
-    lower_open: false,
-    upper: 50.0,
-    upper_open: false,
-};
+const OFFSET: AllowedRange = AllowedRange::closed(1e-3, 50.0);
 /// Allowed values of k t_f: below, (9) loses its digits; above, nothing of the hyperbolic term is left.
-const TURNS: AllowedRange = AllowedRange {
-    lower: 1e-2,
-    lower_open: false,
-    upper: 500.0,
-    upper_open: false,
-};
+const TURNS: AllowedRange = AllowedRange::closed(1e-2, 500.0);
 
 /// Parameters of a performance function. Levels have the unit of the error they bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,17 +51,15 @@ pub struct PerformanceFunction {
     initial: f64,
     settled: f64,
     rate: f64,
-    kind: Kind,
+    appointed: Option<Appointed>,
 }
 
+/// What (8) has beyond an exponential.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    AppointedTime {
-        coefficients: [f64; 4],
-        appointed_time_s: f64,
-        offset: f64,
-    },
-    Exponential,
+struct Appointed {
+    coefficients: [f64; 4],
+    time_s: f64,
+    offset: f64,
 }
 
 impl PerformanceFunction {
@@ -80,7 +68,7 @@ impl PerformanceFunction {
     /// # Errors
     /// The first parameter that is not finite or out of its range.
     pub fn new(performance: Performance) -> Result<Self, ParameterError> {
-        match performance {
+        let (initial, settled, rate, appointed) = match performance {
             Performance::AppointedTime {
                 initial_level,
                 final_level,
@@ -88,49 +76,39 @@ impl PerformanceFunction {
                 rate_per_s,
                 offset,
             } => {
-                check_levels(initial_level, final_level, rate_per_s)?;
-                let positive = AllowedRange::POSITIVE;
-                require(
-                    Field::scalar("appointed_time_s"),
-                    appointed_time_s,
-                    positive,
-                )?;
-                require(Field::scalar("offset"), offset, OFFSET)?;
-                let turns = rate_per_s * appointed_time_s;
-                require(Field::scalar("rate_per_s * appointed_time_s"), turns, TURNS)?;
-                Ok(Self {
-                    initial: initial_level,
-                    settled: final_level,
-                    rate: rate_per_s,
-                    kind: Kind::AppointedTime {
-                        coefficients: coefficients(initial_level, final_level, turns, offset),
-                        appointed_time_s,
-                        offset,
-                    },
-                })
+                let appointed = Some((appointed_time_s, offset));
+                (initial_level, final_level, rate_per_s, appointed)
             }
             Performance::Exponential {
                 initial_level,
                 final_level,
                 rate_per_s,
-            } => {
-                check_levels(initial_level, final_level, rate_per_s)?;
-                Ok(Self {
-                    initial: initial_level,
-                    settled: final_level,
-                    rate: rate_per_s,
-                    kind: Kind::Exponential,
-                })
-            }
+            } => (initial_level, final_level, rate_per_s, None),
+        };
+        let positive = AllowedRange::POSITIVE;
+        positive.check_scalar("final_level", settled)?;
+        AllowedRange::open(settled, f64::INFINITY).check_scalar("initial_level", initial)?;
+        positive.check_scalar("rate_per_s", rate)?;
+        if let Some((time_s, offset)) = appointed {
+            positive.check_scalar("appointed_time_s", time_s)?;
+            OFFSET.check_scalar("offset", offset)?;
+            TURNS.check_scalar("rate_per_s * appointed_time_s", rate * time_s)?;
         }
+        Ok(Self {
+            initial,
+            settled,
+            rate,
+            appointed: appointed.map(|(time_s, offset)| Appointed {
+                coefficients: coefficients(initial, settled, rate * time_s, offset),
+                time_s,
+                offset,
+            }),
+        })
     }
 
     /// The coefficients z1 to z4 of (8); `None` for an exponential.
     pub fn coefficients(&self) -> Option<&[f64; 4]> {
-        match &self.kind {
-            Kind::AppointedTime { coefficients, .. } => Some(coefficients),
-            Kind::Exponential => None,
-        }
+        self.appointed.as_ref().map(|known| &known.coefficients)
     }
 
     /// rho at time zero.
@@ -145,21 +123,16 @@ impl PerformanceFunction {
 
     /// rho(t) and its slope, `time_s` seconds after the start.
     pub fn at(&self, time_s: f64) -> Level {
-        match &self.kind {
-            Kind::AppointedTime {
-                appointed_time_s, ..
-            } if time_s >= *appointed_time_s => Level {
+        match &self.appointed {
+            Some(appointed) if time_s >= appointed.time_s => Level {
                 value: self.settled,
                 slope: 0.0,
             },
-            Kind::AppointedTime {
-                coefficients: [z1, z2, z3, z4],
-                appointed_time_s,
-                offset,
-            } => {
-                let pace = FRAC_PI_2 / appointed_time_s;
+            Some(appointed) => {
+                let [z1, z2, z3, z4] = appointed.coefficients;
+                let pace = FRAC_PI_2 / appointed.time_s;
                 let (sine, cosine) = libm::sincos(pace * time_s);
-                let argument = self.rate * time_s + offset;
+                let argument = self.rate * time_s + appointed.offset;
                 let cosecant = 1.0 / libm::sinh(argument);
                 let cotangent = 1.0 / libm::tanh(argument);
                 Level {
@@ -167,7 +140,7 @@ impl PerformanceFunction {
                     slope: pace * (z2 * cosine - z3 * sine) - z4 * self.rate * cotangent * cosecant,
                 }
             }
-            Kind::Exponential => {
+            None => {
                 let share = (self.initial - self.settled) * libm::exp(-self.rate * time_s);
                 Level {
                     value: share + self.settled,
@@ -176,14 +149,6 @@ impl PerformanceFunction {
             }
         }
     }
-}
-
-fn check_levels(initial: f64, settled: f64, rate: f64) -> Result<(), ParameterError> {
-    let positive = AllowedRange::POSITIVE;
-    require(Field::scalar("final_level"), settled, positive)?;
-    let above = AllowedRange::open(settled, f64::INFINITY);
-    require(Field::scalar("initial_level"), initial, above)?;
-    require(Field::scalar("rate_per_s"), rate, positive)
 }
 
 /// z1 to z4: (9) with `+ 1` in the denominator of z4 replaced by `+ gamma^2 alpha^4`, which is what

@@ -1,10 +1,12 @@
 //! The codec between command and actuator: Yang et al. 2025, (21)-(23), and its rivals.
 
+mod links;
+
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use runtime::compression::{
-    Alphabet, AxisDecoder, AxisEncoder, AxisParameters, BitReader, BitWriter, Decoder, Encoder,
-    Level, Levels, NumberFormat, Parameters, Refusal, Scheme, Word,
+    Alphabet, AxisEnd, AxisParameters, BitReader, BitWriter, Decoder, Encoder, Level, Levels,
+    NumberFormat, Parameters, Refusal, Scheme, Word,
 };
 use runtime::error::{Field, ParameterError};
 use runtime::nalgebra::Vector3;
@@ -160,6 +162,12 @@ fn round_trip(axis: Axis, commands: &[[f64; 3]], period_s: Option<f64>) -> TestC
     Ok(())
 }
 
+/// Lengths of a step and of a resynchronisation word.
+fn every_length(index: usize) -> [u32; 2] {
+    let scheme = every_scheme()[index].scheme;
+    [scheme.word_bits(), scheme.resynchronisation().bits()]
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -179,7 +187,7 @@ proptest! {
     ) {
         let axis = full(which);
         let Scheme::Compressed { levels, .. } = axis.scheme else { unreachable!() };
-        let mut encoder = AxisEncoder::new(axis).unwrap();
+        let mut encoder = AxisEnd::new(axis).unwrap();
         for command in commands {
             let (before, cut) = (encoder.held(), command.clamp(-LIMIT, LIMIT));
             let step = levels.threshold(levels.level(cut.abs(), LIMIT)).unwrap();
@@ -201,7 +209,7 @@ proptest! {
         let format = NumberFormat::Quantised { bits };
         let resolution = LIMIT / (2.0f64.powi(bits as i32 - 1) - 1.0);
         for (axis, relative) in [(fixed(format), 0.0), (relative(format), 0.1)] {
-            let mut encoder = AxisEncoder::new(axis).unwrap();
+            let mut encoder = AxisEnd::new(axis).unwrap();
             for command in &commands {
                 let before = encoder.held();
                 let threshold = relative * command.abs() + 0.02;
@@ -251,7 +259,7 @@ proptest! {
         words in prop::collection::vec((any::<u64>(), 1u32..=64), 1..200),
         axis in prop::sample::select(every_scheme()),
     ) {
-        let mut decoder = AxisDecoder::new(axis).unwrap();
+        let mut decoder = AxisEnd::new(axis).unwrap();
         for (value, bits) in words {
             let before = decoder.held();
             let answer = decoder.receive(&Word::new(value, bits).unwrap());
@@ -324,7 +332,7 @@ fn the_words_of_table_1_are_levels_up_and_down() {
 #[test]
 fn a_step_has_the_size_of_the_commands_level() {
     let [axis, ..] = published();
-    let mut encoder = AxisEncoder::new(axis).unwrap();
+    let mut encoder = AxisEnd::new(axis).unwrap();
     let mut steps = Vec::new();
     for _ in 0..6 {
         let output = encoder.encode(0.12);
@@ -352,7 +360,7 @@ fn a_million_random_words_leave_the_torque_within_the_limit() {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut decoders: Vec<_> = every_scheme()
         .into_iter()
-        .map(|axis| AxisDecoder::new(axis).unwrap())
+        .map(|axis| AxisEnd::new(axis).unwrap())
         .collect();
     let (mut taken, mut refused) = (0, 0);
     for index in 0..1_000_000_usize {
@@ -375,73 +383,9 @@ fn a_million_random_words_leave_the_torque_within_the_limit() {
     assert!(taken > 100_000 && refused > 100_000, "{taken} {refused}");
 }
 
-/// Lengths of a step and of a resynchronisation word.
-fn every_length(index: usize) -> [u32; 2] {
-    let scheme = every_scheme()[index].scheme;
-    [scheme.word_bits(), scheme.resynchronisation().bits()]
-}
-
-#[test]
-fn a_lost_word_without_resynchronisation_stays_lost() {
-    let parameters = parameters(published()[0], None);
-    let mut encoder = Encoder::new(&parameters).unwrap();
-    let mut decoder = Decoder::new(&parameters).unwrap();
-    encoder.encode(0.0, &Vector3::repeat(0.1));
-    for index in 1..1000 {
-        let command = 0.1 * (0.1 * f64::from(index)).cos();
-        let sent = encoder.encode(SAMPLE * f64::from(index), &Vector3::repeat(command));
-        decoder.receive(&sent.words);
-        let missing = sent.held - decoder.held();
-        assert!((missing - Vector3::repeat(0.048)).amax() < 1e-12);
-    }
-}
-
-#[test]
-fn resynchronisation_words_do_not_disturb_a_perfect_link() {
-    let run = |period_s| {
-        let mut encoder = Encoder::new(&parameters(published()[1], period_s)).unwrap();
-        let samples = 0..2000;
-        let held = samples.map(|index| {
-            let time = SAMPLE * f64::from(index);
-            let command = 0.2 * (0.7 * time).sin();
-            encoder.encode(time, &Vector3::repeat(command)).held
-        });
-        held.collect::<Vec<_>>()
-    };
-    for (without, with) in run(None).iter().zip(run(Some(0.5))) {
-        // Single precision, once per resynchronisation.
-        assert!((without - with).amax() < 40.0 * 0.2 * f64::from(f32::EPSILON));
-    }
-}
-
-#[test]
-fn a_clock_that_goes_back_resynchronises_and_one_that_is_not_a_number_does_nothing() {
-    let mut encoder = Encoder::new(&parameters(published()[0], Some(10.0))).unwrap();
-    let zero = Vector3::zeros();
-    assert!(!encoder.encode(5.0, &zero).resynchronised);
-    assert!(!encoder.encode(f64::NAN, &zero).resynchronised);
-    assert!(encoder.encode(1.0, &zero).resynchronised);
-    assert!(!encoder.encode(10.9, &zero).resynchronised);
-    assert!(encoder.encode(11.0, &zero).resynchronised);
-}
-
-#[test]
-fn a_command_that_is_not_a_number_changes_nothing_and_infinities_are_cut_off() {
-    for axis in every_scheme() {
-        let mut encoder = AxisEncoder::new(axis).unwrap();
-        for _ in 0..400 {
-            encoder.encode(f64::INFINITY);
-        }
-        let held = encoder.held();
-        assert!(held > 0.7 * LIMIT && held <= LIMIT, "{axis:?}: {held}");
-        let output = encoder.encode(f64::NAN);
-        assert_eq!((output.word, output.held), (None, held));
-    }
-}
-
 #[test]
 fn a_coarse_number_is_not_sent_again_and_again() {
-    let mut encoder = AxisEncoder::new(fixed(NumberFormat::Quantised { bits: 3 })).unwrap();
+    let mut encoder = AxisEnd::new(fixed(NumberFormat::Quantised { bits: 3 })).unwrap();
     // The torques are multiples of 0.0667; 0.03 is nearest to zero, which is held already.
     assert_eq!(encoder.encode(0.03).word, None);
     assert!(encoder.encode(0.04).word.is_some());
@@ -450,7 +394,7 @@ fn a_coarse_number_is_not_sent_again_and_again() {
 
 #[test]
 fn what_no_word_says_is_refused() {
-    let mut decoder = AxisDecoder::new(full((6, 4))).unwrap();
+    let mut decoder = AxisEnd::new(full((6, 4))).unwrap();
     let refusal = |word| decoder.receive(&word).unwrap_err();
     // 6^4 = 1296 words in 11 bits.
     let mut refusal = refusal;
@@ -475,7 +419,7 @@ fn what_no_word_says_is_refused() {
         alphabet: Alphabet::new(4, 2).unwrap(),
         levels: published_levels([0.03; 4]),
     };
-    let mut decoder = AxisDecoder::new(axis).unwrap();
+    let mut decoder = AxisEnd::new(axis).unwrap();
     let unknown = Refusal::Unknown { value: 4 };
     assert_eq!(decoder.receive(&Word::new(4, 4).unwrap()), Err(unknown));
 }

@@ -8,7 +8,7 @@ use runtime::yang2025::allocation::Allocation;
 use runtime::yang2025::envelope::{
     Adhesion, Bounds, Correction, Envelope, EnvelopeParameters, Resilience,
 };
-use runtime::yang2025::fault::{FaultEstimation, FaultEstimator, Interval};
+use runtime::yang2025::fault::{FaultEstimation, FaultEstimator, SampleInterval};
 use runtime::yang2025::law::TransformedError;
 use runtime::yang2025::performance::{Level, Performance, PerformanceFunction};
 
@@ -190,7 +190,7 @@ proptest! {
         let kind = FaultEstimation::ExtendedState { bandwidth_rad_s: bandwidth };
         let mut estimator = FaultEstimator::new(kind, Matrix3::identity()).unwrap();
         estimator.update(&Vector3::new(1.0, 0.0, 0.0), None, None);
-        let interval = Interval { seconds, torque: Vector3::zeros() };
+        let interval = SampleInterval { seconds, torque: Vector3::zeros() };
         for _ in 0..200 {
             estimator.update(&Vector3::zeros(), None, Some(&interval));
             prop_assert!(estimator.fault().amax() <= 1.0 / seconds * 1.000_001);
@@ -289,7 +289,7 @@ fn step_answers(low_pass: FaultEstimation, inertia: Matrix3<f64>) -> (Answer, An
     };
     let answer = |kind| {
         let mut estimator = FaultEstimator::new(kind, inertia).unwrap();
-        let interval = Interval {
+        let interval = SampleInterval {
             seconds: 0.01,
             torque: Vector3::new(0.0, -0.1, 0.0),
         };

@@ -131,17 +131,19 @@ pub(crate) fn check_finite(
             .chain(coefficients)
             .all(|entry| entry.value.is_finite())
     };
-    if !(problem.offset.is_finite() && problem.cost.iter().all(|cost| cost.is_finite())) {
-        return Err(SolveError::NotFinite {
+    let mut objective = problem.cost.iter().chain([&problem.offset]);
+    let condition = match objective.all(|number| number.is_finite()) {
+        false => Some("objective"),
+        true => problem
+            .cones
+            .iter()
+            .find(|cone| !finite(cone))
+            .map(|cone| cone.name.as_str()),
+    };
+    condition.map_or(Ok(()), |condition| {
+        Err(SolveError::NotFinite {
             backend,
-            condition: "objective".to_string(),
-        });
-    }
-    match problem.cones.iter().find(|cone| !finite(cone)) {
-        None => Ok(()),
-        Some(cone) => Err(SolveError::NotFinite {
-            backend,
-            condition: cone.name.clone(),
-        }),
-    }
+            condition: condition.to_string(),
+        })
+    })
 }

@@ -168,11 +168,11 @@ impl<'a> Equations<'a> {
         let mut values = vec![0.0; count];
         for (block, z) in self.blocks.iter().zip(point) {
             for (j, (column, entries)) in block.rows.iter().enumerate() {
-                values[*column] += inner(entries, z);
+                values[*column] += inner(entries, |r, c| z[(r, c)]);
                 let image = sandwich(entries, z);
                 for (row, others) in &block.rows[j..] {
                     // Rows ascend within a block.
-                    matrix[(*row, *column)] += inner(others, &image);
+                    matrix[(*row, *column)] += inner(others, |r, c| image[(r, c)]);
                 }
             }
         }
@@ -248,15 +248,6 @@ fn symmetric_product(lower: &Mat<f64>, vector: &Mat<f64>) -> Mat<f64> {
         }
     }
     out
-}
-
-/// `<F, Z>` for the upper triangle of F.
-fn inner(entries: &[Entry], z: &DMatrix<f64>) -> f64 {
-    let terms = entries.iter().map(|entry| {
-        let weight = if entry.row == entry.column { 1.0 } else { 2.0 };
-        weight * entry.value * z[(entry.row, entry.column)]
-    });
-    terms.sum()
 }
 
 /// `Z F Z`.

@@ -34,8 +34,9 @@ pub fn exclude(problem: &Semidefinite, weights: &[Vec<f64>]) -> Exclusion {
     let mut products = vec![Interval::ZERO; problem.cost.len()];
     let mut indefinite = None;
     for (index, cone) in problem.cones.iter().enumerate() {
-        let height = cone.side * (cone.side + 1) / 2;
-        let weight = weights.get(index).filter(|weight| weight.len() == height);
+        let weight = weights
+            .get(index)
+            .filter(|weight| weight.len() == cone.height());
         let raised = weight.and_then(|weight| proved_weight(weight, cone.side));
         let Some(raised) = raised else {
             indefinite = Some(cone.name.clone());
@@ -67,18 +68,17 @@ fn proved_weight(weight: &[f64], side: usize) -> Option<Vec<f64>> {
     if !weight.iter().all(|entry| entry.is_finite()) {
         return None;
     }
-    let at = |i: usize, j: usize| svec_index(i.min(j), i.max(j));
-    let touched = |&row: &usize| (0..side).any(|other| weight[at(row, other)] != 0.0);
+    let touched = |&row: &usize| (0..side).any(|other| weight[svec_index(row, other)] != 0.0);
     let rows: Vec<usize> = (0..side).filter(touched).collect();
     let mut raised = weight.to_vec();
     let largest = rows
         .iter()
-        .map(|&row| weight[at(row, row)])
+        .map(|&row| weight[svec_index(row, row)])
         .fold(0.0, f64::max);
     for &row in &rows {
-        raised[at(row, row)] += RAISE * largest;
+        raised[svec_index(row, row)] += RAISE * largest;
     }
-    let entry = |i: usize, j: usize| Interval::from(raised[at(rows[i], rows[j])]);
+    let entry = |i: usize, j: usize| Interval::from(raised[svec_index(rows[i], rows[j])]);
     let matrix = IntervalMatrix::from_upper(rows.len(), entry);
     let proved = rows.is_empty() || prove_positive_definite(&matrix).is_ok();
     proved.then_some(raised)
@@ -86,8 +86,7 @@ fn proved_weight(weight: &[f64], side: usize) -> Option<Vec<f64>> {
 
 fn inner(entries: &[Entry], weight: &[f64]) -> Interval {
     entries.iter().fold(Interval::ZERO, |sum, entry| {
-        let count = if entry.row == entry.column { 1.0 } else { 2.0 };
-        let factor = Interval::from(entry.value) * Interval::from(count);
+        let factor = Interval::from(entry.value) * Interval::from(entry.count());
         sum + factor * Interval::from(weight[svec_index(entry.row, entry.column)])
     })
 }

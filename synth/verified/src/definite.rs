@@ -18,8 +18,6 @@
 //! The theorem needs f64 with gradual underflow and no fused multiply-add, so the factorisation
 //! is written as plain loops here and no library is called.
 
-use std::fmt;
-
 use thiserror::Error;
 
 use crate::interval::Interval;
@@ -90,11 +88,7 @@ impl IntervalMatrix {
 
     /// The entry in the given row and column, or `None` outside the matrix.
     pub fn entry(&self, row: usize, column: usize) -> Option<Interval> {
-        if row < self.order && column < self.order {
-            Some(self.at(row, column))
-        } else {
-            None
-        }
+        (row < self.order && column < self.order).then(|| self.at(row, column))
     }
 
     fn at(&self, row: usize, column: usize) -> Interval {
@@ -126,9 +120,10 @@ pub struct Margin {
 }
 
 /// Why a matrix was not proved positive definite. It may be positive definite all the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Obstacle {
     /// An entry is NaN, infinite, or unbounded.
+    #[error("entry ({row}, {column}) is not a finite number")]
     NotFinite {
         /// Row of the entry.
         row: usize,
@@ -136,6 +131,7 @@ pub enum Obstacle {
         column: usize,
     },
     /// A diagonal entry has a member that is zero or negative.
+    #[error("diagonal entry {index} may be as low as {lower_bound:e}")]
     DiagonalNotPositive {
         /// Row of the entry.
         index: usize,
@@ -143,29 +139,8 @@ pub enum Obstacle {
         lower_bound: f64,
     },
     /// The smallest eigenvalue is negative or too small to be distinguished from zero.
+    #[error("the smallest eigenvalue is not provably positive")]
     SmallestEigenvalue,
-}
-
-impl fmt::Display for Obstacle {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Obstacle::NotFinite { row, column } => {
-                write!(formatter, "entry ({row}, {column}) is not a finite number")
-            }
-            Obstacle::DiagonalNotPositive { index, lower_bound } => {
-                write!(
-                    formatter,
-                    "diagonal entry {index} may be as low as {lower_bound:e}"
-                )
-            }
-            Obstacle::SmallestEigenvalue => {
-                write!(
-                    formatter,
-                    "the smallest eigenvalue is not provably positive"
-                )
-            }
-        }
-    }
 }
 
 /// The matrix could not be proved positive definite.
@@ -203,12 +178,9 @@ pub fn prove_positive_definite(matrix: &IntervalMatrix) -> Result<Margin, NotPro
         return Err(unknown(Obstacle::SmallestEigenvalue));
     }
     let split = MidpointRadius::of(&scaled);
-    let nonpositive = (0..matrix.order).find(|&index| matrix.at(index, index).lo() <= 0.0);
-    let obstacle = match nonpositive {
-        Some(index) => {
-            let lower_bound = matrix.at(index, index).lo();
-            Obstacle::DiagonalNotPositive { index, lower_bound }
-        }
+    let mut diagonal = (0..matrix.order).map(|index| (index, matrix.at(index, index).lo()));
+    let obstacle = match diagonal.find(|(_, lower_bound)| *lower_bound <= 0.0) {
+        Some((index, lower_bound)) => Obstacle::DiagonalNotPositive { index, lower_bound },
         None if split.eigenvalues_exceed(0.0) => {
             return Ok(Margin {
                 proved: split.margin(),
@@ -217,9 +189,8 @@ pub fn prove_positive_definite(matrix: &IntervalMatrix) -> Result<Margin, NotPro
         }
         None => Obstacle::SmallestEigenvalue,
     };
-    let estimate = split.estimated_smallest_eigenvalue();
     Err(NotProved {
-        estimate,
+        estimate: split.estimated_smallest_eigenvalue(),
         uncertainty: split.uncertainty(),
         obstacle,
     })
@@ -277,13 +248,10 @@ impl MidpointRadius {
                 .map(|column| matrix.at(row, column).radius())
                 .fold(0.0, add_up)
         };
+        let midpoint = matrix.entries.iter().map(|entry| entry.midpoint());
         MidpointRadius {
             order,
-            midpoint: matrix
-                .entries
-                .iter()
-                .map(|entry| entry.midpoint())
-                .collect(),
+            midpoint: midpoint.collect(),
             radius_sums: (0..order).map(row_sum).collect(),
         }
     }
@@ -318,11 +286,15 @@ impl MidpointRadius {
         cholesky_succeeds(self.order, &mut matrix)
     }
 
+    /// The least diagonal entry of the midpoint, infinite without any: no eigenvalue of it is greater.
+    fn least_diagonal(&self) -> f64 {
+        let diagonal = (0..self.order).map(|index| self.diagonal(index));
+        diagonal.fold(f64::INFINITY, f64::min)
+    }
+
     /// The greatest shift, to about four digits, that [`Self::eigenvalues_exceed`].
     fn margin(&self) -> f64 {
-        let greatest = (0..self.order)
-            .map(|index| self.diagonal(index))
-            .fold(f64::INFINITY, f64::min);
+        let greatest = self.least_diagonal();
         if greatest == f64::INFINITY {
             return greatest;
         }
@@ -340,15 +312,10 @@ impl MidpointRadius {
         if accepted == 1 << BINADE_STEPS {
             return 0.0;
         }
-        let (mut proved, mut beyond) = (fraction(accepted), fraction(refused));
-        for _ in 0..REFINEMENT_STEPS {
-            let middle = 0.5 * (proved + beyond);
-            if self.eigenvalues_exceed(middle) {
-                proved = middle;
-            } else {
-                beyond = middle;
-            }
-        }
+        let (proved, beyond) = (fraction(accepted), fraction(refused));
+        let (proved, _) = bisect(proved, beyond, REFINEMENT_STEPS, |shift| {
+            self.eigenvalues_exceed(shift)
+        });
         proved
     }
 
@@ -361,20 +328,30 @@ impl MidpointRadius {
             let sum: f64 = absolute.map(|value| value.abs()).sum();
             self.diagonal(row) - (sum - self.diagonal(row).abs())
         };
-        let mut below = (0..order).map(gershgorin).fold(f64::INFINITY, f64::min);
-        let mut above = (0..order)
-            .map(|row| self.diagonal(row))
-            .fold(f64::INFINITY, f64::min);
-        for _ in 0..ESTIMATE_STEPS {
-            let middle = 0.5 * below + 0.5 * above;
-            if self.factorises(|index| self.diagonal(index) - middle) {
-                below = middle;
-            } else {
-                above = middle;
-            }
-        }
+        let below = (0..order).map(gershgorin).fold(f64::INFINITY, f64::min);
+        let (_, above) = bisect(below, self.least_diagonal(), ESTIMATE_STEPS, |shift| {
+            self.factorises(|index| self.diagonal(index) - shift)
+        });
         above
     }
+}
+
+/// Halves the interval between a number that is accepted and one that is not, so many times.
+fn bisect(
+    mut accepted: f64,
+    mut refused: f64,
+    steps: u32,
+    accepts: impl Fn(f64) -> bool,
+) -> (f64, f64) {
+    for _ in 0..steps {
+        let middle = 0.5 * accepted + 0.5 * refused;
+        if accepts(middle) {
+            accepted = middle;
+        } else {
+            refused = middle;
+        }
+    }
+    (accepted, refused)
 }
 
 /// The number `c` of the corollary, evaluated upward; `None` if the order is too large for it or

@@ -43,29 +43,32 @@ const SINE_TERMS: u32 = 13;
 
 impl Interval {
     /// The whole real line: nothing is known.
-    pub const ENTIRE: Interval = Interval {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub const ENTIRE: Interval = Interval::between(f64::NEG_INFINITY, f64::INFINITY);
 
     /// The number 0.
-    pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
+    pub const ZERO: Interval = Interval::between(0.0, 0.0);
 
     /// The number 1.
-    pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
+    pub const ONE: Interval = Interval::between(1.0, 1.0);
 
     /// The number pi, between its two neighbouring doubles.
-    pub const PI: Interval = Interval {
-        lo: std::f64::consts::PI,
-        hi: f64::from_bits(std::f64::consts::PI.to_bits() + 1),
-    };
+    pub const PI: Interval = Interval::between(
+        std::f64::consts::PI,
+        f64::from_bits(std::f64::consts::PI.to_bits() + 1),
+    );
+
+    /// Bounds that are known to be in order.
+    #[inline]
+    const fn between(lo: f64, hi: f64) -> Self {
+        Interval { lo, hi }
+    }
 
     /// The interval from `lo` to `hi`, or [`Interval::ENTIRE`] if they are out of order, NaN, or
     /// an infinity on the wrong side.
     #[inline]
     pub fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
-            Interval { lo, hi }
+            Interval::between(lo, hi)
         } else {
             Interval::ENTIRE
         }
@@ -129,10 +132,7 @@ impl Interval {
     /// The smallest interval that contains both.
     #[inline]
     pub fn hull(self, other: Self) -> Self {
-        Interval {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Interval::between(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
     /// The greater of two numbers, one from each interval.
@@ -141,10 +141,7 @@ impl Interval {
         if self.is_entire() || other.is_entire() {
             return Interval::ENTIRE;
         }
-        Interval {
-            lo: self.lo.max(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Interval::between(self.lo.max(other.lo), self.hi.max(other.hi))
     }
 
     /// The square.
@@ -210,17 +207,13 @@ fn exp_of_reduced(reduced: Interval) -> Interval {
     let mut sum = Interval::ONE;
     let mut remainder = Interval::from(reduced.magnitude());
     for degree in (1..=EXP_DEGREE).rev() {
-        sum = Interval::ONE + reduced * sum / Interval::from(f64::from(degree));
-        remainder = remainder * Interval::from(reduced.magnitude()) / degree_after(degree);
+        let (this, next) = (f64::from(degree), f64::from(degree + 1));
+        sum = Interval::ONE + reduced * sum / Interval::from(this);
+        remainder = remainder * Interval::from(reduced.magnitude()) / Interval::from(next);
     }
     // Lagrange's form: |r|^(n+1) / (n+1)! times e^|r|, and e^0.36 < 2.
     let bound = mul_up(2.0, remainder.hi);
     sum + Interval::new(-bound, bound)
-}
-
-#[inline]
-fn degree_after(degree: u32) -> Interval {
-    Interval::from(f64::from(degree + 1))
 }
 
 /// Enclosure of `sin^2(theta / 2)` for an angle in radians.
@@ -231,7 +224,7 @@ fn degree_after(degree: u32) -> Interval {
 #[inline]
 pub fn half_angle_sine_squared(theta: impl Into<Interval>) -> Interval {
     let theta = theta.into();
-    let unit = Interval { lo: 0.0, hi: 1.0 };
+    let unit = Interval::between(0.0, 1.0);
     if theta.is_entire() {
         return theta;
     }
@@ -273,10 +266,7 @@ impl From<f64> for Interval {
     #[inline]
     fn from(value: f64) -> Self {
         if value.is_finite() {
-            Interval {
-                lo: value,
-                hi: value,
-            }
+            Interval::between(value, value)
         } else {
             Interval::ENTIRE
         }
@@ -288,10 +278,7 @@ impl Neg for Interval {
 
     #[inline]
     fn neg(self) -> Interval {
-        Interval {
-            lo: -self.hi,
-            hi: -self.lo,
-        }
+        Interval::between(-self.hi, -self.lo)
     }
 }
 
@@ -342,21 +329,14 @@ fn over_corners(
     lower: fn(f64, f64) -> f64,
     upper: fn(f64, f64) -> f64,
 ) -> Interval {
-    let corners = [
-        (left.lo, right.lo),
-        (left.lo, right.hi),
-        (left.hi, right.lo),
-        (left.hi, right.hi),
-    ];
-    let lo = corners
-        .iter()
-        .map(|&(x, y)| lower(x, y))
-        .fold(f64::INFINITY, f64::min);
-    let hi = corners
-        .iter()
-        .map(|&(x, y)| upper(x, y))
-        .fold(f64::NEG_INFINITY, f64::max);
-    Interval::new(lo, hi)
+    let (a, b) = (left, right);
+    let corners = [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)];
+    let lo = corners.map(|(x, y)| lower(x, y));
+    let hi = corners.map(|(x, y)| upper(x, y));
+    Interval::new(
+        lo.into_iter().fold(f64::INFINITY, f64::min),
+        hi.into_iter().fold(f64::NEG_INFINITY, f64::max),
+    )
 }
 
 impl Mul for Interval {

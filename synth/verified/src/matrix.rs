@@ -83,7 +83,7 @@ impl<S: Scalar> Matrix<S> {
 
     /// One row, as a 1 x n matrix.
     pub fn row(&self, row: usize) -> Self {
-        Matrix::from_fn(1, self.columns, |_, c| self.at(row, c).clone())
+        self.block(row, 0, 1, self.columns)
     }
 
     /// Rows `row..row + rows` and columns `column..column + columns`.

@@ -29,12 +29,10 @@ const ERROR_EXACT_BELOW: f64 = power_of_two(990);
 /// The double `2^exponent`; exponents outside `-1022..=1023` are clamped to that range.
 #[inline]
 pub const fn power_of_two(exponent: i32) -> f64 {
-    let clamped = if exponent < -1022 {
-        -1022
-    } else if exponent > 1023 {
-        1023
-    } else {
-        exponent
+    let clamped = match exponent {
+        ..=-1023 => -1022,
+        1024.. => 1023,
+        _ => exponent,
     };
     f64::from_bits(((clamped + 1023) as u64) << 52)
 }
@@ -98,15 +96,6 @@ impl Exact {
             Exact::Above
         }
     }
-
-    #[inline]
-    fn reversed(self) -> Self {
-        match self {
-            Exact::Below => Exact::Above,
-            Exact::Above => Exact::Below,
-            other => other,
-        }
-    }
 }
 
 /// A round-to-nearest result with the side on which the exact result lies.
@@ -122,6 +111,15 @@ impl Rounded {
         Rounded {
             value,
             exact: Exact::Equal,
+        }
+    }
+
+    /// A rounded value with the sign of what the exact result is above it.
+    #[inline]
+    fn with_error(value: f64, error: f64) -> Self {
+        Rounded {
+            value,
+            exact: Exact::from_error(error),
         }
     }
 
@@ -162,21 +160,12 @@ fn rounded_sum(left: f64, right: f64) -> Rounded {
     }
     let right_part = sum - left;
     let left_part = sum - right_part;
-    let error = (left - left_part) + (right - right_part);
-    Rounded {
-        value: sum,
-        exact: Exact::from_error(error),
-    }
+    Rounded::with_error(sum, (left - left_part) + (right - right_part))
 }
 
 #[inline]
 fn overflowed(value: f64) -> Rounded {
-    let exact = if value > 0.0 {
-        Exact::Below
-    } else {
-        Exact::Above
-    };
-    Rounded { value, exact }
+    Rounded::with_error(value, -value.signum())
 }
 
 /// Veltkamp's splitting into two parts of 26 bits each.
@@ -239,10 +228,7 @@ fn rounded_product(left: f64, right: f64) -> Rounded {
         return Rounded::exactly(product);
     }
     match product_error(left, right, product) {
-        Some(error) => Rounded {
-            value: product,
-            exact: Exact::from_error(error),
-        },
+        Some(error) => Rounded::with_error(product, error),
         None => undecided(product, (left < 0.0) != (right < 0.0)),
     }
 }
@@ -266,16 +252,8 @@ fn rounded_quotient(dividend: f64, divisor: f64) -> Rounded {
     let product = quotient * divisor;
     match product_error(quotient, divisor, product) {
         Some(error) if quotient.abs() > ERROR_EXACT_ABOVE => {
-            let residual = Exact::from_error((dividend - product) - error);
-            let exact = if divisor > 0.0 {
-                residual
-            } else {
-                residual.reversed()
-            };
-            Rounded {
-                value: quotient,
-                exact,
-            }
+            let remainder = (dividend - product) - error;
+            Rounded::with_error(quotient, remainder * divisor.signum())
         }
         _ => undecided(quotient, negative),
     }
@@ -289,10 +267,7 @@ fn rounded_root(value: f64) -> Rounded {
     let root = value.sqrt();
     let square = root * root;
     match product_error(root, root, square) {
-        Some(error) => Rounded {
-            value: root,
-            exact: Exact::from_error((value - square) - error),
-        },
+        Some(error) => Rounded::with_error(root, (value - square) - error),
         None => undecided(root, false),
     }
 }

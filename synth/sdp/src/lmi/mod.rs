@@ -28,20 +28,16 @@
 //! ```
 
 mod affine;
-mod blocks;
 mod condition;
 mod sdpa;
 mod sdpa_read;
 mod semidefinite;
-mod strictness;
 mod unknowns;
 
-pub use affine::Affine;
-pub use blocks::SymmetricBlocks;
-pub use condition::{Condition, LmiProblem};
+pub use affine::{Affine, SymmetricBlocks};
+pub use condition::{Condition, LmiProblem, Strictness};
 pub use sdpa_read::SdpaError;
 pub use semidefinite::{
-    dual_matrix, dual_trace, inner_product, svec_index, Cone, Entry, Semidefinite,
+    dual_matrix, dual_trace, inner, inner_product, svec_index, Cone, Entry, Semidefinite,
 };
-pub use strictness::Strictness;
 pub use unknowns::Unknowns;

@@ -7,9 +7,6 @@ use std::fmt::Write;
 
 use super::{Entry, Semidefinite};
 
-/// A block's number and its entries.
-type BlockEntries<'a> = (usize, &'a [Entry]);
-
 impl Semidefinite {
     /// The problem as SDPA sparse text. The comments name every block and the constant that must be
     /// added to the objective value. Numbers are written so that they read back exactly.
@@ -41,23 +38,15 @@ impl Semidefinite {
         for (block, cone) in self.cones.iter().enumerate() {
             write_entries(out, 0, block, &cone.constant, -1.0)?;
         }
-        for (unknown, entries) in self.by_unknown() {
-            for (block, entries) in entries {
-                write_entries(out, unknown + 1, block, entries, 1.0)?;
-            }
+        let cones = self.cones.iter().enumerate();
+        let mut coefficients: Vec<_> = cones
+            .flat_map(|(block, cone)| cone.coefficients.iter().map(move |(u, e)| (*u, block, e)))
+            .collect();
+        coefficients.sort_by_key(|&(unknown, block, _)| (unknown, block));
+        for (unknown, block, entries) in coefficients {
+            write_entries(out, unknown + 1, block, entries, 1.0)?;
         }
         Ok(())
-    }
-
-    /// Coefficients gathered by unknown: (unknown, [(block, entries)]).
-    fn by_unknown(&self) -> Vec<(usize, Vec<BlockEntries<'_>>)> {
-        let mut out: Vec<_> = (0..self.cost.len()).map(|u| (u, Vec::new())).collect();
-        for (block, cone) in self.cones.iter().enumerate() {
-            for (unknown, entries) in &cone.coefficients {
-                out[*unknown].1.push((block, entries.as_slice()));
-            }
-        }
-        out
     }
 }
 

@@ -78,8 +78,8 @@ pub enum SdpaError {
     },
 }
 
-/// Entries of one matrix: (row, column) to value, row <= column.
-type SparseMatrix = BTreeMap<(usize, usize), f64>;
+/// Where an entry stands: cone, matrix of the file, row and column, row <= column.
+type Place = (usize, usize, usize, usize);
 
 /// A block of the file: the cones it becomes, one for each row when it is diagonal.
 struct FileBlock {
@@ -103,17 +103,12 @@ impl Semidefinite {
         let unknowns = reader.count("the number of unknowns")?;
         let count = reader.count("the number of blocks")?;
         let sizes = reader.words(count, "the sizes of the blocks", true)?;
-        let mut cones = Vec::new();
+        let mut cones: Vec<Cone> = Vec::new();
         let mut blocks = Vec::new();
         for (index, (line, word)) in sizes.into_iter().enumerate() {
             let size: i64 = number(line, word, "the size of a block")?;
-            let side = in_range(
-                line,
-                "the size of a block",
-                size.saturating_abs(),
-                1,
-                LARGEST_COUNT,
-            )?;
+            let what = "the size of a block";
+            let side = in_range(line, what, size.saturating_abs(), 1, LARGEST_COUNT)?;
             let name = names.get(&(index + 1)).cloned();
             let name = name.unwrap_or_else(|| format!("block {}", index + 1));
             let diagonal = size < 0;
@@ -122,64 +117,55 @@ impl Semidefinite {
                 diagonal,
                 first_cone: cones.len(),
             });
+            let cone = |name: String, side: usize| Cone {
+                name,
+                side,
+                constant: Vec::new(),
+                coefficients: Vec::new(),
+            };
             match diagonal {
-                true => cones.extend((1..=side).map(|row| (format!("{name} row {row}"), 1))),
-                false => cones.push((name, side)),
+                true => cones.extend((1..=side).map(|row| cone(format!("{name} row {row}"), 1))),
+                false => cones.push(cone(name, side)),
             }
         }
-        let mut cost = Vec::with_capacity(unknowns);
-        for (line, word) in reader.words(unknowns, "the costs", false)? {
-            cost.push(number::<f64>(line, word, "a cost")?);
-        }
-        let mut matrices: Vec<BTreeMap<usize, SparseMatrix>> = vec![BTreeMap::new(); cones.len()];
+        let costs = reader.words(unknowns, "the costs", false)?.into_iter();
+        let cost = costs.map(|(line, word)| number(line, word, "a cost"));
+        let cost = cost.collect::<Result<Vec<f64>, _>>()?;
+        let mut entries: BTreeMap<Place, f64> = BTreeMap::new();
         while let Some((line, text)) = reader.line() {
-            reader_entry(line, text, unknowns, &blocks, &mut matrices)?;
+            let (place, value) = file_entry(line, text, unknowns, &blocks)?;
+            *entries.entry(place).or_insert(0.0) += value;
         }
-        let cones = cones.into_iter().zip(matrices);
+        for ((cone, matrix, row, column), value) in entries.into_iter().filter(|e| e.1 != 0.0) {
+            let Cone {
+                constant,
+                coefficients,
+                ..
+            } = &mut cones[cone];
+            match (matrix, coefficients.last_mut()) {
+                // The format subtracts matrix 0.
+                (0, _) => constant.push(Entry::new(row, column, -value)),
+                (_, Some((unknown, entries))) if *unknown + 1 == matrix => {
+                    entries.push(Entry::new(row, column, value));
+                }
+                _ => coefficients.push((matrix - 1, vec![Entry::new(row, column, value)])),
+            }
+        }
         Ok(Semidefinite {
             cost,
             offset,
-            cones: cones
-                .map(|((name, side), matrices)| cone(name, side, matrices))
-                .collect(),
+            cones,
         })
     }
 }
 
-fn cone(name: String, side: usize, matrices: BTreeMap<usize, SparseMatrix>) -> Cone {
-    let mut out = Cone {
-        name,
-        side,
-        constant: Vec::new(),
-        coefficients: Vec::new(),
-    };
-    for (matrix, entries) in matrices {
-        // The format subtracts matrix 0.
-        let sign = if matrix == 0 { -1.0 } else { 1.0 };
-        let entries = entries.into_iter().filter(|(_, value)| *value != 0.0);
-        let entries: Vec<Entry> = entries
-            .map(|((row, column), value)| Entry {
-                row,
-                column,
-                value: sign * value,
-            })
-            .collect();
-        match matrix {
-            0 => out.constant = entries,
-            _ if entries.is_empty() => {}
-            _ => out.coefficients.push((matrix - 1, entries)),
-        }
-    }
-    out
-}
-
-fn reader_entry(
+/// An entry of the file: where it stands and its value.
+fn file_entry(
     line: usize,
     text: &str,
     unknowns: usize,
     blocks: &[FileBlock],
-    matrices: &mut [BTreeMap<usize, SparseMatrix>],
-) -> Result<(), SdpaError> {
+) -> Result<(Place, f64), SdpaError> {
     let words: Vec<&str> = split(text).collect();
     let [matrix, block, row, column, value] = words[..] else {
         return Err(SdpaError::NotAnEntry {
@@ -196,32 +182,24 @@ fn reader_entry(
     let row = index(row, "the row", 1, block.side)?;
     let column = index(column, "the column", 1, block.side)?;
     let value: f64 = number(line, value, "the value of an entry")?;
-    let (cone, at) = match block.diagonal {
-        true if row != column => {
-            return Err(SdpaError::OffDiagonal {
-                line,
-                block: number_of_block,
-                row,
-                column,
-            });
+    match block.diagonal {
+        true if row != column => Err(SdpaError::OffDiagonal {
+            line,
+            block: number_of_block,
+            row,
+            column,
+        }),
+        true => Ok(((block.first_cone + row - 1, matrix, 0, 0), value)),
+        false => {
+            let (row, column) = (row.min(column) - 1, row.max(column) - 1);
+            Ok(((block.first_cone, matrix, row, column), value))
         }
-        true => (block.first_cone + row - 1, (0, 0)),
-        false => (block.first_cone, (row.min(column) - 1, row.max(column) - 1)),
-    };
-    *matrices[cone]
-        .entry(matrix)
-        .or_default()
-        .entry(at)
-        .or_insert(0.0) += value;
-    Ok(())
+    }
 }
 
 impl<'a> Reader<'a> {
     fn new(text: &'a str) -> Self {
-        let lines = text
-            .lines()
-            .enumerate()
-            .map(|(index, line)| (index + 1, line.trim()));
+        let lines = (1..).zip(text.lines().map(str::trim));
         let lines = lines.filter(|(_, line)| !(line.is_empty() || line.starts_with(['"', '*'])));
         Reader {
             lines: lines.collect(),
@@ -239,13 +217,8 @@ impl<'a> Reader<'a> {
     fn count(&mut self, what: &'static str) -> Result<usize, SdpaError> {
         let (line, text) = self.line().ok_or(SdpaError::Ends { what })?;
         let word = split(text).next().unwrap_or("");
-        in_range(
-            line,
-            what,
-            number(line, word, "a whole number")?,
-            1,
-            LARGEST_COUNT,
-        )
+        let value = number(line, word, "a whole number")?;
+        in_range(line, what, value, 1, LARGEST_COUNT)
     }
 
     /// So many numbers, on one line or more. What follows the last one on its line may be a remark, but no
@@ -269,8 +242,7 @@ impl<'a> Reader<'a> {
                 return Err(wrong(out.len()));
             }
             let missing = count - out.len();
-            let words = split(text).map(|word| (line, word));
-            let mut usable = words.map(|(line, word)| match whole {
+            let mut usable = split(text).map(|word| match whole {
                 // Some writers put a plus sign before sizes.
                 true => (line, word.trim_start_matches('+')),
                 false => (line, word),
@@ -342,15 +314,10 @@ fn comments(text: &str) -> (f64, BTreeMap<usize, String>) {
         if let Some(value) = comment.strip_prefix("objective offset ") {
             offset = value.trim().parse().unwrap_or(0.0);
         }
-        let block = comment
-            .strip_prefix("block ")
-            .and_then(|rest| rest.split_once(": "));
-        if let Some((head, name)) = block {
-            let index = head
-                .split_whitespace()
-                .next()
-                .and_then(|word| word.parse().ok());
-            if let Some(index) = index {
+        let block = comment.strip_prefix("block ");
+        if let Some((head, name)) = block.and_then(|rest| rest.split_once(": ")) {
+            let index = head.split_whitespace().next();
+            if let Some(index) = index.and_then(|word| word.parse().ok()) {
                 names.insert(index, name.to_string());
             }
         }

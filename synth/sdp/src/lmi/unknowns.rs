@@ -26,26 +26,25 @@ impl Unknowns {
 
     /// A symmetric matrix, `side` x `side`: side (side + 1) / 2 scalar unknowns.
     pub fn symmetric(&mut self, name: &str, side: usize) -> Affine {
-        let mut terms = Vec::with_capacity(side * side);
-        for column in 0..side {
-            for row in 0..=column {
-                let unknown = self.next(format!("{name}[{row},{column}]"));
-                terms.push((unknown, row, column, 1.0));
-                if row != column {
-                    terms.push((unknown, column, row, 1.0));
-                }
-            }
-        }
-        Affine::linear(side, side, terms)
+        self.matrix(name, side, side, true)
     }
 
     /// A general matrix, `rows` x `columns`.
     pub fn general(&mut self, name: &str, rows: usize, columns: usize) -> Affine {
+        self.matrix(name, rows, columns, false)
+    }
+
+    /// By columns; of a symmetric matrix only the upper triangle is numbered.
+    fn matrix(&mut self, name: &str, rows: usize, columns: usize, symmetric: bool) -> Affine {
         let mut terms = Vec::with_capacity(rows * columns);
         for column in 0..columns {
-            for row in 0..rows {
+            let end = if symmetric { column + 1 } else { rows };
+            for row in 0..end {
                 let unknown = self.next(format!("{name}[{row},{column}]"));
                 terms.push((unknown, row, column, 1.0));
+                if symmetric && row != column {
+                    terms.push((unknown, column, row, 1.0));
+                }
             }
         }
         Affine::linear(rows, columns, terms)
@@ -53,11 +52,7 @@ impl Unknowns {
 
     /// A diagonal matrix, `side` x `side`.
     pub fn diagonal(&mut self, name: &str, side: usize) -> Affine {
-        let mut terms = Vec::with_capacity(side);
-        for index in 0..side {
-            let unknown = self.next(format!("{name}[{index}]"));
-            terms.push((unknown, index, index, 1.0));
-        }
+        let terms = (0..side).map(|k| (self.next(format!("{name}[{k}]")), k, k, 1.0));
         Affine::linear(side, side, terms)
     }
 

@@ -1,5 +1,8 @@
 //! The `clarabel` crate as a backend.
 
+use std::collections::HashSet;
+use std::f64::consts::SQRT_2;
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultInfo, DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus,
@@ -9,7 +12,7 @@ use clarabel::solver::{
 use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
-use crate::lmi::{svec_index, Cone, Semidefinite};
+use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
 
 /// In which cones explicit zeros are stored, so that every column that touches such a cone touches
 /// all its rows.
@@ -122,18 +125,9 @@ fn refused(error: impl std::fmt::Display) -> SolveError {
     }
 }
 
-/// Rows of a cone in the stacked vector.
-fn height(cone: &Cone) -> usize {
-    cone.side * (cone.side + 1) / 2
-}
-
-/// Factor between an entry and its place in the stacked vector.
-fn weight(row: usize, column: usize) -> f64 {
-    if row == column {
-        1.0
-    } else {
-        std::f64::consts::SQRT_2
-    }
+/// An entry in the stacked vector.
+fn stacked(entry: &Entry) -> f64 {
+    entry.count().sqrt() * entry.value
 }
 
 /// `A y + s = b` with s in the cones: b stacks the constants, -A the coefficients.
@@ -141,73 +135,53 @@ fn conic_form(
     problem: &Semidefinite,
     dense_columns: DenseColumns,
 ) -> (CscMatrix<f64>, Vec<f64>, Vec<SupportedConeT<f64>>) {
-    let rows: usize = problem.cones.iter().map(height).sum();
-    let mut rhs = vec![0.0; rows];
-    let mut columns: Vec<Vec<(usize, f64)>> = vec![Vec::new(); problem.cost.len()];
+    let height: usize = problem.cones.iter().map(Cone::height).sum();
+    let mut rhs = vec![0.0; height];
+    let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     let mut cones = Vec::with_capacity(problem.cones.len());
     let mut base = 0;
     for cone in &problem.cones {
         for entry in &cone.constant {
             let row = base + svec_index(entry.row, entry.column);
-            rhs[row] = weight(entry.row, entry.column) * entry.value;
+            rhs[row] = stacked(entry);
         }
         for (unknown, entries) in &cone.coefficients {
-            let stacked = entries.iter().map(|entry| {
-                let row = base + svec_index(entry.row, entry.column);
-                (row, -weight(entry.row, entry.column) * entry.value)
-            });
-            let column = &mut columns[*unknown];
-            let start = column.len();
-            column.extend(stacked);
-            if dense_columns.covers(cone) {
-                densify(column, start, base, height(cone));
+            let start = rows.len();
+            for entry in entries {
+                rows.push(base + svec_index(entry.row, entry.column));
+                values.push(-stacked(entry));
             }
+            if dense_columns.covers(cone) {
+                let present: HashSet<usize> = rows[start..].iter().copied().collect();
+                rows.extend((base..base + cone.height()).filter(|row| !present.contains(row)));
+                values.resize(rows.len(), 0.0);
+            }
+            columns.resize(rows.len(), *unknown);
         }
         cones.push(match cone.side {
             1 => SupportedConeT::NonnegativeConeT(1),
             side => SupportedConeT::PSDTriangleConeT(side),
         });
-        base += height(cone);
+        base += cone.height();
     }
-    (compressed(rows, columns), rhs, cones)
-}
-
-/// Adds the rows of the cone at `base` that `column[start..]` leaves out.
-fn densify(column: &mut Vec<(usize, f64)>, start: usize, base: usize, height: usize) {
-    let mut present = vec![false; height];
-    for (row, _) in &column[start..] {
-        present[row - base] = true;
-    }
-    let absent = (0..height).filter(|&row| !present[row]);
-    column.extend(absent.map(|row| (base + row, 0.0)));
-}
-
-fn compressed(rows: usize, columns: Vec<Vec<(usize, f64)>>) -> CscMatrix<f64> {
-    let count = columns.len();
-    let mut starts = vec![0];
-    let (mut row_indices, mut values) = (Vec::new(), Vec::new());
-    for mut column in columns {
-        column.sort_by_key(|&(row, _)| row);
-        row_indices.extend(column.iter().map(|&(row, _)| row));
-        values.extend(column.iter().map(|&(_, value)| value));
-        starts.push(values.len());
-    }
-    CscMatrix::new(rows, count, starts, row_indices, values)
+    let unknowns = problem.cost.len();
+    let matrix = CscMatrix::new_from_triplets(height, unknowns, rows, columns, values);
+    (matrix, rhs, cones)
 }
 
 fn split_duals(problem: &Semidefinite, stacked: &[f64], factor: f64) -> Vec<Vec<f64>> {
     let mut base = 0;
     let mut out = Vec::with_capacity(problem.cones.len());
     for cone in &problem.cones {
-        let mut dual = stacked[base..base + height(cone)].to_vec();
+        let mut dual = stacked[base..base + cone.height()].to_vec();
         dual.iter_mut().for_each(|entry| *entry *= factor);
         for column in 0..cone.side {
             for row in 0..column {
-                dual[svec_index(row, column)] /= weight(row, column);
+                dual[svec_index(row, column)] /= SQRT_2;
             }
         }
         out.push(dual);
-        base += height(cone);
+        base += cone.height();
     }
     out
 }

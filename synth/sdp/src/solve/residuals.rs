@@ -36,10 +36,8 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
         }
         let sizes = cone.constant.iter().map(|entry| entry.value.abs());
         largest = sizes.fold(largest, f64::max);
-        lowest = lowest.min(smallest_eigenvalue(
-            &slack(cone, &solution.values),
-            cone.side,
-        ));
+        let slack = slack(cone, &solution.values);
+        lowest = lowest.min(smallest_eigenvalue(&slack, cone.side));
         dual_lowest = dual_lowest.min(smallest_eigenvalue(dual, cone.side));
     }
     let squares = products
@@ -59,7 +57,7 @@ pub fn residuals(problem: &Semidefinite, solution: &Solution) -> Residuals {
 
 /// The matrix of a cone at a point, as its upper triangle by columns.
 fn slack(cone: &Cone, values: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; cone.side * (cone.side + 1) / 2];
+    let mut out = vec![0.0; cone.height()];
     for entry in &cone.constant {
         out[svec_index(entry.row, entry.column)] += entry.value;
     }
@@ -76,8 +74,7 @@ fn smallest_eigenvalue(upper: &[f64], side: usize) -> f64 {
     if !upper.iter().all(|entry| entry.is_finite()) {
         return f64::NAN;
     }
-    let at = |i: usize, j: usize| upper[svec_index(i.min(j), i.max(j))];
-    let matrix = faer::Mat::from_fn(side, side, at);
+    let matrix = faer::Mat::from_fn(side, side, |i, j| upper[svec_index(i, j)]);
     match matrix.self_adjoint_eigenvalues(Side::Lower) {
         Ok(values) => values.into_iter().fold(f64::INFINITY, f64::min),
         Err(_) => f64::NAN,

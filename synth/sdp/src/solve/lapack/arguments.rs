@@ -7,9 +7,17 @@ use faer::reborrow::*;
 use faer::{ColMut, ColRef, MatMut, MatRef};
 
 use super::kernels::blas::{self, Part};
+use super::kernels::Failure;
 
-/// `info` of a factorization that failed for another reason than its matrix.
-pub(super) const INTERNAL_FAILURE: c_int = 1;
+/// `info` of a kernel whose matrix is argument number `position`: 1 when it failed for another reason than its matrix.
+pub(super) fn outcome_info(outcome: Option<Result<(), Failure>>, position: c_int) -> c_int {
+    match outcome {
+        Some(Ok(())) => 0,
+        Some(Err(Failure::Pivot(index))) => index as c_int,
+        Some(Err(Failure::NotFinite)) => -position,
+        Some(Err(Failure::NoConvergence | Failure::Memory)) | None => 1,
+    }
+}
 
 /// An option letter, in upper case.
 pub(super) unsafe fn letter(option: *const c_char) -> u8 {
@@ -18,9 +26,8 @@ pub(super) unsafe fn letter(option: *const c_char) -> u8 {
 }
 
 /// Whether an operand is transposed.
-pub(super) unsafe fn transposition(option: *const c_char) -> Option<bool> {
-    // SAFETY: a scalar argument (module contract).
-    match unsafe { letter(option) } {
+pub(super) fn transposition(letter: u8) -> Option<bool> {
+    match letter {
         b'N' => Some(false),
         b'T' | b'C' => Some(true),
         _ => None,
@@ -28,9 +35,8 @@ pub(super) unsafe fn transposition(option: *const c_char) -> Option<bool> {
 }
 
 /// The triangle a symmetric matrix is stored in.
-pub(super) unsafe fn triangle(option: *const c_char) -> Option<Part> {
-    // SAFETY: a scalar argument (module contract).
-    match unsafe { letter(option) } {
+pub(super) fn triangle(letter: u8) -> Option<Part> {
+    match letter {
         b'L' => Some(Part::Lower),
         b'U' => Some(Part::Upper),
         _ => None,

@@ -4,16 +4,15 @@ use core::ffi::{c_char, c_int};
 use core::mem::MaybeUninit;
 
 use super::arguments::{
-    array, contained, illegal_argument, letter, matrix_mut, triangle, INTERNAL_FAILURE,
+    array, contained, illegal_argument, letter, matrix_mut, outcome_info, triangle,
 };
 use super::kernels::blas::Part;
-use super::kernels::spectral::{self, SingularVectors, SpectralError, Vectors};
+use super::kernels::spectral::{self, SingularVectors, Vectors};
 
 /// The singular vectors wanted of one side.
-unsafe fn vectors(option: *const c_char) -> Option<Vectors> {
-    // SAFETY: a scalar argument (module contract).
-    match unsafe { letter(option) } {
-        b'N' => Some(Vectors::None),
+fn vectors(letter: u8) -> Option<Vectors> {
+    match letter {
+        b'N' => Some(Vectors::No),
         b'S' => Some(Vectors::Thin),
         b'A' => Some(Vectors::Full),
         _ => None,
@@ -26,19 +25,7 @@ fn workspace_length(documented: i64, wanted: impl FnOnce() -> usize) -> f64 {
     (documented as f64).max(wanted as f64).max(1.0)
 }
 
-/// `info` of a decomposition whose matrix is argument number `position`.
-fn spectral_info(outcome: Option<Result<(), SpectralError>>, position: c_int) -> c_int {
-    match outcome {
-        Some(Ok(())) => 0,
-        Some(Err(SpectralError::NotFinite)) => -position,
-        Some(Err(SpectralError::NoConvergence | SpectralError::Memory)) | None => INTERNAL_FAILURE,
-    }
-}
-
 /// All eigenvalues of a symmetric matrix of order `n`, ascending, and with `jobz = 'V'` its eigenvectors.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dsyevr_(
     jobz: *const c_char,
@@ -65,7 +52,7 @@ pub unsafe extern "C" fn dsyevr_(
 ) {
     // SAFETY: the module's contract; views are taken once the arguments are found legal.
     unsafe {
-        let (job, part) = (letter(jobz), triangle(uplo));
+        let (job, part) = (letter(jobz), triangle(letter(uplo)));
         let (n, lda, ldz, lwork, liwork) = (*n, *lda, *ldz, *lwork, *liwork);
         let (with_vectors, query) = (job == b'V', lwork == -1 || liwork == -1);
         let (least, least_integers) = (26 * i64::from(n.max(1)), 10 * i64::from(n.max(1)));
@@ -104,11 +91,12 @@ pub unsafe extern "C" fn dsyevr_(
         w.write_bytes(0, n as usize);
         let outcome = contained(|| spectral::eigen(a, array(w, n), z, scratch));
         *work = optimum;
-        *info = spectral_info(outcome, 5);
+        *info = outcome_info(outcome, 5);
     }
 }
 
-/// What `dgesdd_` and `dgesvd_` have in common: the options of both sides and the arguments after them.
+/// What `dgesdd_` and `dgesvd_` have in common: the options of both sides and the arguments after them, each array with
+/// its leading dimension or length.
 struct SingularRequest {
     left: Option<Vectors>,
     right: Option<Vectors>,
@@ -116,26 +104,22 @@ struct SingularRequest {
     options: usize,
     m: c_int,
     n: c_int,
-    a: *mut f64,
-    lda: c_int,
+    a: (*mut f64, c_int),
     s: *mut f64,
-    u: *mut f64,
-    ldu: c_int,
-    vt: *mut f64,
-    ldvt: c_int,
-    work: *mut f64,
-    lwork: c_int,
+    u: (*mut f64, c_int),
+    vt: (*mut f64, c_int),
+    work: (*mut f64, c_int),
 }
 
 impl SingularRequest {
     /// The first illegal argument, where `work` must have at least `least` entries.
     fn illegal(&self, least: i64) -> Option<c_int> {
         let least_ldu = match self.left {
-            None | Some(Vectors::None) => 1,
+            None | Some(Vectors::No) => 1,
             Some(_) => self.m.max(1),
         };
         let least_ldvt = match self.right {
-            None | Some(Vectors::None) => 1,
+            None | Some(Vectors::No) => 1,
             Some(Vectors::Thin) => self.m.min(self.n).max(1),
             Some(Vectors::Full) => self.n.max(1),
         };
@@ -144,16 +128,13 @@ impl SingularRequest {
         legal[self.options - 1] &= self.right.is_some();
         let rest = &mut legal[self.options..];
         (rest[0], rest[1]) = (self.m >= 0, self.n >= 0);
-        rest[3] = self.lda >= self.m.max(1);
-        (rest[6], rest[8]) = (self.ldu >= least_ldu, self.ldvt >= least_ldvt);
-        rest[10] = self.lwork == -1 || i64::from(self.lwork) >= least.max(1);
+        rest[3] = self.a.1 >= self.m.max(1);
+        (rest[6], rest[8]) = (self.u.1 >= least_ldu, self.vt.1 >= least_ldvt);
+        rest[10] = self.work.1 == -1 || i64::from(self.work.1) >= least.max(1);
         illegal_argument(&legal)
     }
 
     /// Checks the arguments, then answers a workspace query or decomposes; returns `info`.
-    ///
-    /// # Safety
-    /// The module's contract.
     unsafe fn run(&self, least: i64) -> c_int {
         if let Some(position) = self.illegal(least) {
             return -position;
@@ -167,43 +148,39 @@ impl SingularRequest {
             let optimum = workspace_length(least, || {
                 spectral::singular_workspace(m as usize, n as usize, left, right)
             });
-            *self.work = optimum;
-            if self.lwork == -1 {
+            let (work, lwork) = self.work;
+            *work = optimum;
+            if lwork == -1 {
                 return 0;
             }
             if size == 0 {
                 return self.empty(left, right);
             }
             let columns = |side, full| match side {
-                Vectors::None => None,
+                Vectors::No => None,
                 Vectors::Thin => Some(size),
                 Vectors::Full => Some(full),
             };
             let vectors = SingularVectors {
-                left: columns(left, m).map(|cols| matrix_mut(self.u, m, cols, self.ldu)),
+                left: columns(left, m).map(|cols| matrix_mut(self.u.0, m, cols, self.u.1)),
                 right: columns(right, n)
-                    .map(|rows| matrix_mut(self.vt, rows, n, self.ldvt).transpose_mut()),
+                    .map(|rows| matrix_mut(self.vt.0, rows, n, self.vt.1).transpose_mut()),
             };
-            let a = matrix_mut(self.a, m, n, self.lda);
-            let work = array(self.work.cast::<MaybeUninit<f64>>(), self.lwork);
+            let a = matrix_mut(self.a.0, m, n, self.a.1);
+            let scratch = array(work.cast::<MaybeUninit<f64>>(), lwork);
             self.s.write_bytes(0, size as usize);
-            let outcome = contained(|| spectral::singular(a, array(self.s, size), vectors, work));
-            *self.work = optimum;
-            spectral_info(outcome, self.options as c_int + 3)
+            let outcome =
+                contained(|| spectral::singular(a, array(self.s, size), vectors, scratch));
+            *work = optimum;
+            outcome_info(outcome, self.options as c_int + 3)
         }
     }
 
     /// A matrix without rows or without columns: the full vectors of the other side are the unit vectors.
-    ///
-    /// # Safety
-    /// The module's contract.
     unsafe fn empty(&self, left: Vectors, right: Vectors) -> c_int {
         // SAFETY: the arguments are legal, and the module's contract.
         unsafe {
-            for (side, order, vectors, ld) in [
-                (left, self.m, self.u, self.ldu),
-                (right, self.n, self.vt, self.ldvt),
-            ] {
+            for (side, order, (vectors, ld)) in [(left, self.m, self.u), (right, self.n, self.vt)] {
                 if side == Vectors::Full && order > 0 {
                     let mut identity = matrix_mut(vectors, order, order, ld);
                     identity.fill(0.0);
@@ -216,9 +193,6 @@ impl SingularRequest {
 }
 
 /// Singular value decomposition `A = U diag(S) VT` of an `m` by `n` matrix, singular values descending.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dgesdd_(
     jobz: *const c_char,
@@ -238,7 +212,7 @@ pub unsafe extern "C" fn dgesdd_(
 ) {
     // SAFETY: the module's contract.
     unsafe {
-        let job = vectors(jobz);
+        let job = vectors(letter(jobz));
         let (m, n) = (*m, *n);
         let request = SingularRequest {
             left: job,
@@ -246,19 +220,15 @@ pub unsafe extern "C" fn dgesdd_(
             options: 1,
             m,
             n,
-            a,
-            lda: *lda,
+            a: (a, *lda),
             s,
-            u,
-            ldu: *ldu,
-            vt,
-            ldvt: *ldvt,
-            work,
-            lwork: *lwork,
+            u: (u, *ldu),
+            vt: (vt, *ldvt),
+            work: (work, *lwork),
         };
         let (short, long) = (i64::from(m.min(n)), i64::from(m.max(n)));
         let least = match job {
-            None | Some(Vectors::None) => 3 * short + long.max(7 * short),
+            None | Some(Vectors::No) => 3 * short + long.max(7 * short),
             Some(Vectors::Thin) => 4 * short * short + 7 * short,
             Some(Vectors::Full) => 4 * short * short + 6 * short + long,
         };
@@ -267,9 +237,6 @@ pub unsafe extern "C" fn dgesdd_(
 }
 
 /// Singular value decomposition as of `dgesdd_`, with the vectors of each side chosen separately.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dgesvd_(
     jobu: *const c_char,
@@ -291,20 +258,16 @@ pub unsafe extern "C" fn dgesvd_(
     unsafe {
         let (m, n) = (*m, *n);
         let request = SingularRequest {
-            left: vectors(jobu),
-            right: vectors(jobvt),
+            left: vectors(letter(jobu)),
+            right: vectors(letter(jobvt)),
             options: 2,
             m,
             n,
-            a,
-            lda: *lda,
+            a: (a, *lda),
             s,
-            u,
-            ldu: *ldu,
-            vt,
-            ldvt: *ldvt,
-            work,
-            lwork: *lwork,
+            u: (u, *ldu),
+            vt: (vt, *ldvt),
+            work: (work, *lwork),
         };
         let (short, long) = (i64::from(m.min(n)), i64::from(m.max(n)));
         *info = request.run((3 * short + long).max(5 * short));

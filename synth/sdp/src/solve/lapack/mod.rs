@@ -26,6 +26,8 @@
 //! and no output array overlaps another array. Arrays of size zero are never dereferenced.
 #![allow(unsafe_code)]
 #![allow(clippy::too_many_arguments)]
+// The section above holds for every symbol.
+#![allow(clippy::missing_safety_doc)]
 
 mod arguments;
 mod decompositions;

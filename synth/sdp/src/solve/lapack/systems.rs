@@ -5,25 +5,14 @@ use core::ffi::{c_char, c_int};
 use faer::reborrow::*;
 
 use super::arguments::{
-    array, contained, illegal_argument, matrix, matrix_mut, triangle, INTERNAL_FAILURE,
+    array, contained, illegal_argument, letter, matrix, matrix_mut, outcome_info, triangle,
 };
 use super::kernels::blas::Part;
-use super::kernels::factor::{self, FactorError};
-
-fn factor_info(outcome: Option<Result<(), FactorError>>) -> c_int {
-    match outcome {
-        Some(Ok(())) => 0,
-        Some(Err(FactorError::Pivot(index))) => index as c_int,
-        Some(Err(FactorError::Memory)) | None => INTERNAL_FAILURE,
-    }
-}
+use super::kernels::factor;
 
 /// Cholesky factor of a symmetric matrix of order `n`, in place: `L` with `A = L L'` or `U` with `A = U' U`.
 ///
 /// `info = k`: pivot `k` is not positive.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dpotrf_(
     uplo: *const c_char,
@@ -34,7 +23,7 @@ pub unsafe extern "C" fn dpotrf_(
 ) {
     // SAFETY: the module's contract; views are taken once the arguments are found legal.
     unsafe {
-        let part = triangle(uplo);
+        let part = triangle(letter(uplo));
         let (n, lda) = (*n, *lda);
         let legal = [part.is_some(), n >= 0, true, lda >= n.max(1)];
         if let Some(position) = illegal_argument(&legal) {
@@ -49,14 +38,11 @@ pub unsafe extern "C" fn dpotrf_(
         if part == Some(Part::Upper) {
             a = a.transpose_mut();
         }
-        *info = factor_info(contained(|| factor::cholesky(a)));
+        *info = outcome_info(contained(|| factor::cholesky(a)), 3);
     }
 }
 
 /// Solves `A X = B` with `nrhs` right-hand sides in place, given the factor that `dpotrf_` computed.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dpotrs_(
     uplo: *const c_char,
@@ -70,18 +56,11 @@ pub unsafe extern "C" fn dpotrs_(
 ) {
     // SAFETY: the module's contract; views are taken once the arguments are found legal.
     unsafe {
-        let part = triangle(uplo);
+        let part = triangle(letter(uplo));
         let (n, nrhs, lda, ldb) = (*n, *nrhs, *lda, *ldb);
-        let (has_lda, has_ldb) = (lda >= n.max(1), ldb >= n.max(1));
-        let legal = [
-            part.is_some(),
-            n >= 0,
-            nrhs >= 0,
-            true,
-            has_lda,
-            true,
-            has_ldb,
-        ];
+        let mut legal = [true; 7];
+        (legal[0], legal[1], legal[2]) = (part.is_some(), n >= 0, nrhs >= 0);
+        (legal[4], legal[6]) = (lda >= n.max(1), ldb >= n.max(1));
         if let Some(position) = illegal_argument(&legal) {
             *info = -position;
             return;
@@ -94,19 +73,14 @@ pub unsafe extern "C" fn dpotrs_(
         if part == Some(Part::Upper) {
             factor = factor.transpose();
         }
-        *info = factor_info(contained(|| {
-            factor::solve_with_cholesky(factor, b);
-            Ok(())
-        }));
+        let outcome = contained(|| factor::solve_with_cholesky(factor, b));
+        *info = outcome_info(outcome.map(Ok), 4);
     }
 }
 
 /// Solves `A X = B` with `nrhs` right-hand sides by LU factorization, both in place.
 ///
 /// `info = k`: pivot `k` is zero; `B` is then left as it was.
-///
-/// # Safety
-/// The module's contract.
 #[no_mangle]
 pub unsafe extern "C" fn dgesv_(
     n: *const c_int,
@@ -137,13 +111,11 @@ pub unsafe extern "C" fn dgesv_(
         }
         let pivots = array(ipiv, n);
         let outcome = contained(|| factor::lu(a.rb_mut(), pivots));
-        *info = factor_info(outcome);
+        *info = outcome_info(outcome, 3);
         if *info == 0 && nrhs > 0 {
             let b = matrix_mut(b, n, nrhs, ldb);
-            *info = factor_info(contained(|| {
-                factor::solve_with_lu(a.rb(), pivots, b);
-                Ok(())
-            }));
+            let outcome = contained(|| factor::solve_with_lu(a.rb(), pivots, b));
+            *info = outcome_info(outcome.map(Ok), 3);
         }
     }
 }

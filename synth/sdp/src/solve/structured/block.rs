@@ -1,35 +1,6 @@
 //! One semidefinite block and its coefficients.
 
-/// One entry of a symmetric matrix on or above the diagonal.
-#[derive(Debug, Clone, Copy)]
-pub struct Place {
-    /// Row, not below the column's place on the diagonal.
-    pub row: usize,
-    /// Column.
-    pub column: usize,
-    /// The entry itself.
-    pub value: f64,
-}
-
-impl Place {
-    /// The entry at (row, column) or (column, row).
-    pub fn new(row: usize, column: usize, value: f64) -> Self {
-        Place {
-            row: row.min(column),
-            column: row.max(column),
-            value,
-        }
-    }
-
-    /// How often it stands in the full matrix.
-    pub fn count(&self) -> f64 {
-        if self.row == self.column {
-            1.0
-        } else {
-            2.0
-        }
-    }
-}
+use crate::lmi::{inner, svec_index, Entry};
 
 /// Coefficients as the iterations read them: where in the column-major block, what, and how often. All that is read for
 /// one unknown is contiguous and small.
@@ -49,13 +20,13 @@ pub struct Block {
     /// Where its side * side entries begin in packed storage.
     pub offset: usize,
     /// Constant matrix.
-    pub constant: Vec<Place>,
+    pub constant: Vec<Entry>,
     /// Unknowns that occur, those with the most entries first.
     pub unknowns: Vec<usize>,
     /// Entries of the k-th of these unknowns: `entries[starts[k]..starts[k + 1]]`.
     pub starts: Vec<usize>,
     /// See `starts`.
-    pub entries: Vec<Place>,
+    pub entries: Vec<Entry>,
     /// Index of the cone it comes from.
     pub source: usize,
     /// Its rows in that cone.
@@ -67,7 +38,7 @@ pub struct Block {
 
 impl Block {
     /// A block with its constant, and no unknowns yet.
-    pub fn new(source: usize, rows: Vec<usize>, offset: usize, constant: Vec<Place>) -> Self {
+    pub fn new(source: usize, rows: Vec<usize>, offset: usize, constant: Vec<Entry>) -> Self {
         Block {
             side: rows.len(),
             offset,
@@ -83,7 +54,7 @@ impl Block {
     }
 
     /// Adds an unknown's coefficient.
-    pub fn push(&mut self, unknown: usize, entries: impl IntoIterator<Item = Place>) {
+    pub fn push(&mut self, unknown: usize, entries: impl IntoIterator<Item = Entry>) {
         self.unknowns.push(unknown);
         self.entries.extend(entries);
         self.starts.push(self.entries.len());
@@ -95,8 +66,18 @@ impl Block {
     }
 
     /// Entries of the k-th unknown.
-    pub fn entries_of(&self, k: usize) -> &[Place] {
+    pub fn entries_of(&self, k: usize) -> &[Entry] {
         &self.entries[self.starts[k]..self.starts[k + 1]]
+    }
+
+    /// For each of its places (i, j): where it lies in the stacked triangle of its cone, and the factor by which it is
+    /// larger than the entry there.
+    pub fn places(&self) -> impl Iterator<Item = ((usize, usize), usize, f64)> + '_ {
+        let pairs = (0..self.side).flat_map(|j| (0..self.side).map(move |i| (i, j)));
+        pairs.map(|(i, j)| {
+            let at = svec_index(self.rows[i], self.rows[j]);
+            ((i, j), at, self.scale[i] * self.scale[j])
+        })
     }
 
     /// Makes the entries ready for [`evaluate`](Block::evaluate) and [`adjoint`](Block::adjoint), once nothing more changes.
@@ -158,7 +139,7 @@ impl Block {
                 out[at as usize] += y[unknown] * value;
             }
         }
-        super::dense::mirror_upper(out, n);
+        super::dense::mirror(out, n, |upper, _| upper);
     }
 
     /// `out_i += <A_i, W>` for a symmetric W.
@@ -174,10 +155,7 @@ impl Block {
 
     /// `<constant, W>` for a symmetric W.
     pub fn against_constant(&self, w: &[f64]) -> f64 {
-        let entries = self.constant.iter();
-        entries
-            .map(|e| e.count() * e.value * w[e.column * self.side + e.row])
-            .sum()
+        inner(&self.constant, |row, column| w[column * self.side + row])
     }
 }
 

@@ -221,37 +221,17 @@ pub fn congruence_by_lower(l: &[f64], a: &[f64], work: &mut [f64], out: &mut [f6
         column.fill(0.0);
         combine(work, n, j, 0..j + 1, |k| l[k * n + j], column);
     }
-    mirror_lower(out, n);
+    mirror(out, n, |_, lower| lower);
 }
 
-/// Copies the upper triangle onto the lower one.
+/// Puts in the place of each entry above the diagonal, and of its mirror image below, what is made of both.
 #[inline(always)]
-pub fn mirror_upper(a: &mut [f64], n: usize) {
+pub fn mirror(a: &mut [f64], n: usize, made_of: impl Fn(f64, f64) -> f64) {
     for j in 0..n {
         for i in 0..j {
-            a[i * n + j] = a[j * n + i];
-        }
-    }
-}
-
-/// Copies the lower triangle onto the upper one.
-#[inline(always)]
-pub fn mirror_lower(a: &mut [f64], n: usize) {
-    for j in 0..n {
-        for i in 0..j {
-            a[j * n + i] = a[i * n + j];
-        }
-    }
-}
-
-/// `A <- (A + A') / 2`.
-#[inline(always)]
-pub fn symmetrise(a: &mut [f64], n: usize) {
-    for j in 0..n {
-        for i in 0..j {
-            let mean = 0.5 * (a[j * n + i] + a[i * n + j]);
-            a[j * n + i] = mean;
-            a[i * n + j] = mean;
+            let value = made_of(a[j * n + i], a[i * n + j]);
+            a[j * n + i] = value;
+            a[i * n + j] = value;
         }
     }
 }
@@ -364,57 +344,6 @@ pub fn smallest_eigenvalue(diagonal: &[f64], off: &[f64], enough: f64) -> f64 {
     low
 }
 
-/// Eigenvalues and eigenvectors (columns of the result) of a symmetric A by cyclic Jacobi rotations: slow and
-/// accurate, for use outside of the iterations.
-pub fn eigen(a: &[f64], n: usize) -> (Vec<f64>, Vec<f64>) {
-    let mut a = a.to_vec();
-    let mut vectors = vec![0.0; n * n];
-    (0..n).for_each(|k| vectors[k * n + k] = 1.0);
-    let total: f64 = dot(&a, &a);
-    for _ in 0..60 {
-        let off: f64 = (0..n)
-            .flat_map(|j| (0..j).map(move |i| (i, j)))
-            .map(|(i, j)| a[j * n + i] * a[j * n + i])
-            .sum();
-        if off.is_nan() || off <= 1e-32 * total {
-            break;
-        }
-        for q in 1..n {
-            for p in 0..q {
-                rotate(&mut a, &mut vectors, n, p, q);
-            }
-        }
-    }
-    ((0..n).map(|k| a[k * n + k]).collect(), vectors)
-}
-
-/// One Jacobi rotation that makes entry (p, q) zero.
-fn rotate(a: &mut [f64], vectors: &mut [f64], n: usize, p: usize, q: usize) {
-    let apq = a[q * n + p];
-    if apq == 0.0 {
-        return;
-    }
-    let theta = (a[q * n + q] - a[p * n + p]) / (2.0 * apq);
-    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let s = t * c;
-    for k in 0..n {
-        let (kp, kq) = (a[p * n + k], a[q * n + k]);
-        a[p * n + k] = c * kp - s * kq;
-        a[q * n + k] = s * kp + c * kq;
-    }
-    for k in 0..n {
-        let (pk, qk) = (a[k * n + p], a[k * n + q]);
-        a[k * n + p] = c * pk - s * qk;
-        a[k * n + q] = s * pk + c * qk;
-    }
-    for k in 0..n {
-        let (kp, kq) = (vectors[p * n + k], vectors[q * n + k]);
-        vectors[p * n + k] = c * kp - s * kq;
-        vectors[q * n + k] = s * kp + c * kq;
-    }
-}
-
 /// `out = sum over pairs (p, q) of p q' + q p'`, the first `rows` rows of it on and above the diagonal (what else it writes is
 /// of no use); `basis` holds the columns p0, q0, p1, q1, ..., `count` in all. Columns are `stride` apart, a multiple of
 /// the lanes.
@@ -423,20 +352,10 @@ pub fn sum_of_pairs(basis: &[f64], count: usize, stride: usize, rows: usize, out
     for c in 0..rows {
         let top = (c / LANES + 1) * LANES;
         let y = &mut out[c * stride..c * stride + top];
-        let column = |k: usize| &basis[k * stride..k * stride + top];
         let weight = |k: usize| basis[(k ^ 1) * stride + c];
-        let mut k = 0;
         y.fill(0.0);
-        if count % 4 == 2 {
-            axpy(weight(0), column(0), y);
-            axpy(weight(1), column(1), y);
-            k = 2;
-        }
-        while k + 4 <= count {
-            let weights = [weight(k), weight(k + 1), weight(k + 2), weight(k + 3)];
-            let columns = [column(k), column(k + 1), column(k + 2), column(k + 3)];
-            add_vectors(weights, columns, false, y);
-            k += 4;
-        }
+        // What is left of fours comes first.
+        combine(basis, stride, 0, 0..count % 4, weight, y);
+        combine(basis, stride, 0, count % 4..count, weight, y);
     }
 }

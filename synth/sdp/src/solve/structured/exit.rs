@@ -16,7 +16,7 @@ const NEARLY_FEASIBLE: f64 = 1e-6;
 const NEARLY_CLOSED: f64 = 1e-5;
 
 /// What is known of a point.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Measures {
     /// `c'y`, in balanced units.
     pub objective: f64,
@@ -69,6 +69,29 @@ pub enum Termination {
     Cancelled,
 }
 
+impl Termination {
+    /// To the requested or to reduced accuracy.
+    pub fn is_solved(&self) -> bool {
+        matches!(self, Termination::Solved | Termination::Reduced(_))
+    }
+
+    /// Without further progress.
+    pub fn is_stalled(&self) -> bool {
+        matches!(self, Termination::Stalled(_))
+    }
+}
+
+/// Where the time of a solve went (s).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timings {
+    /// Building the Schur complement.
+    pub schur: f64,
+    /// Factoring it and solving with it.
+    pub linear: f64,
+    /// Everything else in the iterations.
+    pub rest: f64,
+}
+
 /// The last or the best point.
 #[derive(Debug, Clone)]
 pub struct SolverExit {
@@ -82,8 +105,8 @@ pub struct SolverExit {
     pub feasible: bool,
     /// Iterations done.
     pub iterations: u32,
-    /// Time [s] spent on the Schur complement, on its factor and solves, and on the rest.
-    pub seconds: [f64; 3],
+    /// Where the time went.
+    pub timings: Timings,
 }
 
 /// The input of the iterations.

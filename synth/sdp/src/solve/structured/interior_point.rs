@@ -2,8 +2,8 @@
 //! Vanderbei, Wolkowicz 1996; Kojima, Shindoh, Hara 1997; Monteiro 1997) and Mehrotra's predictor and corrector.
 
 use super::dense::dot;
-use super::exit::{Measures, SolveTask, SolverExit, Termination, FEASIBLE};
-use super::iterate::{longest_step, sandwich, Factors, StepWork};
+use super::exit::{Measures, SolveTask, SolverExit, Termination, Timings, FEASIBLE};
+use super::iterate::{longest_step, Factors, StepWork};
 use super::layout::Iterate;
 use super::ray;
 use super::schur::{SchurPlan, SchurWork};
@@ -47,15 +47,7 @@ struct Iteration<'a> {
     products: Vec<f64>,
     constant_norm: f64,
     cost_norm: f64,
-    seconds: [f64; 3],
-}
-
-/// A search direction.
-#[derive(Debug, Clone)]
-struct Direction {
-    y: Vec<f64>,
-    s: Vec<f64>,
-    z: Vec<f64>,
+    timings: Timings,
 }
 
 /// Iterates from `start`; iterates that another solve may start from are kept in `trail`.
@@ -63,20 +55,13 @@ pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) ->
     let layout = task.layout;
     if layout.cost.is_empty() {
         // Nothing is unknown, and what is known holds.
-        let measures = Measures {
-            objective: 0.0,
-            dual_objective: 0.0,
-            relative_gap: 0.0,
-            slack_residual: 0.0,
-            dual_residual: 0.0,
-        };
         return SolverExit {
             termination: Termination::Solved,
             point: start,
-            measures,
+            measures: Measures::default(),
             feasible: true,
             iterations: 0,
-            seconds: [0.0; 3],
+            timings: Timings::default(),
         };
     }
     let mut run = Iteration {
@@ -93,7 +78,7 @@ pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) ->
         products: vec![0.0; layout.cost.len()],
         constant_norm: layout.constant_norm(),
         cost_norm: dot(&layout.cost, &layout.cost).sqrt(),
-        seconds: [0.0; 3],
+        timings: Timings::default(),
     };
     let begin = std::time::Instant::now();
     // Inside of the pool a half is taken over without waking a thread; a thread that is late finds nothing to do.
@@ -101,8 +86,11 @@ pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) ->
         0 | 1 => run.iterate(start, trail),
         _ => rayon::scope(|_| run.iterate(start, trail)),
     };
-    outcome.seconds = run.seconds;
-    outcome.seconds[2] = begin.elapsed().as_secs_f64() - run.seconds[0] - run.seconds[1];
+    let Timings { schur, linear, .. } = run.timings;
+    outcome.timings = Timings {
+        rest: begin.elapsed().as_secs_f64() - schur - linear,
+        ..run.timings
+    };
     outcome
 }
 
@@ -125,20 +113,11 @@ impl Iteration<'_> {
             }
             let measures = self.measure(&point);
             let distance = measures.distance(self.task.relative_gap);
-            let feasible = self.feasible;
-            let outcome = |termination: Termination, point: &Iterate| SolverExit {
-                termination,
-                point: point.clone(),
-                measures,
-                feasible,
-                iterations: iteration,
-                seconds: [0.0; 3],
-            };
             if !(self.task.observer)(iteration, &measures) {
-                return outcome(Termination::Cancelled, &point);
+                return self.exit(Termination::Cancelled, point, measures, iteration);
             }
             if distance <= 1.0 {
-                return outcome(Termination::Solved, &point);
+                return self.exit(Termination::Solved, point, measures, iteration);
             }
             let complementarity = dot(&point.s, &point.z);
             let nearer = best
@@ -181,17 +160,16 @@ impl Iteration<'_> {
                 break;
             }
             if !self.feasible && measures.dual_objective > 0.0 {
-                if let Some(ray) =
-                    ray::dual(layout, &self.system, &self.factors, &point.z, self.threads)
-                {
+                let (system, factors) = (&self.system, &self.factors);
+                if let Some(ray) = ray::dual(layout, system, factors, &point.z, self.threads) {
                     point.z = ray;
-                    return outcome(Termination::Infeasible, &point);
+                    return self.exit(Termination::Infeasible, point, measures, iteration);
                 }
             }
             if measures.objective < 0.0 && measures.dual_residual > FEASIBLE {
                 if let Some(ray) = ray::primal(layout, &point.y) {
                     point.y = ray;
-                    return outcome(Termination::Unbounded, &point);
+                    return self.exit(Termination::Unbounded, point, measures, iteration);
                 }
             }
             let Some(steps) = self.advance(&mut point) else {
@@ -223,27 +201,29 @@ impl Iteration<'_> {
         let gap = self.task.relative_gap;
         let Some((_, point, measures)) = best else {
             let measures = self.measure(&last);
-            let termination = Termination::Stalled(stalled);
-            return SolverExit {
-                termination,
-                point: last,
-                measures,
-                feasible: self.feasible,
-                iterations,
-                seconds: [0.0; 3],
-            };
+            return self.exit(Termination::Stalled(stalled), last, measures, iterations);
         };
         let termination = match measures.nearly_there(gap) {
             true => Termination::Reduced(stalled),
             false => Termination::Stalled(stalled),
         };
+        self.exit(termination, point, measures, iterations)
+    }
+
+    fn exit(
+        &self,
+        termination: Termination,
+        point: Iterate,
+        measures: Measures,
+        iterations: u32,
+    ) -> SolverExit {
         SolverExit {
             termination,
             point,
             measures,
             feasible: self.feasible,
             iterations,
-            seconds: [0.0; 3],
+            timings: Timings::default(),
         }
     }
 
@@ -281,22 +261,14 @@ impl Iteration<'_> {
         let objective = dot(&layout.cost, &point.y);
         let dual_objective = -layout.against_constant(&point.z);
         layout.adjoint(&point.z, self.threads, &mut self.products);
-        let products = &self.products;
-        let squares = products
-            .iter()
-            .zip(&layout.cost)
-            .map(|(a, c)| (a - c) * (a - c));
-        let dual_residual = squares.sum::<f64>().sqrt() / (1.0 + self.cost_norm);
-        let size = objective
-            .abs()
-            .max(dual_objective.abs())
-            .max(self.task.objective_unit);
+        let sizes = objective.abs().max(dual_objective.abs());
+        let size = sizes.max(self.task.objective_unit);
         Measures {
             objective,
             dual_objective,
             relative_gap: (objective - dual_objective).abs() / size,
             slack_residual: dot(&self.residual, &self.residual).sqrt() / (1.0 + self.constant_norm),
-            dual_residual,
+            dual_residual: layout.dual_residual(&self.products) / (1.0 + self.cost_norm),
         }
     }
 
@@ -311,10 +283,10 @@ impl Iteration<'_> {
             &mut self.system.matrix,
             &mut self.schur,
         );
-        self.seconds[0] += begin.elapsed().as_secs_f64();
+        self.timings.schur += begin.elapsed().as_secs_f64();
         let begin = std::time::Instant::now();
         let factored = self.system.factor(layout.cost.len());
-        self.seconds[1] += begin.elapsed().as_secs_f64();
+        self.timings.linear += begin.elapsed().as_secs_f64();
         factored
     }
 
@@ -326,15 +298,8 @@ impl Iteration<'_> {
         // The term that the residual of the slack adds to Z.
         let mut base = vec![0.0; layout.length];
         if !self.feasible {
-            let inverse = &self.factors.s_inverse;
-            sandwich(
-                layout,
-                &point.z,
-                &self.residual,
-                inverse,
-                self.threads,
-                &mut base,
-            );
+            let (factors, residual) = (&self.factors, &self.residual);
+            factors.sandwich(layout, &point.z, residual, self.threads, &mut base);
             base.iter_mut().for_each(|entry| *entry = -*entry);
         }
         let predictor = self.direction(point, &base, 1.0)?;
@@ -343,15 +308,10 @@ impl Iteration<'_> {
         let (centring, fraction, weight) = self.caution(point, &predictor, (s_step, z_step));
         // The corrector: second-order term of the predictor.
         let mut target = vec![0.0; layout.length];
+        let Iterate { s, z, .. } = &predictor;
+        self.factors
+            .sandwich(layout, z, s, self.threads, &mut target);
         let inverse = &self.factors.s_inverse;
-        sandwich(
-            layout,
-            &predictor.z,
-            &predictor.s,
-            inverse,
-            self.threads,
-            &mut target,
-        );
         let aim = centring * complementarity;
         for k in 0..layout.length {
             target[k] = aim * inverse[k] + fraction * base[k] - weight * target[k];
@@ -371,26 +331,20 @@ impl Iteration<'_> {
                 (direction, s_step, z_step) = (centred, s_centred, z_centred);
             }
         }
-        for (y, d) in point.y.iter_mut().zip(&direction.y) {
-            *y += s_step * d;
-        }
-        for (s, d) in point.s.iter_mut().zip(&direction.s) {
-            *s += s_step * d;
-        }
-        for (z, d) in point.z.iter_mut().zip(&direction.z) {
-            *z += z_step * d;
-        }
+        let along = |step: f64, from: &mut [f64], direction: &[f64]| {
+            from.iter_mut()
+                .zip(direction)
+                .for_each(|(x, d)| *x += step * d);
+        };
+        along(s_step, &mut point.y, &direction.y);
+        along(s_step, &mut point.s, &direction.s);
+        along(z_step, &mut point.z, &direction.z);
         Some((s_step, z_step))
     }
 
     /// After the predictor and its steps: how much to centre, the fraction of the residuals to remove, and the weight
     /// of the second-order term.
-    fn caution(
-        &self,
-        point: &Iterate,
-        predictor: &Direction,
-        steps: (f64, f64),
-    ) -> (f64, f64, f64) {
+    fn caution(&self, point: &Iterate, predictor: &Iterate, steps: (f64, f64)) -> (f64, f64, f64) {
         let (s_step, z_step) = steps;
         let step = s_step.min(z_step);
         if self.task.cautious {
@@ -411,7 +365,7 @@ impl Iteration<'_> {
 
     /// The direction with `dZ + sym(Z A(dy) S^-1) = target - Z` that removes a fraction of both residuals: with all
     /// of them, `<A_i, Z + dZ> = c_i`.
-    fn direction(&mut self, point: &Iterate, target: &[f64], fraction: f64) -> Option<Direction> {
+    fn direction(&mut self, point: &Iterate, target: &[f64], fraction: f64) -> Option<Iterate> {
         let layout = self.task.layout;
         let unknowns = layout.cost.len();
         let mut goal = self.products.clone();
@@ -435,21 +389,15 @@ impl Iteration<'_> {
             before = size;
             let begin = std::time::Instant::now();
             self.system.solve(&rhs, &mut correction);
-            self.seconds[1] += begin.elapsed().as_secs_f64();
+            self.timings.linear += begin.elapsed().as_secs_f64();
             if !correction.iter().all(|value| value.is_finite()) {
                 return None;
             }
             y.iter_mut().zip(&correction).for_each(|(y, d)| *y += d);
             layout.evaluate(0.0, &y, self.threads, &mut s);
             z.copy_from_slice(target);
-            sandwich(
-                layout,
-                &point.z,
-                &s,
-                &self.factors.s_inverse,
-                self.threads,
-                &mut self.product,
-            );
+            self.factors
+                .sandwich(layout, &point.z, &s, self.threads, &mut self.product);
             z.iter_mut().zip(&self.product).for_each(|(z, p)| *z -= p);
         }
         z.iter_mut().zip(&point.z).for_each(|(z, old)| *z -= old);
@@ -459,33 +407,20 @@ impl Iteration<'_> {
                 .zip(residual)
                 .for_each(|(s, r)| *s += fraction * r);
         }
-        Some(Direction { y, s, z })
+        Some(Iterate { y, s, z })
     }
 
     /// Steps for S and for Z: `damping` of the distance to the boundary, at most 1.
-    fn step_lengths(&mut self, point: &Iterate, direction: &Direction, damping: f64) -> (f64, f64) {
+    fn step_lengths(&mut self, point: &Iterate, direction: &Iterate, damping: f64) -> (f64, f64) {
         let layout = self.task.layout;
-        let enough = 1.0 / damping;
         let [s_work, z_work] = &mut self.steps;
-        let factors = &self.factors;
-        let s = longest_step(
-            layout,
-            &point.s,
-            &factors.s_root,
-            &direction.s,
-            enough,
-            self.threads,
-            s_work,
-        );
-        let z = longest_step(
-            layout,
-            &point.z,
-            &factors.z_root,
-            &direction.z,
-            enough,
-            self.threads,
-            z_work,
-        );
-        ((damping * s).min(1.0), (damping * z).min(1.0))
+        let (factors, threads) = (&self.factors, self.threads);
+        let step = |w: &[f64], root: &[f64], direction: &[f64], work: &mut StepWork| {
+            let enough = 1.0 / damping;
+            (damping * longest_step(layout, w, root, direction, enough, threads, work)).min(1.0)
+        };
+        let s = step(&point.s, &factors.s_root, &direction.s, s_work);
+        let z = step(&point.z, &factors.z_root, &direction.z, z_work);
+        (s, z)
     }
 }

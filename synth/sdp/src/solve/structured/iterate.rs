@@ -2,8 +2,8 @@
 
 use super::block::Block;
 use super::dense;
-use super::halves::both;
 use super::layout::{Iterate, Layout};
+use super::threads::both;
 
 /// Factors of a point's matrices, block by block.
 #[derive(Debug, Clone)]
@@ -43,6 +43,26 @@ impl Factors {
             || factor(after, middle, s_second, i_second, z_second),
         );
         first && second
+    }
+
+    /// `out = sym(Z W S^-1)` block by block.
+    pub fn sandwich(&self, layout: &Layout, z: &[f64], w: &[f64], threads: usize, out: &mut [f64]) {
+        layout.fill_halves(threads, out, |blocks, base, out| {
+            let mut work = Vec::new();
+            dense::vectorised(
+                #[inline(always)]
+                || {
+                    for block in blocks {
+                        let (n, range) = (block.side, block.range());
+                        work.resize(n * n, 0.0);
+                        let out = &mut out[range.start - base..range.end - base];
+                        dense::product(&z[range.clone()], &w[range.clone()], &mut work, n);
+                        dense::product(&work, &self.s_inverse[range], out, n);
+                        dense::mirror(out, n, |upper, lower| 0.5 * (upper + lower));
+                    }
+                },
+            );
+        });
     }
 }
 
@@ -194,31 +214,4 @@ impl HalfStep {
         dense::tridiagonalise(reduced, n, diagonal, off);
         dense::smallest_eigenvalue(diagonal, off, enough)
     }
-}
-
-/// `out = sym(Z W S^-1)` block by block.
-pub fn sandwich(
-    layout: &Layout,
-    z: &[f64],
-    w: &[f64],
-    s_inverse: &[f64],
-    threads: usize,
-    out: &mut [f64],
-) {
-    layout.fill_halves(threads, out, |blocks, base, out| {
-        let mut work = Vec::new();
-        dense::vectorised(
-            #[inline(always)]
-            || {
-                for block in blocks {
-                    let (n, range) = (block.side, block.range());
-                    work.resize(n * n, 0.0);
-                    let out = &mut out[range.start - base..range.end - base];
-                    dense::product(&z[range.clone()], &w[range.clone()], &mut work, n);
-                    dense::product(&work, &s_inverse[range], out, n);
-                    dense::symmetrise(out, n);
-                }
-            },
-        );
-    });
 }

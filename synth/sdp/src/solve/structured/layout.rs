@@ -1,8 +1,10 @@
 //! The problem as the iterations see it: rows and unknowns that matter, in balanced units, packed.
 
-use super::block::{power_of_two, Block, Place};
+use nalgebra::DMatrix;
+
+use super::block::{power_of_two, Block};
 use super::dense::LANES;
-use super::halves::both;
+use super::threads::{both, halfway};
 use crate::lmi::{self, Entry, Semidefinite};
 
 /// Work of an iteration outside of the Schur complement [multiplications] below which a second thread does not pay.
@@ -77,16 +79,11 @@ impl Layout {
             let padded = block.side.next_multiple_of(LANES);
             12 * block.side * padded * padded + 16 * block.entries.len()
         };
-        let total: usize = self.blocks.iter().map(work).sum();
-        self.middle = self.blocks.len();
-        if total >= WORTH_A_THREAD {
-            let mut sum = 0;
-            let half = self.blocks.iter().position(|block| {
-                sum += work(block);
-                2 * sum >= total
-            });
-            self.middle = half.map_or(self.blocks.len(), |at| at + 1);
-        }
+        let work: Vec<usize> = self.blocks.iter().map(work).collect();
+        self.middle = match work.iter().sum::<usize>() >= WORTH_A_THREAD {
+            true => halfway(&work),
+            false => work.len(),
+        };
     }
 
     /// Where the second half begins in packed storage.
@@ -128,9 +125,9 @@ impl Layout {
         rows.iter()
             .enumerate()
             .for_each(|(k, &row)| position[row] = k);
-        let places = |entries: &[Entry]| -> Vec<Place> {
+        let places = |entries: &[Entry]| -> Vec<Entry> {
             let kept = entries.iter().filter(|entry| entry.value != 0.0);
-            kept.map(|e| Place::new(position[e.row], position[e.column], e.value))
+            kept.map(|e| Entry::new(position[e.row], position[e.column], e.value))
                 .collect()
         };
         let mut block = Block::new(source, rows, self.length, places(&cone.constant));
@@ -204,11 +201,8 @@ impl Layout {
         let mut out: Vec<Vec<f64>> = zero_duals(problem);
         for block in &self.blocks {
             let packed = &z[block.range()];
-            for (j, &column) in block.rows.iter().enumerate() {
-                for (i, &row) in block.rows.iter().enumerate().take(j + 1) {
-                    out[block.source][lmi::svec_index(row.min(column), row.max(column))] =
-                        cost_unit * block.scale[i] * block.scale[j] * packed[j * block.side + i];
-                }
+            for ((i, j), at, scale) in block.places().filter(|((i, j), ..)| i <= j) {
+                out[block.source][at] = cost_unit * scale * packed[j * block.side + i];
             }
         }
         out
@@ -220,23 +214,41 @@ impl Layout {
         let cost_unit = self.objective_unit / self.constant_unit;
         let kept = self.unknown_source.iter().zip(&self.unknown_unit);
         let y = kept.map(|(&source, unit)| values[source] / (unit * self.constant_unit));
-        let mut point = Iterate {
-            y: y.collect(),
-            s: vec![0.0; self.length],
-            z: vec![0.0; self.length],
-        };
+        let mut point = self.origin();
+        point.y = y.collect();
         for block in &self.blocks {
             let packed = &mut point.z[block.range()];
-            for (j, &column) in block.rows.iter().enumerate() {
-                for (i, &row) in block.rows.iter().enumerate() {
-                    let at = lmi::svec_index(row.min(column), row.max(column));
-                    let unit = cost_unit * block.scale[i] * block.scale[j];
-                    packed[j * block.side + i] = duals[block.source][at] / unit;
-                }
+            for ((i, j), at, scale) in block.places() {
+                packed[j * block.side + i] = duals[block.source][at] / (cost_unit * scale);
             }
         }
         self.evaluate(1.0, &point.y, 1, &mut point.s);
         point
+    }
+
+    /// The point at which everything is zero.
+    pub fn origin(&self) -> Iterate {
+        Iterate {
+            y: vec![0.0; self.cost.len()],
+            s: vec![0.0; self.length],
+            z: vec![0.0; self.length],
+        }
+    }
+
+    /// Adds a multiple of the identity to a packed matrix.
+    pub fn add_identity(&self, multiple: f64, w: &mut [f64]) {
+        for block in &self.blocks {
+            for k in 0..block.side {
+                w[block.offset + k * block.side + k] += multiple;
+            }
+        }
+    }
+
+    /// Norm of `<A_i, Z> - c_i` from all `<A_i, Z>`.
+    pub fn dual_residual(&self, products: &[f64]) -> f64 {
+        let pairs = products.iter().zip(&self.cost);
+        let squares = pairs.map(|(a, c)| (a - c) * (a - c));
+        squares.sum::<f64>().sqrt()
     }
 
     /// The problem of the smallest t with `constant + A(y) + t I >= 0`, t >= -1: it always has an interior, and
@@ -248,9 +260,9 @@ impl Layout {
         out.cost.iter_mut().for_each(|cost| *cost = 0.0);
         out.cost.push(1.0);
         for block in &mut out.blocks {
-            block.push(shift, (0..block.side).map(|k| Place::new(k, k, 1.0)));
+            block.push(shift, (0..block.side).map(|k| Entry::new(k, k, 1.0)));
         }
-        let one = Place::new(0, 0, 1.0);
+        let one = Entry::new(0, 0, 1.0);
         let mut bound = Block::new(0, vec![0], out.length, vec![one]);
         bound.push(shift, [one]);
         out.blocks.push(bound);
@@ -314,7 +326,7 @@ impl Layout {
 
     /// Frobenius norm of the constant.
     pub fn constant_norm(&self) -> f64 {
-        let squares = |e: &Place| e.count() * e.value * e.value;
+        let squares = |e: &Entry| e.count() * e.value * e.value;
         let entries = self.blocks.iter().flat_map(|block| &block.constant);
         entries.map(squares).sum::<f64>().sqrt()
     }
@@ -335,28 +347,24 @@ impl Layout {
 
 /// Zero dual matrices for all cones.
 pub fn zero_duals(problem: &Semidefinite) -> Vec<Vec<f64>> {
-    let height = |cone: &lmi::Cone| cone.side * (cone.side + 1) / 2;
-    problem
-        .cones
-        .iter()
-        .map(|cone| vec![0.0; height(cone)])
-        .collect()
+    let zeros = problem.cones.iter().map(|cone| vec![0.0; cone.height()]);
+    zeros.collect()
 }
 
 /// An eigenvector of a constant cone that is clearly not semidefinite.
 fn negative_direction(cone: &lmi::Cone) -> Option<Vec<f64>> {
-    let n = cone.side;
-    let mut full = vec![0.0; n * n];
-    for entry in &cone.constant {
-        full[entry.column * n + entry.row] = entry.value;
-        full[entry.row * n + entry.column] = entry.value;
+    if cone.constant.is_empty() {
+        return None;
     }
-    let (values, vectors) = super::dense::eigen(&full, n);
-    let size = values
-        .iter()
-        .fold(0.0_f64, |max, value| max.max(value.abs()));
-    let worst = (0..n).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
-    (values[worst] < -1e-12 * size).then(|| vectors[worst * n..(worst + 1) * n].to_vec())
+    let mut full = DMatrix::zeros(cone.side, cone.side);
+    for entry in &cone.constant {
+        full[(entry.row, entry.column)] = entry.value;
+        full[(entry.column, entry.row)] = entry.value;
+    }
+    let found = full.symmetric_eigen();
+    let (worst, smallest) = found.eigenvalues.argmin();
+    let eigenvector = found.eigenvectors.column(worst);
+    (smallest < -1e-12 * found.eigenvalues.amax()).then(|| eigenvector.iter().copied().collect())
 }
 
 /// Unknowns y, slack matrices S (of the inequalities), multiplier matrices Z, packed.

@@ -7,7 +7,6 @@
 mod block;
 mod dense;
 mod exit;
-mod halves;
 mod interior_point;
 mod iterate;
 mod kronecker;
@@ -31,6 +30,8 @@ use layout::{zero_duals, Layout};
 use start::{cold_start, feasible_start};
 use threads::Running;
 use warm::{Memory, Trail};
+
+pub use exit::Timings;
 
 const NAME: &str = "structured";
 
@@ -65,17 +66,6 @@ impl Default for Structured {
             frozen: false,
         }
     }
-}
-
-/// Where the time of the last solve went (s).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Timings {
-    /// Building the Schur complement.
-    pub schur: f64,
-    /// Factoring it and solving with it.
-    pub linear: f64,
-    /// Everything else in the iterations.
-    pub rest: f64,
 }
 
 impl Structured {
@@ -135,20 +125,10 @@ impl Structured {
             observer: &watch,
         };
         let mut outcome = self.warm_or_cold(&task);
-        if layout.unbounded_unknown
-            && matches!(
-                outcome.termination,
-                Termination::Solved | Termination::Reduced(_)
-            )
-        {
+        if layout.unbounded_unknown && outcome.termination.is_solved() {
             outcome.termination = Termination::Unbounded;
         }
-        let [schur, linear, rest] = outcome.seconds;
-        let timings = Timings {
-            schur,
-            linear,
-            rest,
-        };
+        let timings = outcome.timings;
         Ok((solution(problem, &layout, outcome, begin), timings))
     }
 
@@ -158,11 +138,7 @@ impl Structured {
         };
         let shape = warm::shape(task.problem);
         let keep = |outcome: &SolverExit, trail: Option<Trail>| {
-            let solved = matches!(
-                outcome.termination,
-                Termination::Solved | Termination::Reduced(_)
-            );
-            if let Some(trail) = trail.filter(|_| solved) {
+            if let Some(trail) = trail.filter(|_| outcome.termination.is_solved()) {
                 memory.keep(shape, trail);
             }
         };
@@ -201,7 +177,7 @@ const MANY_CONES: usize = 128;
 fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
     let start = cold_start(task.layout, 1.0);
     let outcome = interior_point::solve(task, start, trail.as_deref_mut());
-    if !matches!(outcome.termination, Termination::Stalled(_)) {
+    if !outcome.termination.is_stalled() {
         return outcome;
     }
     if !outcome.feasible && !task.cautious {
@@ -212,25 +188,22 @@ fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
         };
         let mut second = interior_point::solve(&cautious, start, trail.as_deref_mut());
         second.iterations += outcome.iterations;
-        if !matches!(second.termination, Termination::Stalled(_)) {
+        if !second.termination.is_stalled() {
             return second;
         }
     }
-    let shifted = match outcome.feasible {
-        true => None,
-        false => by_smallest_shift(task, &outcome, trail.as_deref_mut()),
-    };
-    if let Some(answer) =
-        shifted.filter(|answer| !matches!(answer.termination, Termination::Stalled(_)))
-    {
-        return answer;
+    if !outcome.feasible {
+        let shifted = by_smallest_shift(task, &outcome, trail.as_deref_mut());
+        if let Some(answer) = shifted.filter(|answer| !answer.termination.is_stalled()) {
+            return answer;
+        }
     }
     let start = cold_start(task.layout, LARGER_START);
     let mut second = interior_point::solve(task, start, trail);
     second.iterations += outcome.iterations;
-    match second.termination {
-        Termination::Stalled(_) if outcome.feasible => outcome,
-        _ => second,
+    match second.termination.is_stalled() && outcome.feasible {
+        true => outcome,
+        false => second,
     }
 }
 
@@ -256,25 +229,20 @@ impl Backend for Structured {
 
 fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
     let unknowns = problem.cost.len();
-    let entries = problem
-        .cones
-        .iter()
-        .map(|cone| cone.side.saturating_mul(cone.side));
+    let sides = problem.cones.iter().map(|cone| cone.side);
+    let entries = sides.map(|side| side.saturating_mul(side));
     let entries = entries.fold(0_usize, usize::saturating_add);
-    let refused = |reason: String| SolveError::Refused {
+    let reason = if unknowns > LARGEST_SYSTEM {
+        format!("{unknowns} unknowns, at most {LARGEST_SYSTEM} fit")
+    } else if entries > LARGEST_BLOCKS {
+        format!("its cones have {entries} entries, at most {LARGEST_BLOCKS} fit")
+    } else {
+        return Ok(());
+    };
+    Err(SolveError::Refused {
         backend: NAME,
         reason,
-    };
-    if unknowns > LARGEST_SYSTEM {
-        return Err(refused(format!(
-            "{unknowns} unknowns, at most {LARGEST_SYSTEM} fit"
-        )));
-    }
-    if entries > LARGEST_BLOCKS {
-        let reason = format!("its cones have {entries} entries, at most {LARGEST_BLOCKS} fit");
-        return Err(refused(reason));
-    }
-    Ok(())
+    })
 }
 
 /// Solves for the smallest t with `S + t I >= 0`, which always has an interior. Its multipliers prove infeasibility, or

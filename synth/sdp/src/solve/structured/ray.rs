@@ -1,6 +1,6 @@
 //! Certificates that there is no solution.
 
-use super::iterate::{positive_definite, sandwich, Factors};
+use super::iterate::{positive_definite, Factors};
 use super::layout::Layout;
 use super::system::System;
 
@@ -30,8 +30,7 @@ pub fn dual(
         layout.adjoint(&ray, threads, &mut residual);
         system.solve(&residual, &mut shift);
         layout.evaluate(0.0, &shift, threads, &mut matrix);
-        let inverse = &factors.s_inverse;
-        sandwich(layout, z, &matrix, inverse, threads, &mut correction);
+        factors.sandwich(layout, z, &matrix, threads, &mut correction);
         ray.iter_mut().zip(&correction).for_each(|(z, c)| *z -= c);
         if let Some(ray) = accepted(layout, &ray) {
             return Some(ray);
@@ -60,10 +59,6 @@ pub fn primal(layout: &Layout, y: &[f64]) -> Option<Vec<f64>> {
     let ray: Vec<f64> = y.iter().map(|value| value / fall).collect();
     let mut matrix = vec![0.0; layout.length];
     layout.evaluate(0.0, &ray, 1, &mut matrix);
-    for block in &layout.blocks {
-        for k in 0..block.side {
-            matrix[block.offset + k * block.side + k] += 1.0 / EXCLUDED_SIZE;
-        }
-    }
+    layout.add_identity(1.0 / EXCLUDED_SIZE, &mut matrix);
     positive_definite(layout, &matrix).then_some(ray)
 }

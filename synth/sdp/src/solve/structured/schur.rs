@@ -6,11 +6,12 @@
 //! products, and only in the rows that later unknowns read, so that it is F1 for dense and cheap for sparse
 //! coefficients. Small blocks with many unknowns use a Kronecker product instead.
 
-use super::block::{Block, Place};
+use super::block::Block;
 use super::dense;
-use super::halves::both;
 use super::kronecker::{KroneckerPlan, KroneckerWork};
 use super::layout::Layout;
+use super::threads::{both, halfway};
+use crate::lmi::Entry;
 
 /// Cost of one product of the sum over pairs, in gathered entries of V.
 const PAIR: usize = 10;
@@ -92,20 +93,11 @@ impl SchurPlan {
     pub fn new(layout: &Layout) -> Self {
         let methods = layout.blocks.iter().map(BlockMethod::new);
         let (blocks, costs): (Vec<BlockMethod>, Vec<usize>) = methods.unzip();
-        let total: usize = costs.iter().sum();
-        let mut parts = Vec::new();
-        if total < WORTH_A_THREAD {
-            parts.push(0..blocks.len());
-        } else {
-            let mut sum = 0;
-            let half = costs.iter().position(|cost| {
-                sum += cost;
-                2 * sum >= total
-            });
-            let middle = half.map_or(blocks.len(), |at| at + 1);
-            parts.push(0..middle);
-            parts.push(middle..blocks.len());
-        }
+        let middle = match costs.iter().sum::<usize>() < WORTH_A_THREAD {
+            true => blocks.len(),
+            false => halfway(&costs),
+        };
+        let mut parts = vec![0..middle, middle..blocks.len()];
         parts.retain(|part| !part.is_empty());
         SchurPlan { blocks, parts }
     }
@@ -299,31 +291,25 @@ impl BlockPlan {
 
 /// The terms of a coefficient: one-sided ones, one for each of its nonzero columns, or two-sided ones around the rows
 /// and columns that hold most of its entries, whichever needs fewer outer products.
-fn terms(entries: &[Place]) -> Vec<Term> {
+fn terms(entries: &[Entry]) -> Vec<Term> {
     let mut columns: Vec<usize> = entries.iter().flat_map(|e| [e.row, e.column]).collect();
     columns.sort_unstable();
     columns.dedup();
-    let mut left: Vec<Place> = entries.to_vec();
+    let mut left: Vec<Entry> = entries.to_vec();
     let mut stars = Vec::new();
     while let Some(center) = columns.iter().copied().max_by_key(|&c| {
         let touches = left.iter().filter(|e| e.row == c || e.column == c).count();
         (touches, usize::MAX - c)
     }) {
         let mut rest = Vec::new();
-        left.retain(|e| match (e.row == center, e.column == center) {
-            (true, true) => {
-                rest.push((center, 0.5 * e.value));
-                false
-            }
-            (true, false) => {
-                rest.push((e.column, e.value));
-                false
-            }
-            (false, true) => {
-                rest.push((e.row, e.value));
-                false
-            }
-            (false, false) => true,
+        left.retain(|e| {
+            rest.push(match (e.row == center, e.column == center) {
+                (true, true) => (center, 0.5 * e.value),
+                (true, false) => (e.column, e.value),
+                (false, true) => (e.row, e.value),
+                (false, false) => return true,
+            });
+            false
         });
         if rest.is_empty() {
             break;
@@ -341,7 +327,7 @@ fn terms(entries: &[Place]) -> Vec<Term> {
         let meets = entries
             .iter()
             .filter(move |e| e.row == center || e.column == center);
-        let mate = move |e: &Place| if e.row == center { e.column } else { e.row };
+        let mate = move |e: &Entry| if e.row == center { e.column } else { e.row };
         Term {
             center,
             rest: meets.map(|e| (mate(e), e.value)).collect(),
@@ -360,7 +346,7 @@ fn add_scaled(a: f64, x: &[f64], y: &mut [f64]) {
 
 /// The entry of V at one place, over the entries of A.
 #[inline(always)]
-fn over_pairs(n: usize, a: &[Place], e: &Place, z: &[f64], s_inverse: &[f64]) -> f64 {
+fn over_pairs(n: usize, a: &[Entry], e: &Entry, z: &[f64], s_inverse: &[f64]) -> f64 {
     let mut sum = 0.0;
     let (r, c) = (e.row * n, e.column * n);
     for f in a {
@@ -378,7 +364,7 @@ fn over_pairs(n: usize, a: &[Place], e: &Place, z: &[f64], s_inverse: &[f64]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lmi::{Cone, Entry, Semidefinite};
+    use crate::lmi::{Cone, Semidefinite};
     use proptest::prelude::*;
 
     /// One cone: every place of every unknown is nonzero with the given chance.

@@ -25,36 +25,20 @@ pub fn cold_start(layout: &Layout, scale: f64) -> Iterate {
         .iter()
         .fold(layout.constant_norm(), |max, &norm| max.max(norm));
     let slack = scale * START_SLACK * (1.0 + largest.max(layout.constant_norm()));
-    let mut point = Iterate {
-        y: vec![0.0; layout.cost.len()],
-        s: vec![0.0; layout.length],
-        z: vec![0.0; layout.length],
-    };
-    for block in &layout.blocks {
-        for k in 0..block.side {
-            let at = block.offset + k * block.side + k;
-            point.s[at] = slack;
-            point.z[at] = multiplier;
-        }
-    }
+    let mut point = layout.origin();
+    layout.add_identity(slack, &mut point.s);
+    layout.add_identity(multiplier, &mut point.z);
     point
 }
 
 /// A start from unknowns that satisfy the inequalities strictly, on the central path as far as its equations
 /// allow: Z is the multiple of S^-1 that meets `<A_i, Z> = c_i` best.
 pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Iterate> {
-    let mut point = Iterate {
-        y: y.to_vec(),
-        s: vec![0.0; layout.length],
-        z: vec![0.0; layout.length],
-    };
+    let mut point = layout.origin();
+    point.y.copy_from_slice(y);
     layout.evaluate(1.0, y, 1, &mut point.s);
-    for block in &layout.blocks {
-        for k in 0..block.side {
-            // Any definite matrix: only the factors of S are wanted.
-            point.z[block.offset + k * block.side + k] = 1.0;
-        }
-    }
+    // Any definite matrix: only the factors of S are wanted.
+    layout.add_identity(1.0, &mut point.z);
     let mut factors = Factors::new(layout);
     if !factors.update(layout, &point, 1) {
         return None;
@@ -68,10 +52,7 @@ pub fn feasible_start(layout: &Layout, y: &[f64]) -> Option<Iterate> {
     if !(multiple > 0.0 && multiple.is_finite()) {
         return None;
     }
-    point.z = factors
-        .s_inverse
-        .iter()
-        .map(|entry| multiple * entry)
-        .collect();
+    let inverse = factors.s_inverse.iter();
+    point.z = inverse.map(|entry| multiple * entry).collect();
     Some(point)
 }

@@ -1,4 +1,5 @@
-//! How many threads a solve may use.
+//! How many threads a solve may use, and work split in two, by the problem and never by the threads: sums are the same
+//! however many threads there are.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -28,4 +29,28 @@ pub fn threads_now(allowed: usize) -> usize {
         0 | 1 => allowed,
         _ => 1,
     }
+}
+
+/// Runs both, side by side where two threads may be used.
+pub fn both<A: Send, B: Send>(
+    threads: usize,
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if threads > 1 {
+        rayon::join(first, second)
+    } else {
+        (first(), second())
+    }
+}
+
+/// Index after the first items that have at least half of all the work.
+pub fn halfway(work: &[usize]) -> usize {
+    let total: usize = work.iter().sum();
+    let mut sum = 0;
+    let half = work.iter().position(|work| {
+        sum += work;
+        2 * sum >= total
+    });
+    half.map_or(work.len(), |at| at + 1)
 }

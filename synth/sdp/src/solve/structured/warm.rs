@@ -4,7 +4,7 @@
 //! on the way to it are well inside, and the last of them that the changed problem still finds well inside is a good start.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::dense;
 use super::layout::{Iterate, Layout};
@@ -90,13 +90,8 @@ fn is_central(layout: &Layout, point: &Iterate) -> bool {
     }
     let mut products = vec![0.0; layout.cost.len()];
     layout.adjoint(&point.z, 1, &mut products);
-    let squares = products
-        .iter()
-        .zip(&layout.cost)
-        .map(|(a, c)| (a - c) * (a - c));
-    let residual = squares.sum::<f64>().sqrt();
     let objective = dense::dot(&layout.cost, &point.y).abs();
-    if residual > DUAL_ROOM * complementarity / objective.max(1e-3) {
+    if layout.dual_residual(&products) > DUAL_ROOM * complementarity / objective.max(1e-3) {
         return false;
     }
     let least = CENTRAL * mean;
@@ -140,19 +135,20 @@ pub struct Memory {
 impl Memory {
     /// The same trails, not shared.
     pub fn copied(&self) -> Self {
-        let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
         Memory {
-            trails: Arc::new(Mutex::new(trails.clone())),
+            trails: Arc::new(Mutex::new(self.lock().clone())),
         }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<(u64, Trail)>> {
+        self.trails.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The trail of the last problem of this shape.
     pub fn recall(&self, shape: u64) -> Option<Trail> {
-        let trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
-        trails
-            .iter()
-            .find(|(known, _)| *known == shape)
-            .map(|(_, trail)| trail.clone())
+        let trails = self.lock();
+        let known = trails.iter().find(|(known, _)| *known == shape);
+        known.map(|(_, trail)| trail.clone())
     }
 
     /// Keeps a trail in the place of the one of the same shape, or of the oldest.
@@ -160,7 +156,7 @@ impl Memory {
         if trail.is_empty() {
             return;
         }
-        let mut trails = self.trails.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut trails = self.lock();
         trails.retain(|(known, _)| *known != shape);
         trails.push((shape, trail));
         if trails.len() > KINDS {

@@ -75,10 +75,11 @@ pub fn product(
     }
 }
 
-/// `C <- alpha A A' + beta C` on one triangle of the symmetric `C`.
-pub fn rank_k_update(
+/// `C <- alpha A A' + beta C`, or with a B `C <- alpha (A B' + B A') + beta C`, on one triangle of the symmetric `C`.
+pub fn rank_update(
     alpha: f64,
     a: MatRef<'_, f64>,
+    b: Option<MatRef<'_, f64>>,
     beta: f64,
     mut c: MatMut<'_, f64>,
     part: Part,
@@ -86,24 +87,10 @@ pub fn rank_k_update(
     let has_product = alpha != 0.0 && a.ncols() > 0;
     let accum = start(c.rb_mut(), part, beta, has_product);
     if has_product {
-        triangle_product(alpha, a, a, accum, c, part);
-    }
-}
-
-/// `C <- alpha (A B' + B A') + beta C` on one triangle of the symmetric `C`.
-pub fn rank_2k_update(
-    alpha: f64,
-    a: MatRef<'_, f64>,
-    b: MatRef<'_, f64>,
-    beta: f64,
-    mut c: MatMut<'_, f64>,
-    part: Part,
-) {
-    let has_product = alpha != 0.0 && a.ncols() > 0;
-    let accum = start(c.rb_mut(), part, beta, has_product);
-    if has_product {
-        triangle_product(alpha, a, b, accum, c.rb_mut(), part);
-        triangle_product(alpha, b, a, Accum::Add, c, part);
+        triangle_product(alpha, a, b.unwrap_or(a), accum, c.rb_mut(), part);
+        if let Some(b) = b {
+            triangle_product(alpha, b, a, Accum::Add, c, part);
+        }
     }
 }
 

@@ -8,24 +8,11 @@ use faer::linalg::triangular_solve::{
 };
 use faer::linalg::{temp_mat_scratch, temp_mat_zeroed};
 use faer::mat::AsMatMut;
+use faer::perm::swap_rows_idx;
 use faer::reborrow::*;
 use faer::{unzip, zip, ColMut, ColRef, MatMut, MatRef, Par};
 
-use super::workspace::{with_stack, OutOfMemory};
-
-/// Why a factorization stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FactorError {
-    /// The pivot of this index, counted from 1, is not usable.
-    Pivot(usize),
-    Memory,
-}
-
-impl From<OutOfMemory> for FactorError {
-    fn from(_: OutOfMemory) -> Self {
-        FactorError::Memory
-    }
-}
+use super::{with_stack, Failure};
 
 /// Up to this order, a factorization by columns is faster than the blocked kernel and its copy.
 const SMALL_ORDER: usize = 64;
@@ -33,7 +20,7 @@ const SMALL_ORDER: usize = 64;
 /// Factors `A = L L'` in place; only the lower triangle is read or written.
 ///
 /// A pivot that is not positive, or not finite, is reported.
-pub fn cholesky(a: MatMut<'_, f64>) -> Result<(), FactorError> {
+pub fn cholesky(a: MatMut<'_, f64>) -> Result<(), Failure> {
     if a.nrows() <= SMALL_ORDER && a.row_stride() == 1 {
         small_cholesky(a)
     } else {
@@ -41,7 +28,7 @@ pub fn cholesky(a: MatMut<'_, f64>) -> Result<(), FactorError> {
     }
 }
 
-fn small_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
+fn small_cholesky(mut a: MatMut<'_, f64>) -> Result<(), Failure> {
     let n = a.nrows();
     for j in 0..n {
         let (factor, rest) = a.rb_mut().split_at_col_mut(j);
@@ -51,7 +38,7 @@ fn small_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
         }
         let pivot = column[0];
         if !(pivot > 0.0 && pivot.is_finite()) {
-            return Err(FactorError::Pivot(j + 1));
+            return Err(Failure::Pivot(j + 1));
         }
         let root = pivot.sqrt();
         column.rb_mut().iter_mut().for_each(|entry| *entry /= root);
@@ -67,7 +54,7 @@ fn eliminate(earlier: ColRef<'_, f64>, column: ColMut<'_, f64>) {
 }
 
 /// The kernel writes above the diagonal too, hence the copy.
-fn blocked_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
+fn blocked_cholesky(mut a: MatMut<'_, f64>) -> Result<(), Failure> {
     let n = a.nrows();
     let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default())
         .and(temp_mat_scratch::<f64>(n, n));
@@ -87,7 +74,7 @@ fn blocked_cholesky(mut a: MatMut<'_, f64>) -> Result<(), FactorError> {
     })?;
     match outcome {
         Ok(_) => Ok(()),
-        Err(LltError::NonPositivePivot { index }) => Err(FactorError::Pivot(index + 1)),
+        Err(LltError::NonPositivePivot { index }) => Err(Failure::Pivot(index + 1)),
     }
 }
 
@@ -100,7 +87,7 @@ pub fn solve_with_cholesky(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) {
 /// Factors `P A = L U` in place with partial pivoting; `pivots[k]` is the row swapped with row `k`, from 1.
 ///
 /// A pivot that is exactly zero, or not finite, is reported; the factorization stops there.
-pub fn lu(mut a: MatMut<'_, f64>, pivots: &mut [i32]) -> Result<(), FactorError> {
+pub fn lu(mut a: MatMut<'_, f64>, pivots: &mut [i32]) -> Result<(), Failure> {
     let n = a.nrows();
     for k in 0..n {
         let pivot = (k..n).fold(k, |best, i| {
@@ -111,10 +98,10 @@ pub fn lu(mut a: MatMut<'_, f64>, pivots: &mut [i32]) -> Result<(), FactorError>
             }
         });
         pivots[k] = pivot as i32 + 1;
-        swap_rows(a.rb_mut(), k, pivot);
+        swap_rows_idx(a.rb_mut(), k, pivot);
         let diagonal = a[(k, k)];
         if diagonal == 0.0 || !diagonal.is_finite() {
-            return Err(FactorError::Pivot(k + 1));
+            return Err(Failure::Pivot(k + 1));
         }
         for i in k + 1..n {
             a[(i, k)] /= diagonal;
@@ -134,7 +121,7 @@ pub fn lu(mut a: MatMut<'_, f64>, pivots: &mut [i32]) -> Result<(), FactorError>
 pub fn solve_with_lu(factors: MatRef<'_, f64>, pivots: &[i32], mut b: MatMut<'_, f64>) {
     let n = factors.nrows();
     for (k, &pivot) in pivots.iter().enumerate() {
-        swap_rows(b.rb_mut(), k, pivot as usize - 1);
+        swap_rows_idx(b.rb_mut(), k, pivot as usize - 1);
     }
     for j in 0..b.ncols() {
         for k in 0..n {
@@ -145,15 +132,4 @@ pub fn solve_with_lu(factors: MatRef<'_, f64>, pivots: &[i32], mut b: MatMut<'_,
         }
     }
     solve_upper_triangular_in_place(factors, b, Par::Seq);
-}
-
-fn swap_rows(mut a: MatMut<'_, f64>, first: usize, second: usize) {
-    if first == second {
-        return;
-    }
-    for j in 0..a.ncols() {
-        let kept = a[(first, j)];
-        a[(first, j)] = a[(second, j)];
-        a[(second, j)] = kept;
-    }
 }

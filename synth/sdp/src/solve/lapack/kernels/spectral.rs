@@ -5,60 +5,29 @@ use core::mem::MaybeUninit;
 use faer::diag::DiagMut;
 use faer::dyn_stack::StackReq;
 use faer::linalg::evd::{self, self_adjoint_evd, self_adjoint_evd_scratch, ComputeEigenvectors};
-use faer::linalg::svd::{svd, svd_scratch, ComputeSvdVectors};
+use faer::linalg::svd::{svd, svd_scratch};
 use faer::reborrow::*;
 use faer::{ColMut, MatMut, MatRef, Par};
 
 use super::blas::{for_each, Part};
-use super::tridiagonal;
-use super::workspace::{entries, with_stack, OutOfMemory};
-
-/// Why a decomposition has no result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SpectralError {
-    /// The matrix holds a value that is infinite or not a number.
-    NotFinite,
-    NoConvergence,
-    Memory,
-}
-
-impl From<OutOfMemory> for SpectralError {
-    fn from(_: OutOfMemory) -> Self {
-        SpectralError::Memory
-    }
-}
+use super::{entries, tridiagonal, with_stack, Failure};
 
 /// Which singular vectors of one side are wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Vectors {
-    None,
-    Thin,
-    Full,
-}
-
-impl Vectors {
-    fn request(self) -> ComputeSvdVectors {
-        match self {
-            Vectors::None => ComputeSvdVectors::No,
-            Vectors::Thin => ComputeSvdVectors::Thin,
-            Vectors::Full => ComputeSvdVectors::Full,
-        }
-    }
-}
+pub use faer::linalg::svd::ComputeSvdVectors as Vectors;
 
 /// Largest entries in this range need no scaling.
 const SAFE_RANGE: core::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
 /// Scales the part so that its largest entry is about 1 where squares and cubes of its entries could
 /// underflow or overflow; gives the factor applied.
-fn scale_to_safe_range(mut a: MatMut<'_, f64>, part: Part) -> Result<f64, SpectralError> {
+fn scale_to_safe_range(mut a: MatMut<'_, f64>, part: Part) -> Result<f64, Failure> {
     let (mut largest, mut finite) = (0.0_f64, true);
     for_each(a.rb_mut(), part, |entry| {
         finite &= entry.is_finite();
         largest = largest.max(entry.abs());
     });
     if !finite {
-        return Err(SpectralError::NotFinite);
+        return Err(Failure::NotFinite);
     }
     if largest == 0.0 || SAFE_RANGE.contains(&largest) {
         return Ok(1.0);
@@ -79,10 +48,9 @@ fn eigen_scratch(n: usize, vectors: bool) -> StackReq {
 }
 
 fn blocked_eigen_scratch(n: usize, vectors: bool) -> StackReq {
-    let compute = if vectors {
-        ComputeEigenvectors::Yes
-    } else {
-        ComputeEigenvectors::No
+    let compute = match vectors {
+        true => ComputeEigenvectors::Yes,
+        false => ComputeEigenvectors::No,
     };
     self_adjoint_evd_scratch::<f64>(n, compute, Par::Seq, Default::default())
 }
@@ -100,7 +68,7 @@ pub fn eigen(
     values: &mut [f64],
     vectors: Option<MatMut<'_, f64>>,
     work: &mut [MaybeUninit<f64>],
-) -> Result<(), SpectralError> {
+) -> Result<(), Failure> {
     let factor = scale_to_safe_range(a.rb_mut(), Part::Lower)?;
     let small = vectors.is_none() && a.nrows() <= SMALL_ORDER;
     if !(small && small_eigenvalues(a.rb(), values, work)?) {
@@ -115,7 +83,7 @@ fn small_eigenvalues(
     a: MatRef<'_, f64>,
     values: &mut [f64],
     work: &mut [MaybeUninit<f64>],
-) -> Result<bool, OutOfMemory> {
+) -> Result<bool, Failure> {
     let n = a.nrows();
     with_stack(eigen_scratch(n, false), work, |stack| {
         let (mut scratch, _) = stack.make_with(n * (n + 1), |_| 0.0);
@@ -134,7 +102,7 @@ fn blocked_eigen(
     values: &mut [f64],
     vectors: Option<MatMut<'_, f64>>,
     work: &mut [MaybeUninit<f64>],
-) -> Result<(), SpectralError> {
+) -> Result<(), Failure> {
     let scratch = blocked_eigen_scratch(a.nrows(), vectors.is_some());
     with_stack(scratch, work, |stack| {
         self_adjoint_evd(
@@ -146,18 +114,11 @@ fn blocked_eigen(
             Default::default(),
         )
     })?
-    .map_err(|evd::EvdError::NoConvergence| SpectralError::NoConvergence)
+    .map_err(|evd::EvdError::NoConvergence| Failure::NoConvergence)
 }
 
 fn singular_scratch(nrows: usize, ncols: usize, left: Vectors, right: Vectors) -> StackReq {
-    svd_scratch::<f64>(
-        nrows,
-        ncols,
-        left.request(),
-        right.request(),
-        Par::Seq,
-        Default::default(),
-    )
+    svd_scratch::<f64>(nrows, ncols, left, right, Par::Seq, Default::default())
 }
 
 /// Number of workspace entries with which [`singular`] allocates nothing.
@@ -179,7 +140,7 @@ pub fn singular(
     values: &mut [f64],
     vectors: SingularVectors<'_>,
     work: &mut [MaybeUninit<f64>],
-) -> Result<(), SpectralError> {
+) -> Result<(), Failure> {
     let factor = scale_to_safe_range(a.rb_mut(), Part::Full)?;
     let SingularVectors {
         mut left,
@@ -190,7 +151,7 @@ pub fn singular(
         side.fill(0.0);
     }
     let kind = |side: &Option<MatMut<'_, f64>>| match side {
-        None => Vectors::None,
+        None => Vectors::No,
         Some(matrix) if matrix.ncols() == values.len() => Vectors::Thin,
         Some(_) => Vectors::Full,
     };
@@ -206,7 +167,7 @@ pub fn singular(
             Default::default(),
         )
     })?
-    .map_err(|_| SpectralError::NoConvergence)?;
+    .map_err(|_| Failure::NoConvergence)?;
     unscale(values, factor);
     Ok(())
 }
