@@ -9,7 +9,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::DMatrix;
 
-use crate::lmi::{dual_matrix, dual_trace, Cone, Entry, Semidefinite};
+use crate::lmi::{dual_matrix, dual_trace, inner, Cone, Entry, Semidefinite};
 
 /// Largest number of unknowns: the equations are dense.
 const MOST_UNKNOWNS: usize = 3000;
