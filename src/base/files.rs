@@ -74,6 +74,6 @@ pub fn read(path: &Path) -> Result<String, OutputError> {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
+pub fn write(path: &Path, contents: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), OutputError> {
     write_atomically(path, contents.as_ref()).map_err(|problem| OutputError::file(path, problem))
 }

@@ -159,7 +159,7 @@ pub fn write_table(
     about: &[(&str, String)],
 ) -> Result<(), OutputError> {
     let bytes = to_bytes(columns, about).map_err(|error| OutputError::unmade(path, error))?;
-    write(path, bytes)
+    write(path, &bytes)
 }
 
 #[cfg(test)]

@@ -176,6 +176,6 @@ impl Store<RunRow> for CampaignJob<'_> {
         } = &self.folder;
         let path = self.folder.part(self.chunks.holding(chunk.start));
         let bytes = part_table(&path, columns, &inputs.to_json(), &rows)?;
-        Ok(write(&path, bytes)?)
+        Ok(write(&path, &bytes)?)
     }
 }

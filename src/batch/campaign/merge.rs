@@ -168,7 +168,7 @@ fn copy_kept(
             let (from, to) = (from.join(name), to.join(name));
             let bytes = fs::read(&from);
             let bytes = bytes.map_err(|source| OutputError::io(&from, "cannot be read", source))?;
-            write(&to, bytes)?;
+            write(&to, &bytes)?;
         }
         kept.push(run);
     }

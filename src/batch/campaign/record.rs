@@ -216,6 +216,6 @@ impl CampaignFile {
         };
         // It holds finite numbers, strings and lists only, so it can always be written.
         let text = serde_json::to_string_pretty(&record).unwrap_or_default() + "\n";
-        write(&folder.join(CAMPAIGN_FILE), text)
+        write(&folder.join(CAMPAIGN_FILE), &text)
     }
 }
