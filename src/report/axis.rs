@@ -25,7 +25,7 @@ pub enum Spacing {
 
 /// An axis.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Axis {
+pub struct PlotAxis {
     /// Name and unit.
     pub label: String,
     /// How its values are spaced.
@@ -34,10 +34,10 @@ pub struct Axis {
     pub ends: Option<(f64, f64)>,
 }
 
-impl Axis {
+impl PlotAxis {
     /// An axis whose ends are those of its values.
     pub fn new(label: impl Into<String>, spacing: Spacing) -> Self {
-        Axis {
+        PlotAxis {
             label: label.into(),
             spacing,
             ends: None,
@@ -46,9 +46,9 @@ impl Axis {
 
     /// An axis between two ends.
     pub fn between(label: impl Into<String>, start: f64, end: f64) -> Self {
-        Axis {
+        PlotAxis {
             ends: Some((start, end)),
-            ..Axis::new(label, Spacing::Linear)
+            ..PlotAxis::new(label, Spacing::Linear)
         }
     }
 
@@ -134,8 +134,8 @@ mod tests {
 
     use super::*;
 
-    fn fitting() -> Axis {
-        Axis::new("", Spacing::Fitting)
+    fn fitting() -> PlotAxis {
+        PlotAxis::new("", Spacing::Fitting)
     }
 
     fn ticks(values: &[f64]) -> Vec<String> {
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn cells_have_their_names_in_the_middle() {
         let names = ["a", "b"].map(str::to_string).to_vec();
-        let axis = Axis::new("", Spacing::Cells(names));
+        let axis = PlotAxis::new("", Spacing::Cells(names));
         let scale = axis.scale(std::iter::empty());
         assert_eq!(scale.range, -0.5..1.5);
         assert_eq!(

@@ -7,7 +7,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axis::{Axis, Scale, Spacing};
+use super::axis::{PlotAxis, Scale, Spacing};
 use super::html::{captioned, escape, legend, section};
 use super::series::{Mark, Series, COLOURS};
 
@@ -57,7 +57,7 @@ pub struct Figure {
     /// Title; it stands above the figure in the page.
     pub title: String,
     /// The horizontal and the vertical axis.
-    pub axes: [Axis; 2],
+    pub axes: [PlotAxis; 2],
     /// Lines and points.
     pub series: Vec<Series>,
     /// Filled regions, behind the lines.
@@ -94,10 +94,10 @@ impl Figure {
         end_s: f64,
         series: Vec<Series>,
     ) -> Self {
-        let time = Axis::between("time (s)", 0.0, end_s.max(f64::MIN_POSITIVE));
+        let time = PlotAxis::between("time (s)", 0.0, end_s.max(f64::MIN_POSITIVE));
         Figure {
             title: title.into(),
-            axes: [time, Axis::new(label, Spacing::Linear)],
+            axes: [time, PlotAxis::new(label, Spacing::Linear)],
             series,
             ..Figure::default()
         }

@@ -3,7 +3,7 @@
 use super::design::Design;
 use super::judge::{self, About};
 use super::log::Log;
-use super::outcome::{Outcome, Recording};
+use super::outcome::{Recording, RunOutcome};
 use super::summary::Summary;
 use crate::scenario::Scenario;
 use crate::sim::bench::{Bench, Gauge};
@@ -97,7 +97,7 @@ pub(crate) fn finish<G, const N: usize, const M: usize, const D: usize, const L:
     design: Option<&Design>,
     (end, log): (End, Log<G, N, M, D, L>),
     about: About,
-) -> Outcome
+) -> RunOutcome
 where
     G: Gauge<N, M, D, L>,
 {
@@ -115,7 +115,7 @@ where
     }
     judge::conclude(scenario, &mut summary, end);
     let (profile, trajectory) = log.into_records(end == End::Completed);
-    Outcome {
+    RunOutcome {
         summary,
         trajectory,
         profile,

@@ -17,7 +17,7 @@ use design::Design;
 use designed::{designed, designed_attitude};
 use flight::{finish, Flight};
 use judge::About;
-use outcome::{Outcome, Recording, SimulateError};
+use outcome::{Recording, RunOutcome, SimulateError};
 
 use crate::controllers::law::{Flown, Surroundings};
 use crate::controllers::ControllerChoice;
@@ -34,7 +34,7 @@ pub fn simulate(
     scenario: &Scenario,
     design: Option<&Design>,
     trajectory: bool,
-) -> Result<Outcome, SimulateError> {
+) -> Result<RunOutcome, SimulateError> {
     let recording = Recording {
         trajectory,
         ..Recording::default()
@@ -50,7 +50,7 @@ pub fn simulate_recording(
     scenario: &Scenario,
     design: Option<&Design>,
     recording: &Recording,
-) -> Result<Outcome, SimulateError> {
+) -> Result<RunOutcome, SimulateError> {
     check_design(scenario, design)?;
     match &scenario.system {
         System::RigidBody(body) => run_spacecraft(scenario, body, design, recording),
@@ -80,7 +80,7 @@ fn run_spacecraft(
     system: &RigidBodySystem,
     design: Option<&Design>,
     recording: &Recording,
-) -> Result<Outcome, SimulateError> {
+) -> Result<RunOutcome, SimulateError> {
     let settle = match scenario.settle_tolerance_component {
         Some(tolerance) => SettleRule::Component(tolerance),
         None => SettleRule::Angle(scenario.settle_tolerance_rad),
@@ -133,7 +133,7 @@ fn run_takagi_sugeno(
     system: &TakagiSugenoSystem,
     design: &Design,
     recording: &Recording,
-) -> Result<Outcome, SimulateError> {
+) -> Result<RunOutcome, SimulateError> {
     let (states, inputs) = system.system.input_matrix.shape();
     let disturbances = system.system.disturbance_matrix.ncols();
     let outputs = design.model.plant.sizes().3;
@@ -149,7 +149,7 @@ fn run_padded<const N: usize, const M: usize>(
     system: &TakagiSugenoSystem,
     design: &Design,
     recording: &Recording,
-) -> Result<Outcome, SimulateError> {
+) -> Result<RunOutcome, SimulateError> {
     let tolerance = scenario.settle_tolerance_state;
     let rules = mixing_rules(system, design)?;
     let flight = Flight::<_, _, _, N, M, N, N> {

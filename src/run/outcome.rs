@@ -8,7 +8,7 @@ use crate::base::table::Table;
 
 /// What a run left.
 #[derive(Debug, Clone)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// Its summary.
     pub summary: Summary,
     /// Its trajectory, when requested.

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::conditions::state_feedback::power_of_two;
 use crate::conditions::xu2020::Containment;
-use crate::conditions::{BoundedSignal, Task};
+use crate::conditions::{FurtherSignal, Task};
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
 /// Units of the scaled problem; every entry is a power of two.
@@ -95,7 +95,7 @@ impl Scaling {
                 scaled: scaled(&containment.scaled),
             }
         });
-        let further = task.further_signals.iter().map(|signal| BoundedSignal {
+        let further = task.further_signals.iter().map(|signal| FurtherSignal {
             name: signal.name,
             coefficient: &d_inverse * &signal.coefficient * c,
             bound: signal.bound / c,

@@ -1,5 +1,9 @@
 //! `steadfast export` to CSV, Parquet, MAT and C: other programs read back the same doubles.
 
+mod refused;
+
+mod book;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -460,117 +464,4 @@ fn the_same_file_gives_the_same_bytes() {
         });
         assert!(bytes[0] == bytes[1], "{format}");
     }
-}
-
-#[test]
-fn what_does_not_go_together_is_refused_in_one_sentence() {
-    let run = run_folder();
-    let trajectory = run.join("trajectory.csv");
-    let design = xu2020_design();
-    let (model, scenario) = (shipped("xu2020.json"), shipped("wu2018.json"));
-    let folder = folder();
-    let out = folder.path().join("out");
-    let cases = [
-        (run, "c", "c is for design files"),
-        (trajectory.as_path(), "c", "c is for design files"),
-        (run, "sdpa", "sdpa is for model, problem and design files"),
-        (design, "parquet", "parquet is for trajectories"),
-        (&model, "c", "this is a model file; c is for design files"),
-        (
-            &model,
-            "parquet",
-            "parquet is for design files and trajectories",
-        ),
-        (&scenario, "mat", "this is a scenario file"),
-        (folder.path(), "csv", "holds no trajectory.csv"),
-    ];
-    for (file, format, expected) in cases {
-        let message = export(file, format, Some(&out)).refusal();
-        assert!(message.contains(expected), "{message}");
-        assert!(!out.exists(), "{message}");
-    }
-    let message = export(design, "mat", None).refusal();
-    assert!(message.starts_with("argument --output:"), "{message}");
-    let form = ["--format", "c", "--form", "full"];
-    let refused = command().arg("export").arg(design).args(form).output();
-    let message = Run::new(refused.unwrap()).refusal();
-    assert!(message.starts_with("argument --form:"), "{message}");
-    // The input is never overwritten.
-    let message = export(run, "csv", Some(&trajectory)).refusal();
-    assert!(message.contains("would be overwritten"), "{message}");
-    let bad = write(folder.path(), "bad.csv", "time_s,x\n0,one\n");
-    let message = export(&bad, "mat", Some(&out)).refusal();
-    assert!(
-        message.contains("line 2: 'one' is not a number"),
-        "{message}"
-    );
-    let odd = write(folder.path(), "odd.csv", "time_s,2 x\n0,1\n");
-    let message = export(&odd, "mat", Some(&out)).refusal();
-    assert!(
-        message.contains("no name of a MATLAB variable"),
-        "{message}"
-    );
-}
-
-/// The fenced blocks of the book's page, in order: (language, text).
-fn blocks(page: &str) -> Vec<(String, String)> {
-    let text = text(&repository().join("docs/src").join(page));
-    let parts: Vec<&str> = text.split("```").collect();
-    let fenced = parts.iter().skip(1).step_by(2);
-    let split = fenced.filter_map(|block| block.split_once('\n'));
-    split
-        .map(|(language, text)| (language.to_string(), text.to_string()))
-        .collect()
-}
-
-#[cfg(unix)]
-#[test]
-fn the_python_of_the_book_runs() {
-    let modules = ["pandas", "pyarrow", "matplotlib", "scipy"];
-    if python(&modules, "pass", &[]).is_none() {
-        return;
-    }
-    let desk = folder();
-    std::os::unix::fs::symlink(repository().join("models"), desk.path().join("models")).unwrap();
-    let mut scripts = 0;
-    for (language, text) in blocks("exports.md") {
-        let commands = text
-            .lines()
-            .filter_map(|line| line.strip_prefix("$ steadfast "));
-        for arguments in commands.filter(|_| language == "console") {
-            let run = command()
-                .args(arguments.split(' '))
-                .current_dir(desk.path())
-                .output()
-                .expect("the command runs");
-            Run::new(run).ends_with(0);
-        }
-        if language == "python" {
-            let here = format!("import os, sys; os.chdir(sys.argv[1])\n{text}");
-            python(&modules, &here, &[desk.path()]).expect("Python is there");
-            scripts += 1;
-        }
-    }
-    assert_eq!(scripts, 5);
-    for figure in ["error.png", "bands.png"] {
-        let bytes = std::fs::read(desk.path().join(figure)).expect("a figure");
-        assert!(
-            bytes.starts_with(b"\x89PNG") && bytes.len() > 2000,
-            "{figure}"
-        );
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn the_header_of_the_book_is_the_one_that_is_written() {
-    let written = export(double_integrator_design(), "c", None)
-        .ends_with(0)
-        .stdout;
-    let blocks = blocks("exports.md");
-    let shown = blocks
-        .iter()
-        .find(|(language, _)| language == "c")
-        .expect("a block");
-    assert!(written.contains(&shown.1), "{written}");
 }

@@ -2,7 +2,7 @@
 
 use steadfast::controllers::ControllerChoice;
 use steadfast::report;
-use steadfast::run::outcome::Outcome;
+use steadfast::run::outcome::RunOutcome;
 use steadfast::run::simulate;
 use steadfast::scenario::Scenario;
 
@@ -14,7 +14,7 @@ fn unclamped() -> Scenario {
     Scenario::from_json(include_str!("../../models/xu2020-published-unclamped.json")).unwrap()
 }
 
-fn run(scenario: &Scenario) -> Outcome {
+fn run(scenario: &Scenario) -> RunOutcome {
     simulate(scenario, None, true).unwrap()
 }
 

@@ -5,7 +5,7 @@ use runtime::attitude::Quaternion;
 use serde_json::Value;
 use synth::model::ModelError;
 
-use crate::batch::variation::parameter::{Parameter, ParameterError};
+use crate::batch::variation::parameter::{ParameterError, VariedNumber};
 use crate::plants::rigid_body::check::attitude as attitude_of;
 use crate::plants::rigid_body::{AttitudeFile, FaultFile, RigidBodyFile};
 use crate::plants::{System, SystemFile};
@@ -28,7 +28,7 @@ pub(crate) struct Sampler {
 #[derive(Debug, Clone)]
 enum Draw {
     /// A number's place in the file, its value there, what is drawn and what is done with it.
-    Number(Parameter, f64, Distribution, ChangeFile),
+    Number(VariedNumber, f64, Distribution, ChangeFile),
     /// A start on the certified set.
     Boundary(Boundary),
     /// All else, which needs nothing.
@@ -227,12 +227,12 @@ fn number(
     name: &str,
     change: ChangeFile,
     file: &Value,
-) -> Result<(Parameter, f64), ModelError> {
+) -> Result<(VariedNumber, f64), ModelError> {
     let wrong = |reason: String| ModelError::Choice {
         field: format!("dispersions.values[{index}].name"),
         reason,
     };
-    let parameter = Parameter::find(file, name).map_err(|error| wrong(error.to_string()))?;
+    let parameter = VariedNumber::find(file, name).map_err(|error| wrong(error.to_string()))?;
     match (parameter.value(file), change) {
         (Some(base), _) => Ok((parameter, base)),
         (None, ChangeFile::Replace) => Ok((parameter, 0.0)),

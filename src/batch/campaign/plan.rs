@@ -13,7 +13,7 @@ use crate::base::provenance::{sha256_of, GENERATOR};
 use crate::batch::variation::samples::Samples;
 use crate::plants::SystemFile;
 use crate::run::design::Design;
-use crate::run::outcome::{Outcome, Recording};
+use crate::run::outcome::{Recording, RunOutcome};
 use crate::run::{check_design, simulate_recording};
 use crate::scenario::{PlanFile, Scenario, ScenarioFile};
 
@@ -176,7 +176,7 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// A drawn number that the scenario cannot have.
-    pub fn alone(&self, run: u64, trajectory: bool) -> Result<(String, Outcome), CampaignError> {
+    pub fn alone(&self, run: u64, trajectory: bool) -> Result<(String, RunOutcome), CampaignError> {
         let resolved = self.resolve(run)?;
         // The file's types hold numbers, texts and lists only, so it can always be written.
         let text = serde_json::to_string_pretty(&resolved.file).unwrap_or_default() + "\n";
@@ -195,7 +195,7 @@ impl<'a> Plan<'a> {
         scenario: &Scenario,
         run: u64,
         recording: &Recording,
-    ) -> Result<Outcome, CampaignError> {
+    ) -> Result<RunOutcome, CampaignError> {
         let outcome = simulate_recording(scenario, self.design, recording);
         outcome.map_err(|error| CampaignError::Run {
             run,

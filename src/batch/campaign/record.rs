@@ -81,7 +81,7 @@ pub struct Results {
     /// Fraction of the runs that met every requirement.
     pub pass_rate: f64,
     /// How well the pass rate is known.
-    pub pass_rate_interval: Interval,
+    pub pass_rate_interval: PassRateInterval,
     /// The requirements.
     pub requirements: Vec<RequirementCount>,
     /// Metrics that at least one run has, by name.
@@ -97,7 +97,7 @@ pub struct Results {
 /// A confidence interval.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Interval {
+pub struct PassRateInterval {
     /// Its level.
     pub confidence: f64,
     /// Lower end.

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::run::outcome::Outcome;
+use crate::run::outcome::RunOutcome;
 use crate::run::summary::{RunVerdict, Summary};
 use crate::scenario::{RequirementFile, Scenario};
 use crate::sim::metrics::METRICS;
@@ -32,7 +32,12 @@ pub struct RunRow {
 
 impl RunRow {
     /// The row of a run of a scenario with these drawn numbers.
-    pub fn new(run: u64, scenario: &Scenario, drawn: Vec<Option<f64>>, outcome: Outcome) -> Self {
+    pub fn new(
+        run: u64,
+        scenario: &Scenario,
+        drawn: Vec<Option<f64>>,
+        outcome: RunOutcome,
+    ) -> Self {
         let summary = &outcome.summary;
         let certificate = summary.certificate.as_ref();
         let metrics = METRICS.iter().map(|entry| summary.metric(entry.metric));

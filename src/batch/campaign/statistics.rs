@@ -5,7 +5,7 @@ use std::path::Path;
 
 use statrs::function::beta::beta_reg;
 
-use super::record::{Interval, Quantiles, RequirementCount};
+use super::record::{PassRateInterval, Quantiles, RequirementCount};
 use super::table::column_f64;
 use super::CampaignError;
 use crate::scenario::RequirementFile;
@@ -18,10 +18,10 @@ const HALVINGS: usize = 80;
 
 /// The interval of Clopper and Pearson (1934) for `passed` of `runs` runs: whatever the probability
 /// is, it lies inside with at least the confidence, for independent runs.
-pub fn pass_rate_interval(passed: u64, runs: u64) -> Interval {
+pub fn pass_rate_interval(passed: u64, runs: u64) -> PassRateInterval {
     let tail = 0.5 * (1.0 - CONFIDENCE);
     let (k, n) = (passed as f64, runs as f64);
-    Interval {
+    PassRateInterval {
         confidence: CONFIDENCE,
         lower: if passed == 0 {
             0.0

@@ -16,7 +16,7 @@ use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
 use crate::batch::engine::{Control, Job, Threads};
 use crate::plants::SystemFile;
-use crate::run::outcome::Outcome;
+use crate::run::outcome::RunOutcome;
 use crate::run::simulate;
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::scenario::Scenario;
@@ -118,7 +118,12 @@ impl<'a> ComparisonJob<'a> {
         Ok((comparison, curves))
     }
 
-    fn row(&self, candidate: &Candidate, summary: &Summary, faulty: &[Outcome]) -> ControllerRow {
+    fn row(
+        &self,
+        candidate: &Candidate,
+        summary: &Summary,
+        faulty: &[RunOutcome],
+    ) -> ControllerRow {
         let pairs = self.faults.iter().zip(faulty);
         let faults: Vec<FaultOutcome> = pairs
             .map(|(fault, outcome)| FaultOutcome::new(fault.name, &outcome.summary))
@@ -149,11 +154,11 @@ impl<'a> ComparisonJob<'a> {
 }
 
 impl Job for ComparisonJob<'_> {
-    type Record = Outcome;
+    type Record = RunOutcome;
     type Error = ComparisonError;
 
     /// A candidate without a fault, then with each; the candidates one after the other.
-    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<Outcome, ComparisonError> {
+    fn run(&self, index: u64, _stop: &Arc<AtomicBool>) -> Result<RunOutcome, ComparisonError> {
         let (index, each) = (index as usize, self.runs_per_candidate());
         let fault = (index % each).checked_sub(1);
         let fault = fault.and_then(|fault| self.faults.get(fault));
@@ -184,7 +189,10 @@ fn common_limit(candidates: &[Candidate], imposed: bool) -> Result<Vector3<f64>,
     Ok(limit)
 }
 
-fn run(candidate: &Candidate, fault: Option<&StandardFault>) -> Result<Outcome, ComparisonError> {
+fn run(
+    candidate: &Candidate,
+    fault: Option<&StandardFault>,
+) -> Result<RunOutcome, ComparisonError> {
     let label = || candidate.label.clone();
     let scenario = match fault {
         None => Ok(candidate.scenario.clone()),

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::axis::Axis;
-use super::parameter::{Parameter, ParameterError};
+use super::parameter::{ParameterError, VariedNumber};
 
 /// Most points of a grid.
 pub const MAX_POINTS: usize = 1_000_000;
@@ -20,7 +20,7 @@ pub struct Grid {
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridAxis {
     /// The number.
-    pub parameter: Parameter,
+    pub parameter: VariedNumber,
     /// Its values.
     pub values: Vec<f64>,
 }
@@ -56,7 +56,7 @@ impl Grid {
     pub fn new(file: &Value, axes: &[Axis]) -> Result<Self, GridError> {
         let mut known: Vec<GridAxis> = Vec::new();
         for axis in axes {
-            let parameter = Parameter::find(file, &axis.name)?;
+            let parameter = VariedNumber::find(file, &axis.name)?;
             if known
                 .iter()
                 .any(|other| other.parameter.overlaps(&parameter))

@@ -9,7 +9,7 @@ const LEAST_LIKENESS: f64 = 0.7;
 
 /// A number of a file, or all numbers of a list at once.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Parameter {
+pub struct VariedNumber {
     /// Its full name, such as `controller.wu2018.torque_limit_nm[0]`; `[*]` stands for every entry.
     pub name: String,
     /// Where it is, as JSON pointers.
@@ -64,7 +64,7 @@ fn like(near: &[String]) -> String {
     }
 }
 
-impl Parameter {
+impl VariedNumber {
     /// The number of that name. A full name has dots between keys and an index in brackets or after a
     /// dot; the end of a name will do when it is the end of one name only, and its unit may be left
     /// out (`phi` for `specs.phi_per_s`).
@@ -79,7 +79,8 @@ impl Parameter {
             return Ok(exact.clone());
         }
         for fits in [ends_with, ends_with_a_unit_after] {
-            let fitting: Vec<&Parameter> = all.iter().filter(|p| fits(&p.name, &wanted)).collect();
+            let fitting: Vec<&VariedNumber> =
+                all.iter().filter(|p| fits(&p.name, &wanted)).collect();
             match fitting.as_slice() {
                 [] => {}
                 [only] => return Ok((*only).clone()),
@@ -103,7 +104,7 @@ impl Parameter {
     }
 
     /// Whether both set the same number.
-    pub fn overlaps(&self, other: &Parameter) -> bool {
+    pub fn overlaps(&self, other: &VariedNumber) -> bool {
         let mut own = self.pointers.iter();
         own.any(|pointer| other.pointers.contains(pointer))
     }
@@ -157,9 +158,9 @@ fn is_whole(number: &Number) -> bool {
 }
 
 /// Every number below `value`, and each list of numbers as one.
-fn collect(value: &Value, name: &str, pointer: &str, out: &mut Vec<Parameter>) {
+fn collect(value: &Value, name: &str, pointer: &str, out: &mut Vec<VariedNumber>) {
     match value {
-        Value::Number(number) => out.push(Parameter {
+        Value::Number(number) => out.push(VariedNumber {
             name: name.to_string(),
             pointers: vec![pointer.to_string()],
             whole: is_whole(number),
@@ -169,7 +170,7 @@ fn collect(value: &Value, name: &str, pointer: &str, out: &mut Vec<Parameter>) {
             let places: Vec<String> = places.collect();
             let numbers: Option<Vec<&Number>> = entries.iter().map(Value::as_number).collect();
             if let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) {
-                out.push(Parameter {
+                out.push(VariedNumber {
                     name: format!("{name}[*]"),
                     pointers: places.clone(),
                     whole: numbers.into_iter().all(is_whole),
@@ -210,7 +211,7 @@ fn ends_with_a_unit_after(name: &str, end: &str) -> bool {
     bare == end || ends_with(bare, end)
 }
 
-fn missing(file: &Value, name: &str, wanted: &str, all: &[Parameter]) -> ParameterError {
+fn missing(file: &Value, name: &str, wanted: &str, all: &[VariedNumber]) -> ParameterError {
     let name = name.to_string();
     let steps = wanted.replace('[', ".").replace(']', "");
     let there = file.pointer(&format!("/{}", steps.replace('.', "/")));
@@ -241,7 +242,7 @@ fn kind(value: &Value) -> &'static str {
 }
 
 /// The names most like the wanted one, as a whole or in their last part.
-fn near_misses(wanted: &str, all: &[Parameter]) -> Vec<String> {
+fn near_misses(wanted: &str, all: &[VariedNumber]) -> Vec<String> {
     let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_string();
     let names = all.iter().map(|parameter| &parameter.name);
     let names = names.map(|name| {

@@ -13,7 +13,7 @@ use crate::cli::show::run::lines;
 use crate::report::pages::files::write_run;
 use crate::run::design::Design;
 use crate::run::files::{summary_text, REPORT_FILE};
-use crate::run::outcome::Outcome;
+use crate::run::outcome::RunOutcome;
 use crate::run::simulate;
 use crate::run::summary::RunVerdict;
 use crate::scenario::{PlanFile, Scenario};
@@ -76,7 +76,7 @@ fn run_of_campaign(
     scenario: &Scenario,
     design: Option<&Design>,
     run: u64,
-) -> Result<Outcome, CliError> {
+) -> Result<RunOutcome, CliError> {
     let sampling = scenario.dispersions.as_ref().map(|all| all.sampling);
     let wrong = |argument, reason: String| Err(CliError::Argument { argument, reason });
     let runs = match args.runs {

@@ -14,7 +14,7 @@ use crate::report::chart::FigureError;
 use crate::run::files::{
     read_summary, read_trajectory, summary_text, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE,
 };
-use crate::run::outcome::Outcome;
+use crate::run::outcome::RunOutcome;
 
 /// Name of a comparison's table.
 pub const COMPARISON_FILE: &str = "comparison.json";
@@ -47,7 +47,7 @@ pub enum ReportError {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_run(folder: &Path, outcome: &Outcome) -> Result<(), ReportError> {
+pub fn write_run(folder: &Path, outcome: &RunOutcome) -> Result<(), ReportError> {
     create_folder(folder)?;
     let empty = Table::default();
     let trajectory = outcome.trajectory.as_ref().unwrap_or(&empty);

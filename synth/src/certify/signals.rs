@@ -11,7 +11,7 @@ use verified::scalar::Scalar;
 
 /// A quantity of which (18) is a quadratic form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
+pub enum ProofSignal {
     /// x(t).
     State,
     /// x'(t).
@@ -69,13 +69,13 @@ pub fn reached_level<S: Scalar>(
 #[derive(Debug, Clone)]
 pub struct SignalForm<S> {
     /// The signals, each with its first row.
-    places: Vec<(Signal, usize)>,
+    places: Vec<(ProofSignal, usize)>,
     matrix: Matrix<S>,
 }
 
 impl<S: Scalar> SignalForm<S> {
     /// Zeros, for signals of the given sizes.
-    pub fn zeros(signals: &[(Signal, usize)]) -> Self {
+    pub fn zeros(signals: &[(ProofSignal, usize)]) -> Self {
         let mut side = 0;
         let places = signals.iter().map(|&(signal, size)| {
             side += size;
@@ -96,7 +96,7 @@ impl<S: Scalar> SignalForm<S> {
     ///
     /// # Panics
     /// When the form does not have it.
-    pub fn place(&self, signal: Signal) -> usize {
+    pub fn place(&self, signal: ProofSignal) -> usize {
         let mut places = self.places.iter();
         let found = places.find(|(own, _)| *own == signal);
         found.expect("a signal of the form").1
@@ -104,7 +104,7 @@ impl<S: Scalar> SignalForm<S> {
 
     /// Adds `left' block right` and its transpose; for one signal `left' block left` with a symmetric block, whose part
     /// above the diagonal is read.
-    pub fn add(&mut self, left: Signal, right: Signal, block: &Matrix<S>) {
+    pub fn add(&mut self, left: ProofSignal, right: ProofSignal, block: &Matrix<S>) {
         let (row, column) = (self.place(left), self.place(right));
         if row > column {
             return self.add(right, left, &block.transposed());

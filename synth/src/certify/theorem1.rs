@@ -9,13 +9,13 @@ pub use super::certificate::{Certificate, MismatchSlack, RuleGains};
 use nalgebra::DMatrix;
 
 use super::plant::DescriptorPlant;
-use super::signals::{bounded, reached_level, BoundedSignal, Signal, SignalForm};
+use super::signals::{bounded, reached_level, BoundedSignal, ProofSignal, SignalForm};
 use crate::fuzzy::inertia_bounds;
 use crate::model::{Mismatch, Model, Plant};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
-use Signal::{DeadZone, Error, Integral, Rate, Sample, State};
+use ProofSignal::{DeadZone, Error, Integral, Rate, Sample, State};
 
 /// A named symmetric matrix that must be positive definite.
 #[derive(Debug, Clone)]
@@ -175,7 +175,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 
     /// Adds `2 v'Q coefficient signal` with Q'v = Q1'x + Q2'x' + Q3'x(t_k^l).
-    fn multiplied(&self, form: &mut SignalForm<S>, signal: Signal, coefficient: &Matrix<S>) {
+    fn multiplied(&self, form: &mut SignalForm<S>, signal: ProofSignal, coefficient: &Matrix<S>) {
         for (row, multiplier) in [State, Rate, Sample].into_iter().zip(&self.multipliers) {
             let block = multiplier.times(coefficient);
             match row == signal {
@@ -244,7 +244,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let side = self.certificate.mismatch_side();
         let zone = side - m - n;
         let mut seen = Matrix::zeros(side, form.side());
-        let mut see = |row: usize, signal: Signal, block: &Matrix<S>| {
+        let mut see = |row: usize, signal: ProofSignal, block: &Matrix<S>| {
             for r in 0..block.nrows() {
                 for c in 0..block.ncols() {
                     seen.set(row + r, form.place(signal) + c, block.at(r, c).clone());
@@ -282,11 +282,12 @@ impl<'a, S: Scalar> Assembly<'a, S> {
     }
 
     /// The signals of (18) with their sizes.
-    fn rows(&self, interval: usize) -> Vec<(Signal, usize)> {
+    fn rows(&self, interval: usize) -> Vec<(ProofSignal, usize)> {
         let (n, m) = (self.plant.states(), self.plant.input.ncols());
         let states = [State, Rate, Sample, Error].map(|signal| (signal, n));
         let bounded = self.bounded.iter().enumerate();
-        let bounded = bounded.map(|(k, signal)| (Signal::Bounded(k), signal.coefficient.ncols()));
+        let bounded =
+            bounded.map(|(k, signal)| (ProofSignal::Bounded(k), signal.coefficient.ncols()));
         let integral = (interval == 2).then_some((Integral, n));
         let out = states.into_iter().chain([(DeadZone, m)]).chain(bounded);
         out.chain(integral).collect()
@@ -307,7 +308,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         self.multiplied(&mut out, Error, &feedback.negated());
         self.multiplied(&mut out, DeadZone, &input.negated());
         for (k, (signal, weight)) in self.weighted().enumerate() {
-            let own = Signal::Bounded(k);
+            let own = ProofSignal::Bounded(k);
             let square = Matrix::identity(signal.coefficient.ncols(), -S::from_f64(weight));
             self.multiplied(&mut out, own, &signal.coefficient);
             out.add(own, own, &square);

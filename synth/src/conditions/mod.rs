@@ -70,7 +70,7 @@ impl GainPlan {
 
 /// A signal s of bounded norm that drives the plant: x' = ... + coefficient s with |s| <= bound.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoundedSignal {
+pub struct FurtherSignal {
     /// The word for it in the names of conditions; each signal has its own.
     pub name: &'static str,
     /// n x d.
@@ -88,7 +88,7 @@ pub struct Task {
     pub specification: Specification,
     /// Signals of bounded norm beside the disturbance, in units of its own; each has a weight up to that of the
     /// disturbance.
-    pub further_signals: Vec<BoundedSignal>,
+    pub further_signals: Vec<FurtherSignal>,
     /// `xi` in these units times this number is `xi` in SI units.
     pub disturbance_weight_unit: f64,
     /// The gains.

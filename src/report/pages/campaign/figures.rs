@@ -7,7 +7,7 @@ use crate::batch::campaign::record::{RequirementCount, Results};
 use crate::batch::campaign::statistics::Ordered;
 use crate::batch::campaign::table::column_f64;
 use crate::batch::campaign::CampaignError;
-use crate::report::axis::{ends, Axis, Spacing};
+use crate::report::axis::{ends, PlotAxis, Spacing};
 use crate::report::chart::{Band, Figure};
 use crate::report::series::Series;
 
@@ -133,8 +133,8 @@ fn distribution<'a>(
     Figure {
         title: format!("{title}: share of the runs with at most that value{missing}"),
         axes: [
-            Axis::between(label, start, end),
-            Axis::new("share of the runs", Spacing::Linear),
+            PlotAxis::between(label, start, end),
+            PlotAxis::new("share of the runs", Spacing::Linear),
         ],
         series: vec![Series::held("", &places, &heights)],
         limits: vec![0.0, 1.0],

@@ -8,7 +8,7 @@ use crate::run::summary::Summary;
 use crate::sim::metrics::Metric;
 
 /// A run's trajectory, to be drawn over time.
-struct Run<'a> {
+struct RunFigures<'a> {
     summary: &'a Summary,
     trajectory: &'a Table,
     times: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     let Some(times) = trajectory.column("time_s") else {
         return Vec::new();
     };
-    let run = Run {
+    let run = RunFigures {
         summary,
         trajectory,
         times,
@@ -35,7 +35,7 @@ pub(super) fn figures(summary: &Summary, trajectory: &Table) -> Vec<Figure> {
     out
 }
 
-impl Run<'_> {
+impl RunFigures<'_> {
     fn figure(&self, title: impl Into<String>, label: &str, series: Vec<Series>) -> Figure {
         Figure::over_time(title, label, self.summary.scales.duration_s, series)
     }

@@ -6,7 +6,7 @@ use crate::base::number::label;
 use crate::batch::sweep::finished::Finished;
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::table::metric_names;
-use crate::report::axis::{Axis, Spacing};
+use crate::report::axis::{PlotAxis, Spacing};
 use crate::report::chart::{Figure, FAINT, INK};
 use crate::report::series::{Mark, Series, COLOURS};
 
@@ -165,7 +165,7 @@ impl<'a> View<'a> {
 fn plot(title: String, labels: [&str; 2], series: Vec<Series>) -> Figure {
     Figure {
         title,
-        axes: labels.map(|label| Axis::new(label, Spacing::Fitting)),
+        axes: labels.map(|label| PlotAxis::new(label, Spacing::Fitting)),
         series,
         narrow: true,
         ..Figure::default()

@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 use super::figures::View;
 use super::reasons::Reason;
 use crate::base::number::label;
-use crate::report::axis::{ends, Axis, Spacing};
+use crate::report::axis::{ends, PlotAxis, Spacing};
 use crate::report::chart::{hexadecimal, Cell, Figure};
 
 /// Most choices of the axes beyond two that are drawn.
@@ -88,7 +88,7 @@ impl Slice<'_> {
             axes: self.axes.map(|axis| {
                 let sorted = view.order(axis).into_iter();
                 let names = sorted.map(|index| label(view.values[axis][index]));
-                Axis::new(&view.labels[axis], Spacing::Cells(names.collect()))
+                PlotAxis::new(&view.labels[axis], Spacing::Cells(names.collect()))
             }),
             cells,
             narrow: true,
