@@ -2,9 +2,12 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::effect::{Effect, Fault};
+use crate::base::bounded::{As, Finite, NonNegative, Positive};
 
 /// Makes the list of effects from the types that implement [`Effect`].
 macro_rules! effects {
@@ -40,6 +43,44 @@ macro_rules! effects {
 effects! {
     /// A fault of one axis.
     Fault;
+}
+
+/// Limits of the actuators.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorsFile {
+    /// Largest torque of each axis, above 0; no limit but the controller's when left out [N m].
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        with = "As::<Option<[Positive; 3]>>"
+    )]
+    pub torque_limit_nm: Option<[f64; 3]>,
+    /// Commands below this magnitude give no torque, not negative [N m].
+    #[serde(default, with = "As::<[NonNegative; 3]>")]
+    pub dead_band_nm: [f64; 3],
+    /// Time from command to torque, not negative (s).
+    #[serde(default, with = "As::<NonNegative>")]
+    pub delay_s: f64,
+    /// Torque about each body axis (rows) per unit torque of each actuator (columns); the identity
+    /// when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<[[Finite; 3]; 3]>,
+}
+
+impl ActuatorsFile {
+    /// Actuators without faults.
+    pub fn data(&self) -> ActuatorData<3> {
+        ActuatorData {
+            limit: Vector3::from(self.torque_limit_nm.unwrap_or([f64::INFINITY; 3])),
+            dead_band: Vector3::from(self.dead_band_nm),
+            delay_s: self.delay_s,
+            matrix: self.matrix.map_or(Matrix3::identity(), |rows| {
+                Matrix3::from_fn(|row, column| rows[row][column].get())
+            }),
+            effects: Vec::new(),
+        }
+    }
 }
 
 /// Actuators of `M` axes.

@@ -16,14 +16,15 @@ use crate::controllers::lei2022::{
 };
 use crate::controllers::ControllerFile;
 use crate::plants::rigid_body::{
-    ActuatorsFile, AttitudeFile, AxisAngleFile, ReferenceFile, RigidBodyFile, SensorsFile,
-    TorqueFile, TorqueSineFile,
+    AttitudeFile, AxisAngleFile, ReferenceFile, RigidBodyFile, SensorsFile, TorqueFile,
+    TorqueSineFile,
 };
 use crate::plants::SystemFile;
 use crate::scenario::{
     MetricsFile, OutputFile, RandomFile, RequirementFile, SamplingFile, ScenarioFile,
     SCENARIO_SCHEMA_VERSION,
 };
+use crate::sim::actuator::ActuatorsFile;
 use crate::sim::integrator::Method;
 use crate::sim::metrics::Metric;
 use crate::sim::sampling::Instants;

@@ -7,9 +7,7 @@ use synth::model::{
     ModelError,
 };
 
-use super::file::{
-    ActuatorsFile, AttitudeFile, FaultFile, ReferenceFile, RigidBodyFile, SensorsFile, TorqueFile,
-};
+use super::file::{AttitudeFile, FaultFile, ReferenceFile, RigidBodyFile, SensorsFile, TorqueFile};
 use super::RigidBody;
 use crate::base::bounded::plain;
 use crate::base::plant_model::relocated;
@@ -213,21 +211,6 @@ impl SensorsFile {
             rate_noise_rad_s: self.rate_noise_deg_s.to_radians(),
             attitude_quantum_rad: self.attitude_quantum_deg.to_radians(),
             rate_quantum_rad_s: self.rate_quantum_deg_s.to_radians(),
-        }
-    }
-}
-
-impl ActuatorsFile {
-    /// Actuators without faults.
-    fn data(&self) -> ActuatorData<3> {
-        ActuatorData {
-            limit: Vector3::from(self.torque_limit_nm.unwrap_or([f64::INFINITY; 3])),
-            dead_band: Vector3::from(self.dead_band_nm),
-            delay_s: self.delay_s,
-            matrix: self.matrix.map_or(Matrix3::identity(), |rows| {
-                Matrix3::from_fn(|row, column| rows[row][column].get())
-            }),
-            effects: Vec::new(),
         }
     }
 }

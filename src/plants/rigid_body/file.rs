@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use synth::model::InertiaUncertaintyFile;
 
 use crate::base::bounded::{As, Finite, NonNegative, Positive, Unit};
+use crate::sim::actuator::ActuatorsFile;
 
 /// A rigid spacecraft: the true one, which may differ from the model of the design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -161,29 +162,6 @@ pub struct SensorsFile {
     /// Resolution of each rate, not negative; 0 for none [deg/s].
     #[serde(default, with = "As::<NonNegative>")]
     pub rate_quantum_deg_s: f64,
-}
-
-/// Limits of the actuators.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ActuatorsFile {
-    /// Largest torque of each axis, above 0; no limit but the controller's when left out [N m].
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        with = "As::<Option<[Positive; 3]>>"
-    )]
-    pub torque_limit_nm: Option<[f64; 3]>,
-    /// Commands below this magnitude give no torque, not negative [N m].
-    #[serde(default, with = "As::<[NonNegative; 3]>")]
-    pub dead_band_nm: [f64; 3],
-    /// Time from command to torque, not negative (s).
-    #[serde(default, with = "As::<NonNegative>")]
-    pub delay_s: f64,
-    /// Torque about each body axis (rows) per unit torque of each actuator (columns); the identity
-    /// when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub matrix: Option<[[Finite; 3]; 3]>,
 }
 
 /// A fault of one axis in a window of time.
