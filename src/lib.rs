@@ -10,7 +10,7 @@
 //! |---|---|
 //! | [`cli`] | the verbs of the program, one file each, and how results and errors are printed |
 //! | [`report`], [`export`] | pages, and files for other programs |
-//! | [`batch`] | many runs: random, on a grid, side by side, searched |
+//! | [`batch`] | many runs: random, on a grid, compared, searched |
 //! | [`run`] | one scenario: built, run in the closed loop, judged; whether a design's proof covers the run |
 //! | [`scenario`] | the scenario file |
 //! | [`controllers`] | the controllers, one paper each |

@@ -1,4 +1,4 @@
-//! Many runs: random, on a grid, side by side, searched.
+//! Many runs: random, on a grid, compared, searched.
 //!
 //! What is run is a [`engine::Job`] whose runs are numbered. Where a run's numbers come from is in
 //! [`variation`], the threads in [`engine`], and what is on disk so that an interruption costs little in

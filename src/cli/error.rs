@@ -49,7 +49,7 @@ pub enum CliError {
     Interrupted,
     /// A sweep stopped by the user, its points kept.
     #[error(
-        "interrupted; {done} of {points} points are done and kept in {}; the same command goes on from there",
+        "interrupted; {done} of {points} points are done and kept in {}; the same command resumes there",
         folder.display()
     )]
     Resumable {

@@ -185,7 +185,7 @@ fn all_gains_of_the_papers_appendix_have_no_proof_on_either_model_because_of_one
         assert_eq!(report["blocking_gains"], json!([blocking]), "{model}");
         assert_eq!(number(&report, "/bound"), f64::MAX, "{model}");
         let words = refuted_again(&output);
-        let because = format!("gain {blocking} alone rules them out");
+        let because = format!("gain {blocking} alone excludes them");
         assert!(words.contains(&because), "{words}");
     }
 }
@@ -211,7 +211,7 @@ fn two_gains_that_are_proved_alone_are_refuted_together() {
     assert_eq!(report["blocking_gains"], json!([1, 2]));
     let words = refuted_again(&output);
     assert!(
-        words.contains("gains 1, 2 together rule them out"),
+        words.contains("gains 1, 2 together exclude them"),
         "{words}"
     );
 }

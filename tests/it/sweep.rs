@@ -190,15 +190,15 @@ fn a_name_that_is_no_number_of_the_file_is_refused_with_names_like_it() {
     let cases = [
         (
             "controller.wu2018.trigger.relative.relativ=1",
-            "like it: controller.wu2018.trigger.relative.relative",
+            "similar: controller.wu2018.trigger.relative.relative",
         ),
         (
             "torque_limit=1",
-            "like it: controller.wu2018.torque_limit_nm[*], controller.wu2018.torque_limit_nm[0]",
+            "similar: controller.wu2018.torque_limit_nm[*], controller.wu2018.torque_limit_nm[0]",
         ),
         (
             "sampling=1",
-            "'sampling' is an object, not a number; like it: sampling.dropout_probability",
+            "'sampling' is an object, not a number; similar: sampling.dropout_probability",
         ),
         ("name=1", "'name' is a text, not a number"),
         ("xyzzy=1", "there is no number 'xyzzy' in the file"),

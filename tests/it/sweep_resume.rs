@@ -271,7 +271,7 @@ fn control_c_keeps_what_is_done_and_says_how_to_go_on() {
     let expected = format!("interrupted; {done} of 50000 points are done and kept in");
     assert!(message.contains(&expected), "{message}");
     assert!(
-        message.contains("the same command goes on from there"),
+        message.contains("the same command resumes there"),
         "{message}"
     );
     assert_eq!(names_in(&output), [JOURNAL]);

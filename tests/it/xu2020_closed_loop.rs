@@ -1,4 +1,4 @@
-//! Proved designs on the real plant: the bound of the certificate holds at every step.
+//! Proved designs on the nonlinear plant: the bound of the certificate holds at every step.
 
 use crate::common;
 use nalgebra::DVector;

@@ -1,4 +1,4 @@
-//! Several controllers on one task, side by side.
+//! Several controllers on one task, compared.
 
 mod faults;
 mod run;

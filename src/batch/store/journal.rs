@@ -44,7 +44,7 @@ pub enum JournalError {
     /// The folder holds the points of another sweep.
     #[error(
         "{} holds the points of another sweep (the {difference} differs); choose another folder, or \
-         give --restart to throw them away",
+         give --restart to delete them",
         path.parent().unwrap_or(path).display()
     )]
     Other {

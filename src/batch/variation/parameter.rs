@@ -60,7 +60,7 @@ pub enum ParameterError {
 fn like(near: &[String]) -> String {
     match near {
         [] => String::new(),
-        near => format!("; like it: {}", near.join(", ")),
+        near => format!("; similar: {}", near.join(", ")),
     }
 }
 

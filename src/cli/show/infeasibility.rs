@@ -89,8 +89,8 @@ fn statement(file: &InfeasibilityFile, bound: f64) -> String {
     let blocking: Vec<String> = file.blocking_gains().iter().map(usize::to_string).collect();
     let because = match (file.gains.len(), blocking.as_slice()) {
         (1, _) => String::new(),
-        (_, [one]) => format!(": gain {one} alone rules them out"),
-        (_, several) => format!(": gains {} together rule them out", several.join(", ")),
+        (_, [one]) => format!(": gain {one} alone excludes them"),
+        (_, several) => format!(": gains {} together exclude them", several.join(", ")),
     };
     format!("for these gains the conditions cannot hold{within}{because}")
 }

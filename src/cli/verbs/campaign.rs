@@ -26,7 +26,7 @@ pub(crate) const KEPT: usize = 100;
 #[derive(clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct CampaignArgs {
-    /// Scenario file; its `dispersions` say what is drawn anew for every run
+    /// Scenario file; its `dispersions` state what is sampled for every run
     scenario: PathBuf,
     /// Number of runs
     #[arg(long, value_name = "N")]

@@ -39,27 +39,27 @@ struct Cli {
 enum Verb {
     /// Design a controller for a model file and prove it
     Synthesize(synthesize::SynthesizeArgs),
-    /// Say whether any design exists for a model file, with a proof
+    /// Decide whether any design exists for a model file, with a proof
     Feasibility(feasibility::FeasibilityArgs),
     /// Find the smallest gain bound that can be proved for given gains
     Analyse(analyse::AnalyseArgs),
     /// Prove a design file or an infeasibility certificate from its numbers alone
     Verify(verify::VerifyArgs),
-    /// Run a scenario: a controller on the real plant
+    /// Simulate a scenario: a controller on the nonlinear plant
     Simulate(simulate::SimulateArgs),
-    /// Run several controllers on the same task and put them side by side
+    /// Run several controllers on the same task and tabulate them
     Compare(compare::CompareArgs),
     /// Run variants of a scenario, or synthesize variants of a model, over a grid
     Sweep(sweep::SweepArgs),
-    /// Make many runs of a scenario with numbers drawn anew for each
+    /// Make many runs of a scenario, with numbers sampled for each
     Campaign(campaign::CampaignArgs),
-    /// Make one campaign of its shards
+    /// Merge the shards of a campaign
     Merge(merge::MergeArgs),
     /// Search controller parameters for a spacecraft and write a scenario with them
     Tune(tune::TuneArgs),
-    /// Build the report page of a run again from its files
+    /// Rebuild the report page of a run from its files
     Report(report::ReportArgs),
-    /// Read a file of any kind and say whether it is valid
+    /// Check whether a file of any kind is valid
     Check(check::CheckArgs),
     /// Print the JSON Schema of a kind of file
     Schema(schema::SchemaArgs),
