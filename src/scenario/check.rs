@@ -5,7 +5,7 @@ use synth::model::{check_line, finite, parse, FileError, Kind, ModelError};
 use super::dispersions::{check_dispersions, Dispersions};
 use super::file::{MetricsFile, RequirementFile, ScenarioFile, SCENARIO_SCHEMA_VERSION};
 use super::link::check_link;
-use crate::base::bounded::{HalfTurn, InsideUnit, Positive};
+use crate::base::bounded::{HalfTurn, InsideUnit, Positive, Tail};
 use crate::base::provenance::sha256_of;
 use crate::base::ranges::require;
 use crate::controllers::registry::check_controller;
@@ -139,7 +139,7 @@ impl Scenario {
                 .to_radians(),
             settle_tolerance_component: component.map(InsideUnit::get),
             settle_tolerance_state: state.map_or(DEFAULT_SETTLE_TOLERANCE_STATE, Positive::get),
-            tail_s: tail_s.map_or(DEFAULT_TAIL * file.duration_s, Positive::get),
+            tail_s: tail_s.map_or(DEFAULT_TAIL * file.duration_s, Tail::get),
             requirements: file.requirements.clone(),
             output_interval_s: check_output(file)?,
             dispersions: dispersions.map_err(|error| error.within("dispersions"))?,
@@ -228,7 +228,7 @@ fn check_metrics(file: &MetricsFile, duration: f64) -> Result<(), ModelError> {
         let allowed = "left out when settle_tolerance_deg is given";
         require(alone, field, tolerance.get(), allowed)?;
     }
-    let tail = file.tail_s.map_or(duration, Positive::get);
+    let tail = file.tail_s.map_or(duration, Tail::get);
     let allowed = "above 0 and at most duration_s";
     require(tail <= duration, "metrics.tail_s", tail, allowed)
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispersions::DispersionsFile;
 use super::link::LinkFile;
-use crate::base::bounded::{As, BelowOne, HalfTurn, InsideUnit, Positive};
+use crate::base::bounded::{As, BelowOne, HalfTurn, InsideUnit, Positive, Tail};
 use crate::controllers::ControllerFile;
 use crate::plants::SystemFile;
 use crate::sim::integrator::Method;
@@ -116,7 +116,7 @@ pub struct MetricsFile {
     /// The root mean square is taken over the last so many seconds, above 0; a fifth of the run when
     /// left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tail_s: Option<Positive>,
+    pub tail_s: Option<Tail>,
 }
 
 /// A requirement: one metric, one limit.

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::ModelError;
 
-use crate::base::bounded::{BelowOne, NonNegative, Positive};
+use crate::base::bounded::{AnyNonNegative, AnyPositive, BelowOne};
 use crate::base::ranges::require;
 use crate::plants::System;
 use crate::sim::link::{LinkData, MAX_LEVELS};
@@ -21,7 +21,7 @@ pub struct LinkFile {
     /// What is sent and when.
     pub encoding: EncodingFile,
     /// Largest torque of each axis that a word can say, above 0; commands beyond it are cut off [N m].
-    pub torque_limit_nm: [Positive; 3],
+    pub torque_limit_nm: [AnyPositive; 3],
     /// Probability that a bit of a word arrives inverted, in [0, 1).
     #[serde(default)]
     pub bit_error_probability: BelowOne,
@@ -30,7 +30,7 @@ pub struct LinkFile {
     pub word_loss_probability: BelowOne,
     /// Time between two samples at which every axis is resynchronised, above 0; never when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub resynchronisation_period_s: Option<Positive>,
+    pub resynchronisation_period_s: Option<AnyPositive>,
 }
 
 /// The encodings.
@@ -46,7 +46,7 @@ pub enum EncodingFile {
     /// A command is sent when it differs from the torque held by the threshold or more.
     FixedThreshold {
         /// Threshold of each axis, above 0 and at most twice the limit [N m].
-        threshold_nm: [Positive; 3],
+        threshold_nm: [AnyPositive; 3],
         /// How a torque is written; `double` when left out.
         #[serde(default)]
         format: FormatFile,
@@ -56,7 +56,7 @@ pub enum EncodingFile {
         /// Fraction of the command's magnitude, in [0, 1).
         relative: BelowOne,
         /// Threshold of each axis at zero, above 0 and at most twice the limit [N m].
-        absolute_nm: [Positive; 3],
+        absolute_nm: [AnyPositive; 3],
         /// How a torque is written; `double` when left out.
         #[serde(default)]
         format: FormatFile,
@@ -100,18 +100,18 @@ pub enum LevelsFile {
     /// Given one by one, at most 64.
     Table {
         /// Lower ends of the intervals of the command's magnitude, from 0 upwards, below the limit [N m].
-        from_nm: Vec<NonNegative>,
+        from_nm: Vec<AnyNonNegative>,
         /// Step of each interval for each axis, above 0 and at most twice the limit [N m].
-        threshold_nm: [Vec<Positive>; 3],
+        threshold_nm: [Vec<AnyPositive>; 3],
     },
     /// Intervals of equal width up to the limit with steps that grow evenly.
     Even {
         /// Number of intervals, at least 1.
         count: u32,
         /// Step of the first interval for each axis, above 0 and at most twice the limit [N m].
-        smallest_threshold_nm: [Positive; 3],
+        smallest_threshold_nm: [AnyPositive; 3],
         /// Step of the last interval for each axis, above 0 and at most twice the limit [N m].
-        largest_threshold_nm: [Positive; 3],
+        largest_threshold_nm: [AnyPositive; 3],
     },
 }
 
@@ -135,7 +135,7 @@ pub(crate) fn check_link(
     }
     let parameters = Parameters {
         axes: axes(file)?,
-        resynchronisation_period_s: file.resynchronisation_period_s.map(Positive::get),
+        resynchronisation_period_s: file.resynchronisation_period_s.map(AnyPositive::get),
     };
     Encoder::new(&parameters).map_err(|error| located(file, &error))?;
     Ok(LinkData {

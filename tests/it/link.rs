@@ -279,3 +279,18 @@ fn heavy_losses_on_a_compressed_axis_are_made_good_by_the_next_word_of_resynchro
     }
     assert!(agreed > 20 && differed > 1000, "{agreed} {differed}");
 }
+
+#[test]
+fn a_huge_limit_stands_for_no_limit() {
+    let folder = folder();
+    let limit = json!([1e40, 1e40, 1e40]);
+    for (file, pointer) in [
+        ("wu2018-link.json", "/link/torque_limit_nm"),
+        ("yang2025.json", "/controller/yang2025/torque_limit_nm"),
+    ] {
+        let mut scenario = json(&shipped(file));
+        set(&mut scenario, pointer, limit.clone());
+        let path = write(folder.path(), file, scenario.to_string());
+        steadfast([Path::new("check"), &path]).ends_with(0);
+    }
+}

@@ -12,6 +12,7 @@ mod campaign;
 mod campaign_draws;
 mod check;
 mod compare;
+mod exact;
 mod export;
 mod exports;
 mod feasibility;

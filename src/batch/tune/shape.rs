@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::file::{Requirements, Start};
-use crate::base::bounded::{plain, InsideUnit, Positive};
+use crate::base::bounded::{plain, InsideUnit, Tail};
 use crate::controllers::lei2022::{
     BarrierFile, CompositeTriggerFile, DisturbanceTermFile, LeiFile, LeiTriggerFile,
     PerformanceFile, VirtualLawFile,
@@ -248,7 +248,7 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
             settle_tolerance_deg: None,
             settle_tolerance_component: InsideUnit::try_from(requirements.component).ok(),
             settle_tolerance_state: None,
-            tail_s: Positive::try_from(requirements.duration_s - settle_s).ok(),
+            tail_s: Tail::try_from(requirements.duration_s - settle_s).ok(),
         },
         requirements: vec![
             at_most(Metric::SettleSeconds, settle_s),

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use synth::model::{check_inertia, ModelError};
 
 use crate::base::bounded::{
-    plain, AtLeastOne, Finite, InsideUnit, NonNegative, OneToTwo, Positive,
+    plain, AnyFinite, AnyNonNegative, AnyPositive, AtLeastOne, InsideUnit, OneToTwo,
 };
 use crate::controllers::law::{matrix, LawFile};
 use crate::plants::RigidBodySystem;
@@ -27,9 +27,9 @@ pub struct YangFile {
     /// Nominal actuator matrix D0: torque about each body axis (rows) per unit torque of each actuator
     /// (columns); the identity when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub actuator_matrix: Option<[[Finite; 3]; 3]>,
+    pub actuator_matrix: Option<[[AnyFinite; 3]; 3]>,
     /// Largest torque of each actuator, above 0 [N m].
-    pub torque_limit_nm: [Positive; 3],
+    pub torque_limit_nm: [AnyPositive; 3],
     /// The envelope of each component of the error quaternion's vector part.
     pub envelope: YangEnvelopeFile,
     /// Gains of the law.
@@ -45,7 +45,7 @@ pub struct YangEnvelopeFile {
     /// The performance function rho(t).
     pub performance: YangPerformanceFile,
     /// a in (10), above 0.
-    pub shape: Positive,
+    pub shape: AnyPositive,
     /// True for (10), wide on the side of the initial error and narrow on the other; false for bounds
     /// of -a rho and a rho.
     #[serde(default = "yes")]
@@ -70,24 +70,24 @@ pub enum YangPerformanceFile {
     /// (8): reaches its final level at the appointed time.
     AppointedTime {
         /// rho_0, above `final_level`.
-        initial_level: Positive,
+        initial_level: AnyPositive,
         /// rho_inf, above 0.
-        final_level: Positive,
+        final_level: AnyPositive,
         /// t_f of each component, above 0 (s).
         appointed_time_s: [f64; 3],
         /// k, above 0 [1/s].
-        rate_per_s: Positive,
+        rate_per_s: AnyPositive,
         /// b, in [0.001, 50].
         offset: f64,
     },
     /// The usual exponential: (initial - final) exp(-rate t) + final.
     Exponential {
         /// Level at the start, above `final_level`.
-        initial_level: Positive,
+        initial_level: AnyPositive,
         /// Level it tends to, above 0.
-        final_level: Positive,
+        final_level: AnyPositive,
         /// Rate, above 0 [1/s].
-        rate_per_s: Positive,
+        rate_per_s: AnyPositive,
     },
 }
 
@@ -98,10 +98,10 @@ pub struct AdhesionFile {
     /// lambda, 1 or above.
     pub width: AtLeastOne,
     /// nu, above 0.
-    pub exponent: Positive,
+    pub exponent: AnyPositive,
     /// Time after which the terms are zero, above 0; the appointed times when left out (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub span_s: Option<[Positive; 3]>,
+    pub span_s: Option<[AnyPositive; 3]>,
 }
 
 /// Parameters of (11).
@@ -109,17 +109,17 @@ pub struct AdhesionFile {
 #[serde(deny_unknown_fields)]
 pub struct ResilienceFile {
     /// delta_1, above 0 [1/(N m s)].
-    pub fault_gain_per_nm_s: Positive,
+    pub fault_gain_per_nm_s: AnyPositive,
     /// delta_2, 0 or above.
-    pub rate_gain: NonNegative,
+    pub rate_gain: AnyNonNegative,
     /// delta_3, above 0 [1/s].
-    pub decay_per_s: Positive,
+    pub decay_per_s: AnyPositive,
     /// delta_4, above 0.
-    pub decay_size: Positive,
+    pub decay_size: AnyPositive,
     /// kappa_1, 0 or above: how far the bound on the side away from the fault moves outwards.
-    pub away_width: NonNegative,
+    pub away_width: AnyNonNegative,
     /// kappa_2, 0 or above: how far the bound on the side the fault pushes to moves outwards.
-    pub toward_width: NonNegative,
+    pub toward_width: AnyNonNegative,
 }
 
 /// Gains of the law.
@@ -127,17 +127,17 @@ pub struct ResilienceFile {
 #[serde(deny_unknown_fields)]
 pub struct YangGainsFile {
     /// k1, above 0 [rad/s].
-    pub surface_gain_rad_s: Positive,
+    pub surface_gain_rad_s: AnyPositive,
     /// p/q, in (1, 2).
     pub surface_exponent: OneToTwo,
     /// k2, above 0 [N m s/rad].
-    pub linear_gain_nm_s_rad: Positive,
+    pub linear_gain_nm_s_rad: AnyPositive,
     /// k3, above 0 [N m (s/rad)^chi].
-    pub power_gain: Positive,
+    pub power_gain: AnyPositive,
     /// chi, in (0, 1).
     pub power_exponent: InsideUnit,
     /// zeta of each axis, 0 or above [rad/s].
-    pub dead_zone_rad_s: [NonNegative; 3],
+    pub dead_zone_rad_s: [AnyNonNegative; 3],
 }
 
 /// Where the estimate of the lumped fault comes from.
@@ -149,12 +149,12 @@ pub enum FaultEstimationFile {
     /// A low-pass of the torque that explains the measured change of the rate.
     LowPass {
         /// Time constant, above 0 (s).
-        time_constant_s: Positive,
+        time_constant_s: AnyPositive,
     },
     /// An extended state observer.
     Observer {
         /// Bandwidth, above 0 [rad/s].
-        bandwidth_rad_s: Positive,
+        bandwidth_rad_s: AnyPositive,
     },
 }
 

@@ -4,6 +4,7 @@
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
 
 mod certificate;
+mod exactly;
 pub mod infeasible;
 pub mod plant;
 pub mod reach;
@@ -11,7 +12,7 @@ mod signals;
 pub mod theorem1;
 
 pub use sdp::exclusion;
-pub use verified::{definite, interval, matrix, rounding, scalar};
+pub use verified::{definite, exact, interval, matrix, rounding, scalar};
 
 use serde::{Deserialize, Serialize};
 use verified::definite::{prove_positive_definite, IntervalMatrix};
@@ -21,6 +22,7 @@ use verified::matrix::Matrix;
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
 pub use certificate::{Certificate, MismatchSlack, RuleGains};
+pub use exactly::{check_exactly, decide_all, ExactReport};
 use theorem1::{for_each_condition, Statement};
 
 /// The answer of the check.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::certificate::{CertificateFile, ControllerFile};
 use crate::certify::theorem1::Certificate;
-use crate::certify::{check, Report, Verdict};
+use crate::certify::{check, check_exactly, ExactReport, Report, Verdict};
 use crate::model::{
     check_positive, check_version, parse, FileError, Kind, Model, ModelError, ModelFile, Objective,
 };
@@ -212,6 +212,21 @@ impl DesignFile {
         let certificate = self.certificate(model)?;
         let outer = self.large_set_certificate(model)?;
         Ok(prove(model, &certificate, outer.as_ref()))
+    }
+
+    /// As [`DesignFile::verify`], in exact rational arithmetic.
+    pub fn verify_exactly(&self, model: &Model) -> Result<ExactReport, ModelError> {
+        let certificate = self.certificate(model)?;
+        let outer = self.large_set_certificate(model)?;
+        let report = check_exactly(model, &certificate);
+        let Some(outer) = outer else {
+            return Ok(report);
+        };
+        let mut further = check_exactly(&outer.model, &outer.certificate);
+        for name in &mut further.failed {
+            name.insert_str(0, OUTER);
+        }
+        Ok(report.and(further))
     }
 }
 

@@ -5,9 +5,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::certify::infeasible::{
-    check_length, missing, refute, DualMultipliers, GainDuals, InputDual, Moments, Refutation,
-    RegionDual,
+    check_length, missing, refute, refute_exactly, DualMultipliers, GainDuals, InputDual, Moments,
+    Refutation, RegionDual,
 };
+use crate::certify::{decide_all, ExactReport};
 use crate::design::{rows, Provenance};
 use crate::model::bounded::{As, Positive, Rows};
 use crate::model::{
@@ -228,5 +229,18 @@ impl InfeasibilityFile {
     pub fn verify(&self, model: &Model) -> Result<Vec<Refutation>, ModelError> {
         let sets = self.weights(model)?;
         Ok(sets.iter().map(|weights| refute(model, weights)).collect())
+    }
+
+    /// Decides in exact rational arithmetic what [`InfeasibilityFile::verify`] found of each set of weights.
+    pub fn verify_exactly(
+        &self,
+        model: &Model,
+        found: &[Refutation],
+    ) -> Result<ExactReport, ModelError> {
+        let sets = self.weights(model)?;
+        let pairs = sets.iter().zip(found);
+        let reports = pairs.map(|(weights, found)| refute_exactly(model, weights, found));
+        let none = decide_all(|_| ());
+        Ok(reports.fold(none, ExactReport::and))
     }
 }

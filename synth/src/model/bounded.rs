@@ -32,10 +32,20 @@ const SMALLEST: f64 = 1e-30;
 /// What [`finite`] allows, in words.
 const MAGNITUDE: &str = "0 or a number of magnitude 1e-30 to 1e30";
 
-/// Makes types of numbers in a range: the type, the range in words, the test, and the keys that the
-/// schema has for it. All refuse what `synth::model::finite` refuses.
+/// Whether the square of the number neither overflows nor vanishes.
+fn moderate(value: f64) -> bool {
+    finite("", value).is_ok()
+}
+
+/// Whether it is a number at all.
+fn any(value: f64) -> bool {
+    value.is_finite()
+}
+
+/// Makes types of numbers in a range: the type, the range in words, which sizes are taken, the test, and the keys that
+/// the schema has for it.
 macro_rules! bounded {
-    ($($(#[$doc:meta])+ $name:ident $words:literal $ok:expr, $schema:tt;)+) => {$(
+    ($($(#[$doc:meta])+ $name:ident $words:literal $size:ident $ok:expr, $schema:tt;)+) => {$(
         $(#[$doc])+
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
         #[serde(try_from = "f64", into = "f64")]
@@ -54,10 +64,10 @@ macro_rules! bounded {
             fn try_from(value: f64) -> Result<Self, OutOfRange> {
                 let ok: fn(f64) -> bool = $ok;
                 let refuse = |allowed| Err(OutOfRange { value, allowed });
-                match (ok(value), finite("", value)) {
+                match (ok(value), $size(value)) {
                     (false, _) => refuse($words),
-                    (true, Err(_)) => refuse(MAGNITUDE),
-                    (true, Ok(())) => Ok(Self(value)),
+                    (true, false) => refuse(MAGNITUDE),
+                    (true, true) => Ok(Self(value)),
                 }
             }
         }
@@ -83,7 +93,7 @@ macro_rules! bounded {
 
             /// Numbers too small to be allowed in a file are written as 0.
             fn of(plain: &f64) -> Self {
-                match plain.abs() < SMALLEST {
+                match plain.abs() < SMALLEST && !$size(*plain) {
                     true => Self(0.0),
                     false => Self(*plain),
                 }
@@ -108,55 +118,67 @@ macro_rules! bounded {
 
 bounded! {
     /// Any number.
-    Finite "a finite number" |value| !value.is_nan(),
+    Finite "a finite number" moderate |value| !value.is_nan(),
         { "type": "number", "format": "double" };
     /// A number above 0.
-    Positive "above 0" |value| value > 0.0,
+    Positive "above 0" moderate |value| value > 0.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0 };
     /// A number that is 0 or above.
-    NonNegative "0 or above" |value| value >= 0.0,
+    NonNegative "0 or above" moderate |value| value >= 0.0,
+        { "type": "number", "format": "double", "minimum": 0 };
+    /// Any number of any size.
+    AnyFinite "a finite number" any |value| !value.is_nan(),
+        { "type": "number", "format": "double" };
+    /// A number above 0 of any size: a large one stands for no limit.
+    AnyPositive "above 0" any |value| value > 0.0,
+        { "type": "number", "format": "double", "exclusiveMinimum": 0 };
+    /// A number of any size that is 0 or above.
+    AnyNonNegative "0 or above" any |value| value >= 0.0,
         { "type": "number", "format": "double", "minimum": 0 };
     /// A number in [0, 1).
-    BelowOne "in [0, 1)" |value| (0.0..1.0).contains(&value),
+    BelowOne "in [0, 1)" any |value| (0.0..1.0).contains(&value),
         { "type": "number", "format": "double", "minimum": 0, "exclusiveMaximum": 1 };
     /// A number in (0, 1).
-    InsideUnit "in (0, 1)" |value| value > 0.0 && value < 1.0,
+    InsideUnit "in (0, 1)" any |value| value > 0.0 && value < 1.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "exclusiveMaximum": 1 };
     /// A number in (0, 1].
-    UpToOne "in (0, 1]" |value| value > 0.0 && value <= 1.0,
+    UpToOne "in (0, 1]" any |value| value > 0.0 && value <= 1.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 1 };
     /// The size of a part over that of the whole.
-    Ratio "above 0 and at most 1" |value| value > 0.0 && value <= 1.0,
+    Ratio "above 0 and at most 1" any |value| value > 0.0 && value <= 1.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 1 };
     /// The shortest sampling interval, for the part of its range that does not depend on the longest one.
-    ShortestInterval "above 0 and at most hbar_s" |value| value > 0.0,
+    ShortestInterval "above 0 and at most hbar_s" any |value| value > 0.0,
+        { "type": "number", "format": "double", "exclusiveMinimum": 0 };
+    /// The length of the end of a run, for the part of its range that does not depend on the run's.
+    Tail "above 0 and at most duration_s" any |value| value > 0.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0 };
     /// A number in [0, 1].
-    Unit "in [0, 1]" |value| (0.0..=1.0).contains(&value),
+    Unit "in [0, 1]" any |value| (0.0..=1.0).contains(&value),
         { "type": "number", "format": "double", "minimum": 0, "maximum": 1 };
     /// A percentage, in [0, 100].
-    Percent "in [0, 100]" |value| (0.0..=100.0).contains(&value),
+    Percent "in [0, 100]" any |value| (0.0..=100.0).contains(&value),
         { "type": "number", "format": "double", "minimum": 0, "maximum": 100 };
     /// The margin of strict inequalities, in (0, 0.01].
-    Margin "in (0, 0.01]" |value| value > 0.0 && value <= 0.01,
+    Margin "in (0, 0.01]" any |value| value > 0.0 && value <= 0.01,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 0.01 };
     /// A number that is 1 or above.
-    AtLeastOne "1 or above" |value| value >= 1.0,
+    AtLeastOne "1 or above" moderate |value| value >= 1.0,
         { "type": "number", "format": "double", "minimum": 1 };
     /// A number in (1, 2).
-    OneToTwo "in (1, 2)" |value| value > 1.0 && value < 2.0,
+    OneToTwo "in (1, 2)" any |value| value > 1.0 && value < 2.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 1, "exclusiveMaximum": 2 };
     /// A relative tolerance of an integrator.
-    Tolerance "in [1e-14, 0.001]" |value| (1e-14..=1e-3).contains(&value),
+    Tolerance "in [1e-14, 0.001]" any |value| (1e-14..=1e-3).contains(&value),
         { "type": "number", "format": "double", "minimum": 1e-14, "maximum": 0.001 };
     /// The resolution of a root in time, s.
-    Resolution "at least 1e-9" |value| value >= 1e-9,
+    Resolution "at least 1e-9" any |value| value >= 1e-9,
         { "type": "number", "format": "double", "minimum": 1e-9 };
     /// An angle up to half a turn, deg.
-    HalfTurn "above 0 and at most 180" |value| value > 0.0 && value <= 180.0,
+    HalfTurn "above 0 and at most 180" any |value| value > 0.0 && value <= 180.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "maximum": 180 };
     /// An angle in (0, 180) degrees.
-    AngleDeg "in (0, 180)" |value| value > 0.0 && value < 180.0,
+    AngleDeg "in (0, 180)" any |value| value > 0.0 && value < 180.0,
         { "type": "number", "format": "double", "exclusiveMinimum": 0, "exclusiveMaximum": 180 };
 }
 
@@ -228,7 +250,7 @@ pub struct Rows(DMatrix<f64>);
 
 /// A row of a matrix that is not as long as the first one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the size is {found} entries in row {row}; it must be {expected} entries, as in row 1")]
+#[error("row 1 has {expected} entries and row {row} has {found}; all rows of a matrix must have the same length")]
 pub struct Ragged {
     /// Number of the row, from 1.
     pub row: usize,

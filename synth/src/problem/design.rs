@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::checked::Problem;
 use super::file::ProblemFile;
-use crate::certify::{judge_all, Report};
+use crate::certify::{decide_all, judge_all, ExactReport, Report};
 use crate::conditions::state_feedback::StateFeedback;
 use crate::design::{rows, symmetric, SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::model::{
@@ -119,6 +119,16 @@ impl ProblemDesignFile {
     /// Proves the design from the file's numbers alone, or says what is not proved.
     pub fn verify(&self, problem: &Problem) -> Result<Report, ModelError> {
         Ok(verify(problem, &self.feedback(problem)?))
+    }
+
+    /// As [`ProblemDesignFile::verify`], in exact rational arithmetic.
+    pub fn verify_exactly(&self, problem: &Problem) -> Result<ExactReport, ModelError> {
+        let found = self.feedback(problem)?;
+        Ok(decide_all(|check| {
+            problem
+                .task
+                .for_each_condition(&problem.plant, &found, check);
+        }))
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! [`rounding`] rounds in a given direction without changing the mode of the processor, [`interval`] encloses exact
 //! results, [`matrix`] is a small dense matrix over any [`scalar`], and [`definite`] proves that every symmetric member
-//! of an interval matrix is positive definite. A proof needs IEEE 754 doubles and nothing else: no rounding mode, no
+//! of an interval matrix is positive definite; [`exact`] decides the same in rational arithmetic. A proof needs IEEE 754 doubles and nothing else: no rounding mode, no
 //! linear-algebra library.
 //!
 //! ```
@@ -22,6 +22,7 @@
 //! ```
 
 pub mod definite;
+pub mod exact;
 pub mod interval;
 pub mod matrix;
 pub mod rounding;

@@ -66,6 +66,11 @@ impl<S: Scalar> Matrix<S> {
         &self.entries[row * self.columns + column]
     }
 
+    /// All entries, row by row.
+    pub fn entries(&self) -> &[S] {
+        &self.entries
+    }
+
     /// Replaces one entry.
     pub fn set(&mut self, row: usize, column: usize, value: S) {
         self.entries[row * self.columns + column] = value;

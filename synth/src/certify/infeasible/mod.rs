@@ -36,10 +36,13 @@ pub use scope::{limits, Limit};
 pub use stationarity::Level;
 
 use self::stationarity::{for_each_statement, Stationarity};
-use super::{judge, ConditionMargin};
+use super::{decide_all, judge, ConditionMargin, ExactReport};
 use crate::model::Model;
+use verified::exact::Exact;
 use verified::interval::Interval;
+use verified::matrix::Matrix;
 use verified::rounding::{div_down, mul_up, next_down};
+use verified::scalar::Scalar;
 
 /// The outcome of the check of [`DualMultipliers`].
 #[derive(Debug, Clone, PartialEq)]
@@ -110,6 +113,30 @@ fn refute_at(model: &Model, weights: &DualMultipliers, level: Level) -> Refutati
         bound,
     }
 }
+
+/// Decides exactly what [`refute`] proved: every matrix, and that the sum is negative for all entries of Qh within its
+/// bound. The last statement is named `sum of the conditions`.
+pub fn refute_exactly(model: &Model, weights: &DualMultipliers, found: &Refutation) -> ExactReport {
+    decide_all(|emit| {
+        if !weights.fits(model) {
+            return emit(SUM.to_string(), Matrix::identity(1, -Exact::one()));
+        }
+        let sum = for_each_statement::<Exact>(model, weights, found.level, |statement| {
+            emit(statement.name, statement.matrix);
+        });
+        let Stationarity { constant, residual } = sum;
+        let twice = Exact::from_f64(found.bound) * Exact::from_f64(2.0);
+        let places = residual.iter().flat_map(Matrix::entries);
+        let largest = places.fold(constant, |sum, entry| {
+            let entry = entry.clone();
+            sum + twice.clone() * entry.clone().max(-entry)
+        });
+        emit(SUM.to_string(), Matrix::identity(1, -largest));
+    })
+}
+
+/// Name of the statement that the weighted sum of the conditions is negative.
+const SUM: &str = "sum of the conditions";
 
 /// The largest R with `constant + 2 R sum |residual| < 0`, 0 when there is none.
 fn covered(stationarity: &Stationarity<Interval>) -> f64 {
