@@ -8,6 +8,7 @@ use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
 use super::exclusion::{infeasibility_proof, InfeasibilityProof};
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
+use super::unreachable::unreachable_mode;
 use super::{with_problem, DesignTask};
 use crate::conditions::state_feedback::{
     DesignProblem, StateFeedback, Transformed, Units, VertexPlant,
@@ -45,8 +46,8 @@ const BACK_OFFS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 const SLACK_SHARE: f64 = 0.5;
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
-/// provenance). Where the given solver finds no feedback that is proved, the other one is tried. Only the check
-/// decides whether the feedback is proved.
+/// provenance). No solver is asked where a mode that no input reaches rules every feedback out. Where the given solver
+/// finds no feedback that is proved, the other one is tried. Only the check decides whether the feedback is proved.
 pub fn synthesize(
     problem: &Problem,
     text: &str,
@@ -217,6 +218,11 @@ fn solve<P: DesignProblem>(
     request: &Request<P>,
     mut session: Session,
 ) -> Result<ProblemOutcome, SynthesisError> {
+    let rate = request.requested.decay_rate();
+    if let Some(mode) = unreachable_mode(&request.problem.plant, rate) {
+        let proof = InfeasibilityProof::of_mode(mode);
+        return Ok(Outcome::Infeasible(Decision::new(Some(proof), &[])));
+    }
     let mut returned = Returned {
         largest: 1.0,
         best: None,
