@@ -8,7 +8,6 @@ use super::checked::Problem;
 use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
 use super::exclusion::{infeasibility_proof, InfeasibilityProof};
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
-use super::unreachable::unreachable_mode;
 use super::{with_problem, DesignTask};
 use crate::conditions::state_feedback::{
     DesignProblem, StateFeedback, Transformed, Units, VertexPlant,
@@ -218,8 +217,7 @@ fn solve<P: DesignProblem>(
     request: &Request<P>,
     mut session: Session,
 ) -> Result<ProblemOutcome, SynthesisError> {
-    let rate = request.requested.decay_rate();
-    if let Some(mode) = unreachable_mode(&request.problem.plant, rate) {
+    if let Some(mode) = request.problem.unreachable_mode() {
         let proof = InfeasibilityProof::of_mode(mode);
         return Ok(Outcome::Infeasible(Decision::new(Some(proof), &[])));
     }

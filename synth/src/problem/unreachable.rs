@@ -18,6 +18,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
+use super::checked::Problem;
 use crate::conditions::state_feedback::VertexPlant;
 
 /// At most this many points of the hull are examined, vertices first: a second or so for 24 states.
@@ -47,22 +48,24 @@ struct Point {
     unit: BigInt,
 }
 
-/// A mode with a growth rate (real part) of at least `-decay_rate` [1/s] that no input reaches, at a vertex or at one
-/// of the points between two where an entry vanishes. `None` where none was found.
-pub(super) fn unreachable_mode(plant: &VertexPlant, decay_rate: f64) -> Option<UnreachableMode> {
-    let rate = BigRational::from_float(decay_rate)?;
-    let (vertices, unit, input) = in_integers(plant)?;
-    let prime = (BigInt::one() << PRIME_EXPONENT) - 1;
-    let refuted = |point: &Point| {
-        let modes = unreached(&point.matrix, &input, &prime);
-        let shift = &rate * BigRational::from_integer(point.unit.clone());
-        modes.is_some_and(|modes| !hurwitz(modes, &shift))
-    };
-    let found = points(&vertices, &unit).take(MAX_POINTS).find(refuted)?;
-    Some(UnreachableMode {
-        vertices: found.vertices,
-        given_gain: plant.gain.is_some(),
-    })
+impl Problem {
+    /// A mode with a growth rate (real part) of at least `-alpha` [1/s] that no input reaches, at a vertex or at one of
+    /// some points between two. `None` where none was found.
+    pub fn unreachable_mode(&self) -> Option<UnreachableMode> {
+        let rate = BigRational::from_float(self.task.decay_rate())?;
+        let (vertices, unit, input) = in_integers(&self.plant)?;
+        let prime = (BigInt::one() << PRIME_EXPONENT) - 1;
+        let refuted = |point: &Point| {
+            let modes = unreached(&point.matrix, &input, &prime);
+            let shift = &rate * &point.unit;
+            modes.is_some_and(|modes| !hurwitz(modes, &shift))
+        };
+        let found = points(&vertices, &unit).take(MAX_POINTS).find(refuted)?;
+        Some(UnreachableMode {
+            vertices: found.vertices,
+            given_gain: self.plant.gain.is_some(),
+        })
+    }
 }
 
 /// A matrix of doubles times the returned power of two that makes it integer. `None` unless all entries are finite.
