@@ -9,6 +9,7 @@ mod checked;
 mod design;
 mod exclusion;
 mod file;
+mod integers;
 mod program;
 mod run;
 mod unreachable;

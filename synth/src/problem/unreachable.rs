@@ -10,15 +10,14 @@
 //! N has full column rank by its form, and both identities and the Routh-Hurwitz criterion are checked in integers and
 //! rationals, from the doubles of the file without rounding.
 
-use std::iter::Sum;
-use std::ops::Mul;
-
-use nalgebra::DMatrix;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use super::checked::Problem;
+use super::integers::{
+    cleared, hurwitz, product, scaled, sum, without_denominators, Integers, Rationals,
+};
 use crate::conditions::state_feedback::VertexPlant;
 
 /// At most this many points of the hull are examined, vertices first: a second or so for 24 states.
@@ -26,9 +25,6 @@ const MAX_POINTS: usize = 256;
 
 /// Exponent of the Mersenne prime `2^1279 - 1`. Numerators and denominators of N below half of its bits are found.
 const PRIME_EXPONENT: usize = 1279;
-
-type Integers = Vec<Vec<BigInt>>;
-type Rationals = Vec<Vec<BigRational>>;
 
 /// A mode that no feedback moves and that does not decay fast enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +54,7 @@ impl Problem {
         let refuted = |point: &Point| {
             let modes = unreached(&point.matrix, &input, &prime);
             let shift = &rate * &point.unit;
-            modes.is_some_and(|modes| !hurwitz(modes, &shift))
+            modes.is_some_and(|modes| !hurwitz(&shifted(modes, &shift)))
         };
         let found = points(&vertices, &unit).take(MAX_POINTS).find(refuted)?;
         Some(UnreachableMode {
@@ -68,24 +64,12 @@ impl Problem {
     }
 }
 
-/// A matrix of doubles times the returned power of two that makes it integer. `None` unless all entries are finite.
-fn cleared(matrix: &DMatrix<f64>) -> Option<(Integers, BigInt)> {
-    let exact = |row| (0..matrix.ncols()).map(move |c| BigRational::from_float(matrix[(row, c)]));
-    let rows = (0..matrix.nrows()).map(|row| exact(row).collect());
-    let rows = rows.collect::<Option<Rationals>>()?;
-    Some(without_denominators(&rows))
-}
-
-/// A rational matrix times the least common denominator, which is returned too.
-fn without_denominators(rows: &Rationals) -> (Integers, BigInt) {
-    let entries = rows.iter().flatten();
-    let unit = entries.fold(BigInt::one(), |unit, entry| {
-        let further = BigRational::new(unit.clone(), entry.denom().clone());
-        unit * further.denom()
-    });
-    let scaled = |entry: &BigRational| entry.numer() * (&unit / entry.denom());
-    let rows = rows.iter().map(|row| row.iter().map(scaled).collect());
-    (rows.collect(), unit)
+/// A matrix plus a multiple of the identity, times a positive integer.
+fn shifted(mut matrix: Rationals, shift: &BigRational) -> Integers {
+    for (index, row) in matrix.iter_mut().enumerate() {
+        row[index] += shift;
+    }
+    without_denominators(&matrix).0
 }
 
 /// The vertices times one positive integer, which is the second, and B times another. With a given feedback F the
@@ -107,30 +91,6 @@ fn in_integers(plant: &VertexPlant) -> Option<(Vec<Integers>, BigInt, Integers)>
     let closed = common.map(|a| sum(&scaled(&a, &further), &fed_back));
     let none = vec![Vec::new(); plant.states()];
     Some((closed.collect(), unit * further, none))
-}
-
-fn scaled(matrix: &Integers, factor: &BigInt) -> Integers {
-    let rows = matrix.iter();
-    rows.map(|row| row.iter().map(|entry| entry * factor).collect())
-        .collect()
-}
-
-fn sum(a: &Integers, b: &Integers) -> Integers {
-    let rows = a.iter().zip(b);
-    rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a + b).collect())
-        .collect()
-}
-
-fn product<T>(a: &[Vec<T>], b: &Integers) -> Vec<Vec<T>>
-where
-    T: Sum,
-    for<'a> &'a T: Mul<&'a BigInt, Output = T>,
-{
-    let columns = b.first().map_or(0, Vec::len);
-    let entry = |row: &[T], c: usize| row.iter().zip(b).map(|(x, b)| x * &b[c]).sum();
-    let rows = a.iter();
-    rows.map(|row| (0..columns).map(|c| entry(row, c)).collect())
-        .collect()
 }
 
 /// The vertices; then, between every two of them, the middle and the points where an entry changes its sign.
@@ -268,55 +228,4 @@ fn lifted(value: &BigInt, prime: &BigInt) -> Option<BigRational> {
         factor_before = std::mem::replace(&mut factor, next);
     }
     (factor.abs() <= bound).then(|| BigRational::new(now, factor))
-}
-
-/// True when every eigenvalue of the matrix plus the shift times I has a negative real part.
-fn hurwitz(mut matrix: Rationals, shift: &BigRational) -> bool {
-    for (index, row) in matrix.iter_mut().enumerate() {
-        row[index] += shift;
-    }
-    routh(&characteristic(&without_denominators(&matrix).0))
-}
-
-/// Coefficients of det(s I - A), that of s^k first (Faddeev and LeVerrier; the divisions leave no remainder).
-fn characteristic(a: &Integers) -> Vec<BigInt> {
-    let side = a.len();
-    let mut coefficients = vec![BigInt::one()];
-    let mut image = vec![vec![BigInt::zero(); side]; side];
-    for step in 1..=side {
-        for (index, row) in image.iter_mut().enumerate() {
-            row[index] += &coefficients[step - 1];
-        }
-        image = product(a, &image);
-        let trace: BigInt = (0..side).map(|index| &image[index][index]).sum();
-        coefficients.push(-trace / BigInt::from(step));
-    }
-    coefficients
-}
-
-/// The Routh-Hurwitz criterion for coefficients of which the first is 1: true when every root has a negative real part.
-/// The first entries of the rows are Hurwitz' determinants (R. Jeltsch, 1979: an optimal fraction free Routh array).
-fn routh(coefficients: &[BigInt]) -> bool {
-    let every_second = |first| {
-        coefficients
-            .iter()
-            .skip(first)
-            .step_by(2)
-            .cloned()
-            .collect()
-    };
-    let mut above: Vec<BigInt> = every_second(0);
-    let mut row: Vec<BigInt> = every_second(1);
-    let mut divisor = BigInt::one();
-    let after = |row: &[BigInt], j: usize| row.get(j + 1).cloned().unwrap_or_default();
-    while let Some(first) = row.first() {
-        if !first.is_positive() {
-            return false;
-        }
-        let entry = |j| (first * after(&above, j) - &above[0] * after(&row, j)) / &divisor;
-        let next = (0..above.len() - 1).map(entry).collect();
-        divisor.clone_from(&above[0]);
-        above = std::mem::replace(&mut row, next);
-    }
-    true
 }
