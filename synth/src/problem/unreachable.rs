@@ -20,8 +20,11 @@ use super::integers::{
 };
 use crate::conditions::state_feedback::VertexPlant;
 
-/// At most this many points of the hull are examined, vertices first: a second or so for 24 states.
+/// At most this many points of the hull are examined, vertices first.
 const MAX_POINTS: usize = 256;
+
+/// At most this many points times n^4, the products of a characteristic polynomial: seconds for the largest plants.
+const MAX_PRODUCTS: usize = 4_000_000;
 
 /// Exponent of the Mersenne prime `2^1279 - 1`. Numerators and denominators of N below half of its bits are found.
 const PRIME_EXPONENT: usize = 1279;
@@ -56,7 +59,8 @@ impl Problem {
             let shift = &rate * &point.unit;
             modes.is_some_and(|modes| !hurwitz(&shifted(modes, &shift)))
         };
-        let found = points(&vertices, &unit).take(MAX_POINTS).find(refuted)?;
+        let count = (MAX_PRODUCTS / self.plant.states().pow(4)).min(MAX_POINTS);
+        let found = points(&vertices, &unit).take(count).find(refuted)?;
         Some(UnreachableMode {
             vertices: found.vertices,
             given_gain: self.plant.gain.is_some(),
