@@ -192,7 +192,7 @@ fn an_eigenvalue_on_the_boundary_counts_and_the_next_double_does_not() {
     let a = DMatrix::from_row_slice(2, 2, &[0.0, 3.0, -3.0, 0.0]);
     for kind in 0..3 {
         assert!(refuted(&file(
-            &[a.clone()],
+            std::slice::from_ref(&a),
             &DMatrix::zeros(2, 1),
             kind,
             0.0
@@ -223,7 +223,7 @@ fn a_given_feedback_is_refuted_exactly_where_its_loop_does_not_decay() {
             ([2.0, -2.0], true),
             ([-0.1, -1e-9], false),
         ] {
-            let mut file = file(&[a.clone()], &b, kind, 0.0);
+            let mut file = file(std::slice::from_ref(&a), &b, kind, 0.0);
             file["gain"] = json!([gain]);
             assert_eq!(refuted(&file), impossible, "{file}");
         }
