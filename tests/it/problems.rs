@@ -134,6 +134,25 @@ fn an_infeasible_problem_ends_with_2_names_what_blocks_and_writes_nothing() {
 }
 
 #[test]
+fn a_mode_that_no_input_reaches_is_named_and_no_solver_is_asked() {
+    let folder = folder();
+    let mut problem = json(&shipped("uncertain-coupling.json"));
+    let rate = "/problem/quadratic_stabilisation/decay_rate_per_s";
+    set(&mut problem, rate, json!(1.01));
+    let path = write(folder.path(), "fast.json", problem.to_string());
+    let report = run("synthesize", &path, &["--json"]).ends_with(2).json();
+    assert_eq!(report["status"], "infeasible");
+    assert_eq!(report["solver_runs"], json!([]));
+    assert_eq!(number(&report, "/excluded_radius"), f64::MAX);
+    let mode =
+        "between vertices 1 and 2 no input reaches a mode with growth rate at least -1.01 1/s";
+    assert_eq!(report["unreachable_mode"], mode);
+    let words = run("synthesize", &path, &[]).ends_with(2).stdout;
+    let proved = format!("INFEASIBLE, proved in exact arithmetic: {mode}");
+    assert!(words.contains(&proved), "{words}");
+}
+
+#[test]
 fn independent_solvers_reach_the_same_optimum() {
     for name in ALL {
         let folder = folder();

@@ -5,6 +5,7 @@ use synth::certify::{Report, Verdict};
 use synth::optimality::Optimality;
 use synth::problem::{
     InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized,
+    UnreachableMode,
 };
 
 use super::facts::{blocking_lines, slack_or_none, ProofReport, SolverReport, SolverStatus};
@@ -127,6 +128,9 @@ pub struct NoFeedbackReport<'a> {
     excluded_radius: Option<f64>,
     /// What every condition exceeds in the solutions that are excluded.
     excluded_margin: Option<f64>,
+    /// The mode that no input reaches, in words, where it rules every feedback out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unreachable_mode: Option<String>,
     /// Both numbers.
     #[serde(skip)]
     excluded: Option<InfeasibilityProof>,
@@ -147,6 +151,9 @@ impl<'a> NoFeedbackReport<'a> {
             slack: found.slack,
             excluded_radius: excluded.map(|excluded| excluded.radius.min(f64::MAX)),
             excluded_margin: excluded.map(|excluded| excluded.margin),
+            unreachable_mode: excluded
+                .and_then(|excluded| excluded.unreachable)
+                .map(|mode| mode_in_words(mode, problem.task.decay_rate())),
             excluded,
         }
     }
@@ -155,6 +162,10 @@ impl<'a> NoFeedbackReport<'a> {
     pub fn lines(&self) -> Vec<String> {
         let solver = &self.failure.solver;
         let mut lines: Vec<String> = solver.lines().collect();
+        if let Some(mode) = &self.unreachable_mode {
+            lines.push(format!("INFEASIBLE, proved in exact arithmetic: {mode}"));
+            return lines;
+        }
         lines.push(match (self.excluded, solver.status) {
             (Some(excluded), SolverStatus::Infeasible) => {
                 format!("INFEASIBLE, proved {}", no_solution(excluded))
@@ -184,6 +195,20 @@ pub fn headline(problem: &Problem) -> String {
         problem.task.name(),
         problem.plant.vertices.len()
     )
+}
+
+/// What is proved of a mode.
+fn mode_in_words(mode: UnreachableMode, decay_rate: f64) -> String {
+    let [first, second] = mode.vertices.map(|vertex| vertex + 1);
+    let place = match first == second {
+        true => format!("at vertex {first}"),
+        false => format!("between vertices {first} and {second}"),
+    };
+    let growth = format!("a mode with growth rate at least {} 1/s", 0.0 - decay_rate);
+    match mode.given_gain {
+        true => format!("{place} the closed loop has {growth}"),
+        false => format!("{place} no input reaches {growth}"),
+    }
 }
 
 /// What is proved about solutions that there are not.

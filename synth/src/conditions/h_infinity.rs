@@ -40,6 +40,11 @@ impl DesignProblem for HInfinity {
         }
     }
 
+    /// The first diagonal block of the bounded real lemma asks for no rate.
+    fn decay_rate(&self) -> f64 {
+        0.0
+    }
+
     fn in_units(&self, units: &Units) -> Self {
         let inputs = DMatrix::from_diagonal(&units.input);
         let disturbance = units.disturbance;

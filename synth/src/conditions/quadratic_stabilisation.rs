@@ -32,6 +32,10 @@ impl DesignProblem for QuadraticStabilisation {
         Units::of(plant, 1.0)
     }
 
+    fn decay_rate(&self) -> f64 {
+        self.decay_rate
+    }
+
     fn in_units(&self, units: &Units) -> Self {
         QuadraticStabilisation {
             decay_rate: self.decay_rate * units.time,

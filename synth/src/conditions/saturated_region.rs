@@ -92,6 +92,11 @@ impl DesignProblem for SaturatedRegion {
         }
     }
 
+    /// Of the choice that takes every row of F x.
+    fn decay_rate(&self) -> f64 {
+        self.decay_rate
+    }
+
     fn in_units(&self, units: &Units) -> Self {
         let state = units.state;
         SaturatedRegion {

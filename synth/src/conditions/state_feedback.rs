@@ -34,6 +34,10 @@ pub trait DesignProblem: Sized {
     /// The problem in other units.
     fn in_units(&self, units: &Units) -> Self;
 
+    /// alpha [1/s], 0 or above: whatever else is asked for, at every vertex
+    /// `A_i Q + Q A_i' + B Y + Y'B' + 2 alpha Q < 0` follows from the conditions.
+    fn decay_rate(&self) -> f64;
+
     /// The conditions on the transformed unknowns, as published.
     fn conditions(
         &self,

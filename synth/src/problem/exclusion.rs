@@ -1,6 +1,7 @@
 //! Proofs that a design problem has no solution.
 
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
+use super::unreachable::UnreachableMode;
 use nalgebra::DMatrix;
 
 use crate::certify::judge;
@@ -30,9 +31,21 @@ pub struct InfeasibilityProof {
     pub margin: f64,
     /// The largest scalar unknown that any solver returned for the problem or its relaxation, at least 1.
     pub largest_returned: f64,
+    /// The mode that no input reaches, where it is the reason; found without a solver.
+    pub unreachable: Option<UnreachableMode>,
 }
 
 impl InfeasibilityProof {
+    /// Of a mode that no feedback moves.
+    pub(super) fn of_mode(mode: UnreachableMode) -> Self {
+        InfeasibilityProof {
+            radius: f64::INFINITY,
+            margin: 0.0,
+            largest_returned: 1.0,
+            unreachable: Some(mode),
+        }
+    }
+
     /// True when the statement needs neither a bound on the unknowns nor a margin. A bound proves nothing, however
     /// large: plants exist whose only solutions have entries far beyond what any solver returns.
     pub fn conclusive(&self) -> bool {
@@ -64,6 +77,7 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
             radius: f64::INFINITY,
             margin: 0.0,
             largest_returned,
+            unreachable: None,
         });
     }
     [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
@@ -78,6 +92,7 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
             radius,
             margin,
             largest_returned,
+            unreachable: None,
         })
     })
 }

@@ -9,8 +9,10 @@ mod checked;
 mod design;
 mod exclusion;
 mod file;
+mod integers;
 mod program;
 mod run;
+mod unreachable;
 
 pub use checked::Problem;
 pub use design::{FeedbackFile, ProblemDesignFile, ProblemProvenance, ProofFile};
@@ -21,6 +23,7 @@ pub use file::{
 };
 pub use program::first_program;
 pub use run::{synthesize, ProblemFailure, ProblemOutcome, ProblemSynthesized};
+pub use unreachable::UnreachableMode;
 
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
@@ -68,6 +71,11 @@ impl DesignTask {
     /// The problem's key in a file.
     pub fn name(&self) -> &'static str {
         with_problem!(self, problem => key(problem))
+    }
+
+    /// The rate alpha with which V must decay twice as fast [1/s]; 0 where none is asked for.
+    pub fn decay_rate(&self) -> f64 {
+        with_problem!(self, problem => problem.decay_rate())
     }
 
     /// What the guaranteed number is.

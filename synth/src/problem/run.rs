@@ -45,8 +45,8 @@ const BACK_OFFS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 const SLACK_SHARE: f64 = 0.5;
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
-/// provenance). Where the given solver finds no feedback that is proved, the other one is tried. Only the check
-/// decides whether the feedback is proved.
+/// provenance). No solver is asked where a mode that no input reaches rules every feedback out. Where the given solver
+/// finds no feedback that is proved, the other one is tried. Only the check decides whether the feedback is proved.
 pub fn synthesize(
     problem: &Problem,
     text: &str,
@@ -217,6 +217,10 @@ fn solve<P: DesignProblem>(
     request: &Request<P>,
     mut session: Session,
 ) -> Result<ProblemOutcome, SynthesisError> {
+    if let Some(mode) = request.problem.unreachable_mode() {
+        let proof = InfeasibilityProof::of_mode(mode);
+        return Ok(Outcome::Infeasible(Decision::new(Some(proof), &[])));
+    }
     let mut returned = Returned {
         largest: 1.0,
         best: None,
