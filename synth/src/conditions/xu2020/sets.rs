@@ -41,7 +41,7 @@ pub(super) fn must_contain<'a>(
 /// `Qh'P + P'Qh - P'Uh P >= s^2 D D'` with s = 1 for what is contained and `scale_squared` for what is scaled.
 ///
 /// It implies U^-1 = Qh' Uh^-1 Qh >= s^2 D D', because (Qh - Uh P)' Uh^-1 (Qh - Uh P) >= 0; that is
-/// s^2 D'UD <= I. For P = rho I it is the condition of [`must_contain`].
+/// s^2 D'UD <= I. For P = rho I it is the condition of `must_contain`.
 pub fn containment(
     task: &Task,
     unknowns: &DesignUnknowns,
