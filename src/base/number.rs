@@ -62,7 +62,7 @@ pub fn short_or_none(value: Option<f64>) -> String {
     value.map_or("none".to_string(), short)
 }
 
-/// As short as a number can be told from its neighbours on an axis; four significant digits at most.
+/// As short as a number can be and still differ from its neighbours on an axis; four significant digits at most.
 pub fn label(value: f64) -> String {
     LABEL.write(value)
 }

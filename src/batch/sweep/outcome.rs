@@ -56,7 +56,7 @@ impl PointOutcome {
         self.number(name).and_then(Number::as_f64)
     }
 
-    /// A metric's value as it was measured: whole numbers are told from others.
+    /// A metric's value as it was measured: whole numbers are distinguished from others.
     pub fn number(&self, name: &str) -> Option<&Number> {
         let found = self.metrics.iter().find(|(own, _)| own == name);
         found.and_then(|(_, value)| value.as_ref())

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
+use verified::exact::without_denominators;
 
 /// Rows of integers.
 pub(super) type Integers = Vec<Vec<BigInt>>;
@@ -20,18 +21,6 @@ pub(super) fn cleared(matrix: &DMatrix<f64>) -> Option<(Integers, BigInt)> {
     let rows = (0..matrix.nrows()).map(|row| exact(row).collect());
     let rows = rows.collect::<Option<Rationals>>()?;
     Some(without_denominators(&rows))
-}
-
-/// A rational matrix times the least common denominator, which is returned too.
-pub(super) fn without_denominators(rows: &Rationals) -> (Integers, BigInt) {
-    let entries = rows.iter().flatten();
-    let unit = entries.fold(BigInt::one(), |unit, entry| {
-        let further = BigRational::new(unit.clone(), entry.denom().clone());
-        unit * further.denom()
-    });
-    let scaled = |entry: &BigRational| entry.numer() * (&unit / entry.denom());
-    let rows = rows.iter().map(|row| row.iter().map(scaled).collect());
-    (rows.collect(), unit)
 }
 
 /// A multiple of a matrix.

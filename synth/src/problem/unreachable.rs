@@ -15,10 +15,9 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use super::checked::Problem;
-use super::integers::{
-    cleared, hurwitz, product, scaled, sum, without_denominators, Integers, Rationals,
-};
+use super::integers::{cleared, hurwitz, product, scaled, sum, Integers, Rationals};
 use crate::conditions::state_feedback::VertexPlant;
+use verified::exact::without_denominators;
 
 /// At most this many points of the hull are examined, vertices first.
 const MAX_POINTS: usize = 256;

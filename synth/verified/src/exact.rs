@@ -138,10 +138,9 @@ pub fn holds(matrix: &Matrix<Exact>) -> bool {
     is_positive_definite(&rows)
 }
 
-/// The matrix times the least common multiple of its denominators.
+/// The symmetric matrix times the least common denominator.
 fn cleared_of_denominators<T: Borrow<BigRational>>(rows: &[Vec<T>]) -> Vec<Vec<BigInt>> {
     let order = rows.len();
-    let mut common = BigInt::one();
     for (index, row) in rows.iter().enumerate() {
         assert_eq!(row.len(), order, "the matrix is not square");
         for (column, entry) in row.iter().enumerate() {
@@ -149,23 +148,26 @@ fn cleared_of_denominators<T: Borrow<BigRational>>(rows: &[Vec<T>]) -> Vec<Vec<B
                 entry.borrow() == rows[column][index].borrow(),
                 "the matrix is not symmetric"
             );
-            let denominator = entry.borrow().denom();
-            // Dyadic denominators: the common multiple is the greatest of them.
-            if (&common % denominator).is_zero() {
-                continue;
-            }
-            common = least_common_multiple(&common, denominator);
         }
     }
-    let cleared = |entry: &BigRational| entry.numer() * (&common / entry.denom());
-    rows.iter()
-        .map(|row| row.iter().map(|entry| cleared(entry.borrow())).collect())
-        .collect()
+    without_denominators(rows).0
 }
 
-fn least_common_multiple(left: &BigInt, right: &BigInt) -> BigInt {
-    // In lowest terms, left / right is (left / gcd) / (right / gcd).
-    BigRational::new(left.clone(), right.clone()).numer() * right
+/// A rational matrix of any shape times its least common denominator, which is returned too; 1 for an empty one.
+pub fn without_denominators<T: Borrow<BigRational>>(rows: &[Vec<T>]) -> (Vec<Vec<BigInt>>, BigInt) {
+    let entries = rows.iter().flatten().map(T::borrow);
+    let unit = entries.fold(BigInt::one(), |unit, entry| {
+        // Dyadic denominators: the common one is the greatest of them.
+        if (&unit % entry.denom()).is_zero() {
+            return unit;
+        }
+        let further = BigRational::new(unit.clone(), entry.denom().clone());
+        unit * further.denom()
+    });
+    let scaled = |entry: &BigRational| entry.numer() * (&unit / entry.denom());
+    let rows = rows.iter();
+    let rows = rows.map(|row| row.iter().map(|entry| scaled(entry.borrow())).collect());
+    (rows.collect(), unit)
 }
 
 /// Lower and upper bound of `e^x`, within `1e-40` relative of each other for `|x| <= 1e4`.

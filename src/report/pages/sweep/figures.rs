@@ -117,7 +117,7 @@ impl<'a> View<'a> {
         named.collect::<Vec<_>>().join(", ")
     }
 
-    /// A metric against an axis: one curve for each choice of the other axes, as many as can be told apart.
+    /// A metric against an axis: one curve for each choice of the other axes, as many as can be distinguished apart.
     pub fn curve(&self, metric: &str, axis: usize) -> Figure {
         let starts = self.starts(&[axis]);
         let chosen = evenly(starts.len(), CURVES);

@@ -9,7 +9,7 @@ use super::ray;
 use super::schur::{SchurPlan, SchurWork};
 use super::system::System;
 use super::threads::threads_now;
-use super::warm::Trail;
+use super::warm::Iterates;
 
 /// Most iterations.
 pub const ITERATIONS: u32 = 200;
@@ -50,8 +50,8 @@ struct Iteration<'a> {
     timings: Timings,
 }
 
-/// Iterates from `start`; iterates that another solve may start from are kept in `trail`.
-pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) -> SolverExit {
+/// Iterates from `start`; iterates that another solve may start from are kept in `iterates`.
+pub fn solve(task: &SolveTask<'_>, start: Iterate, iterates: Option<&mut Iterates>) -> SolverExit {
     let layout = task.layout;
     if layout.cost.is_empty() {
         // Nothing is unknown, and what is known holds.
@@ -83,8 +83,8 @@ pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) ->
     let begin = std::time::Instant::now();
     // Inside of the pool a half is taken over without waking a thread; a thread that is late finds nothing to do.
     let mut outcome = match run.threads {
-        0 | 1 => run.iterate(start, trail),
-        _ => rayon::scope(|_| run.iterate(start, trail)),
+        0 | 1 => run.iterate(start, iterates),
+        _ => rayon::scope(|_| run.iterate(start, iterates)),
     };
     let Timings { schur, linear, .. } = run.timings;
     outcome.timings = Timings {
@@ -95,7 +95,7 @@ pub fn solve(task: &SolveTask<'_>, start: Iterate, trail: Option<&mut Trail>) ->
 }
 
 impl Iteration<'_> {
-    fn iterate(&mut self, mut point: Iterate, mut trail: Option<&mut Trail>) -> SolverExit {
+    fn iterate(&mut self, mut point: Iterate, mut iterates: Option<&mut Iterates>) -> SolverExit {
         let layout = self.task.layout;
         let mut best: Option<(f64, Iterate, Measures)> = None;
         let mut since_best = 0;
@@ -152,8 +152,8 @@ impl Iteration<'_> {
                 stalled = "no progress";
                 break;
             }
-            if let (true, Some(trail)) = (self.feasible, trail.as_deref_mut()) {
-                trail.record(layout, self.task.problem, &point);
+            if let (true, Some(iterates)) = (self.feasible, iterates.as_deref_mut()) {
+                iterates.record(layout, self.task.problem, &point);
             }
             if !self.build_system(&point) {
                 stalled = "the linear system lost its definiteness";

@@ -29,7 +29,7 @@ use interior_point::ITERATIONS;
 use layout::{zero_duals, Layout};
 use start::{cold_start, feasible_start};
 use threads::Running;
-use warm::{Memory, Trail};
+use warm::{Iterates, Memory};
 
 pub use exit::Timings;
 
@@ -137,34 +137,34 @@ impl Structured {
             return cold(task, None);
         };
         let shape = warm::shape(task.problem);
-        let keep = |outcome: &SolverExit, trail: Option<Trail>| {
-            if let Some(trail) = trail.filter(|_| outcome.termination.is_solved()) {
-                memory.keep(shape, trail);
+        let keep = |outcome: &SolverExit, iterates: Option<Iterates>| {
+            if let Some(iterates) = iterates.filter(|_| outcome.termination.is_solved()) {
+                memory.keep(shape, iterates);
             }
         };
         let known = memory
             .recall(shape)
-            .and_then(|trail| trail.start(task.layout));
+            .and_then(|iterates| iterates.start(task.layout));
         let mut spent = 0;
         if let Some((start, before)) = known {
             let short = SolveTask {
                 iterations: WARM_ITERATIONS,
                 ..*task
             };
-            let mut trail = (!self.frozen).then_some(before);
-            let outcome = interior_point::solve(&short, start, trail.as_mut());
+            let mut iterates = (!self.frozen).then_some(before);
+            let outcome = interior_point::solve(&short, start, iterates.as_mut());
             match outcome.termination {
                 Termination::Unbounded | Termination::Stalled(_) => spent = outcome.iterations,
                 _ => {
-                    keep(&outcome, trail);
+                    keep(&outcome, iterates);
                     return outcome;
                 }
             }
         }
-        let mut trail = (!self.frozen).then(Trail::default);
-        let mut outcome = cold(task, trail.as_mut());
+        let mut iterates = (!self.frozen).then(Iterates::default);
+        let mut outcome = cold(task, iterates.as_mut());
         outcome.iterations += spent;
-        keep(&outcome, trail);
+        keep(&outcome, iterates);
         outcome
     }
 }
@@ -174,9 +174,9 @@ const MANY_CONES: usize = 128;
 
 /// From a cold start. When that stalls, from a larger one, or, where nothing feasible was found, cautiously, then from
 /// the solution for the smallest shift.
-fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
+fn cold(task: &SolveTask<'_>, mut iterates: Option<&mut Iterates>) -> SolverExit {
     let start = cold_start(task.layout, 1.0);
-    let outcome = interior_point::solve(task, start, trail.as_deref_mut());
+    let outcome = interior_point::solve(task, start, iterates.as_deref_mut());
     if !outcome.termination.is_stalled() {
         return outcome;
     }
@@ -186,20 +186,20 @@ fn cold(task: &SolveTask<'_>, mut trail: Option<&mut Trail>) -> SolverExit {
             cautious: true,
             ..*task
         };
-        let mut second = interior_point::solve(&cautious, start, trail.as_deref_mut());
+        let mut second = interior_point::solve(&cautious, start, iterates.as_deref_mut());
         second.iterations += outcome.iterations;
         if !second.termination.is_stalled() {
             return second;
         }
     }
     if !outcome.feasible {
-        let shifted = by_smallest_shift(task, &outcome, trail.as_deref_mut());
+        let shifted = by_smallest_shift(task, &outcome, iterates.as_deref_mut());
         if let Some(answer) = shifted.filter(|answer| !answer.termination.is_stalled()) {
             return answer;
         }
     }
     let start = cold_start(task.layout, LARGER_START);
-    let mut second = interior_point::solve(task, start, trail);
+    let mut second = interior_point::solve(task, start, iterates);
     second.iterations += outcome.iterations;
     match second.termination.is_stalled() && outcome.feasible {
         true => outcome,
@@ -250,7 +250,7 @@ fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
 fn by_smallest_shift(
     task: &SolveTask<'_>,
     stalled: &SolverExit,
-    trail: Option<&mut Trail>,
+    iterates: Option<&mut Iterates>,
 ) -> Option<SolverExit> {
     let layout = task.layout;
     let shifted = layout.smallest_shift();
@@ -279,7 +279,7 @@ fn by_smallest_shift(
         return Some(outcome);
     }
     let start = feasible_start(layout, &found.point.y[..layout.cost.len()])?;
-    let mut outcome = interior_point::solve(task, start, trail);
+    let mut outcome = interior_point::solve(task, start, iterates);
     outcome.iterations += iterations;
     Some(outcome)
 }

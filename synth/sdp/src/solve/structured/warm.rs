@@ -24,7 +24,7 @@ const DUAL_ROOM: f64 = 100.0;
 
 /// Iterates of a solve, in the problem's own units.
 #[derive(Debug, Clone, Default)]
-pub struct Trail {
+pub struct Iterates {
     points: Vec<Known>,
     /// Of the last one.
     complementarity: Option<f64>,
@@ -36,7 +36,7 @@ struct Known {
     duals: Vec<Vec<f64>>,
 }
 
-impl Trail {
+impl Iterates {
     /// Keeps a point that is nearer to the solution than the last one.
     pub fn record(&mut self, layout: &Layout, problem: &Semidefinite, point: &Iterate) {
         let complementarity = dense::dot(&point.s, &point.z);
@@ -52,8 +52,8 @@ impl Trail {
     }
 
     /// A point that is a good start for a problem of the same shape while the next one is not, and the part of the
-    /// trail before it.
-    pub fn start(&self, layout: &Layout) -> Option<(Iterate, Trail)> {
+    /// iterates before it.
+    pub fn start(&self, layout: &Layout) -> Option<(Iterate, Iterates)> {
         let mut found = None;
         let (mut low, mut high) = (0, self.points.len());
         while low < high {
@@ -68,11 +68,11 @@ impl Trail {
             }
         }
         let (index, point) = found?;
-        let trail = Trail {
+        let iterates = Iterates {
             points: self.points[..index].to_vec(),
             complementarity: None,
         };
-        Some((point, trail))
+        Some((point, iterates))
     }
 
     /// True when nothing was recorded.
@@ -129,38 +129,38 @@ fn exceeds(n: usize, s: &[f64], z: &[f64], least: f64) -> bool {
 /// Iterates of the last problems, by their shape. Cheap to clone: clones share it.
 #[derive(Debug, Clone, Default)]
 pub struct Memory {
-    trails: Arc<Mutex<Vec<(u64, Trail)>>>,
+    iterates: Arc<Mutex<Vec<(u64, Iterates)>>>,
 }
 
 impl Memory {
-    /// The same trails, not shared.
+    /// The same iterates, not shared.
     pub fn copied(&self) -> Self {
         Memory {
-            trails: Arc::new(Mutex::new(self.lock().clone())),
+            iterates: Arc::new(Mutex::new(self.lock().clone())),
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<(u64, Trail)>> {
-        self.trails.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Vec<(u64, Iterates)>> {
+        self.iterates.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The trail of the last problem of this shape.
-    pub fn recall(&self, shape: u64) -> Option<Trail> {
-        let trails = self.lock();
-        let known = trails.iter().find(|(known, _)| *known == shape);
-        known.map(|(_, trail)| trail.clone())
+    /// The iterates of the last problem of this shape.
+    pub fn recall(&self, shape: u64) -> Option<Iterates> {
+        let kept = self.lock();
+        let known = kept.iter().find(|(known, _)| *known == shape);
+        known.map(|(_, iterates)| iterates.clone())
     }
 
-    /// Keeps a trail in the place of the one of the same shape, or of the oldest.
-    pub fn keep(&self, shape: u64, trail: Trail) {
-        if trail.is_empty() {
+    /// Keeps the iterates of a solve in the place of those of the same shape, or of the oldest.
+    pub fn keep(&self, shape: u64, iterates: Iterates) {
+        if iterates.is_empty() {
             return;
         }
-        let mut trails = self.lock();
-        trails.retain(|(known, _)| *known != shape);
-        trails.push((shape, trail));
-        if trails.len() > KINDS {
-            trails.remove(0);
+        let mut kept = self.lock();
+        kept.retain(|(known, _)| *known != shape);
+        kept.push((shape, iterates));
+        if kept.len() > KINDS {
+            kept.remove(0);
         }
     }
 }
