@@ -1,53 +1,90 @@
 //! Which solver: the option shared by the verbs.
 
 use clap::ValueEnum;
-use synth::solve::{Backend, Clarabel, DenseColumns, Structured};
-use synth::synthesis::Form;
+use synth::solve::{Clarabel, DenseColumns, Solver, Structured};
+use synth::synthesis::{Form, Solvers};
 
-/// A semidefinite programming solver.
+/// Which solvers of semidefinite programs may be asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SolverArg {
-    /// A general conic interior-point method
+    /// Both, in an order that depends on the size: the second where the first proves nothing
+    Auto,
+    /// Only Clarabel, a general conic interior-point method
     Clarabel,
-    /// An interior-point method for few unknowns and many small cones
+    /// Only the interior-point method for few unknowns and many small cones
     Structured,
 }
 
 impl SolverArg {
-    /// The solver with its usual settings.
-    pub fn backend(self) -> Box<dyn Backend + Send + Sync> {
+    /// The solvers, in `order` where both may be asked; with problems in a given form, or in the one that each is
+    /// fastest with.
+    pub fn solvers(self, order: [Solver; 2], form: Option<Form>) -> Solvers {
+        let named = match self {
+            SolverArg::Auto => {
+                let [first, second] = order;
+                // Only the published form is stated for both alike.
+                let second = (second, form.filter(|form| *form == Form::Full));
+                return with(only((first, form)), second);
+            }
+            SolverArg::Clarabel => Solver::Clarabel,
+            SolverArg::Structured => Solver::Structured,
+        };
+        only((named, form))
+    }
+
+    /// The name of the solver that alone may be asked.
+    pub fn only(self) -> Option<&'static str> {
         match self {
-            SolverArg::Clarabel => Box::new(Clarabel::default()),
-            SolverArg::Structured => Box::new(Structured::default()),
+            SolverArg::Auto => None,
+            SolverArg::Clarabel => Some("clarabel"),
+            SolverArg::Structured => Some("structured"),
         }
     }
 
-    /// The solver with the settings that suit a form.
-    pub fn backend_for(self, form: Form) -> Box<dyn Backend> {
-        match (self, form) {
-            // Densified columns make the full form faster but cost it digits, and they are there for comparison.
-            (SolverArg::Clarabel, Form::Full) => Box::new(Clarabel {
-                dense_columns: DenseColumns::None,
-            }),
-            _ => self.backend(),
-        }
-    }
-
-    /// The form of the decrease condition that the solver is fastest with.
-    pub fn form(self) -> Form {
+    /// The solver asked first.
+    pub fn first(self, order: [Solver; 2]) -> Solver {
         match self {
-            SolverArg::Clarabel => Form::Chordal,
-            SolverArg::Structured => Form::VertexRelaxed,
+            SolverArg::Auto => order[0],
+            SolverArg::Clarabel => Solver::Clarabel,
+            SolverArg::Structured => Solver::Structured,
         }
     }
+}
 
-    /// The other solver.
-    pub fn other(self) -> Self {
-        match self {
-            SolverArg::Clarabel => SolverArg::Structured,
-            SolverArg::Structured => SolverArg::Clarabel,
-        }
+/// Clarabel with the settings that suit a form.
+fn clarabel(form: Form) -> Clarabel {
+    match form {
+        // Densified columns make the full form faster but cost it digits, and they are there for comparison.
+        Form::Full => Clarabel {
+            dense_columns: DenseColumns::None,
+        },
+        _ => Clarabel::default(),
     }
+}
+
+fn only((solver, form): (Solver, Option<Form>)) -> Solvers {
+    let form = form.unwrap_or(Form::suited_to(solver));
+    match solver {
+        Solver::Clarabel => Solvers::only(clarabel(form), form),
+        Solver::Structured => Solvers::only(Structured::default(), form),
+    }
+}
+
+fn with(first: Solvers, (solver, form): (Solver, Option<Form>)) -> Solvers {
+    let form = form.unwrap_or(Form::suited_to(solver));
+    match solver {
+        Solver::Clarabel => first.then(clarabel(form), form),
+        Solver::Structured => first.then(Structured::default(), form),
+    }
+}
+
+/// Both solvers, the named one first.
+pub fn beginning_with(solver: Solver, form: Form) -> Solvers {
+    let order = match solver {
+        Solver::Clarabel => [Solver::Clarabel, Solver::Structured],
+        Solver::Structured => [Solver::Structured, Solver::Clarabel],
+    };
+    SolverArg::Auto.solvers(order, Some(form))
 }
 
 /// Form of the decrease condition. Files keep the names of version 0.1.0, which are aliases here.

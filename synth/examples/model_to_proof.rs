@@ -9,8 +9,7 @@ use std::error::Error;
 use synth::certify::Verdict;
 use synth::design::DesignFile;
 use synth::model::Model;
-use synth::solve::Structured;
-use synth::synthesis::{synthesize, Form, Outcome};
+use synth::synthesis::{synthesize, Outcome, Solvers};
 
 const MODEL: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -21,8 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| MODEL.to_string());
     let text = std::fs::read_to_string(&path)?;
     let model = Model::from_json(&text)?;
-    let solver = Structured::default();
-    let outcome = synthesize(&model, &text, Form::VertexRelaxed, &solver, None)?;
+    let solvers = Solvers::suited_to(&model);
+    let outcome = synthesize(&model, &text, &solvers, None)?;
     let Outcome::Solved(design) = outcome else {
         return Err(format!("{path}: no design").into());
     };

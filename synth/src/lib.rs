@@ -63,6 +63,7 @@
 //! Two crates stand below this one and know no control: `steadfast-sdp` states and solves semidefinite programs,
 //! `steadfast-verified` encloses and proves in floating point.
 
+mod balancing;
 pub mod certify;
 pub mod conditions;
 pub mod design;

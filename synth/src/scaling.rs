@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::balancing::balanced;
 use crate::conditions::state_feedback::power_of_two;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::{FurtherSignal, Task};
@@ -23,7 +24,7 @@ pub struct Scaling {
 
 impl Scaling {
     /// Units from the model: a state's unit is `fraction` of the smallest extent of the region along
-    /// it; an input's is half its limit, or less where that keeps the scaled column of B below 1; the
+    /// it, or balances the plant; an input's is half its limit, or less where that keeps the scaled column of B below 1; the
     /// disturbance's makes the largest scaled column of B_w about 1/3.
     pub fn automatic(system: &TakagiSugeno, fraction: f64) -> Self {
         Self::with_state_units(system, state_units(system, fraction))
@@ -35,7 +36,8 @@ impl Scaling {
         Self::with_state_units(system, DVector::from_element(system.states(), unit))
     }
 
-    fn with_state_units(system: &TakagiSugeno, state: DVector<f64>) -> Self {
+    /// The same with the given units of the state, powers of two.
+    pub fn with_state_units(system: &TakagiSugeno, state: DVector<f64>) -> Self {
         let largest = |column: nalgebra::DVectorView<f64>| -> f64 {
             let scaled = column.component_div(&state);
             scaled.norm().max(f64::MIN_POSITIVE)
@@ -128,8 +130,8 @@ impl Scaling {
     }
 }
 
-/// One unit for all states, `fraction` of the smallest extent of the region along any of them, or 1
-/// where nothing is bounded.
+/// A unit for each state: `fraction` of the smallest extent of the region along it. A state that the region does not
+/// bound has one that balances the plant, beside the others.
 fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
     let extents: Vec<Option<f64>> = (0..system.states())
         .map(|state| {
@@ -140,7 +142,5 @@ fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
             along.reduce(f64::min).filter(|extent| *extent > 0.0)
         })
         .collect();
-    let smallest = extents.iter().flatten().copied().reduce(f64::min);
-    let unit = power_of_two(fraction * smallest.unwrap_or(1.0 / fraction));
-    DVector::from_element(system.states(), unit)
+    balanced(system, &extents).map(|extent| power_of_two(fraction * extent))
 }

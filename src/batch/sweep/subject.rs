@@ -10,8 +10,8 @@ use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
 use synth::feasibility::Decision;
 use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
-use synth::solve::{Backend, Observer, Solver, Structured};
-use synth::synthesis::{self, Form, Outcome, Synthesized};
+use synth::solve::{Observer, Solver, Structured};
+use synth::synthesis::{self, Outcome, Solvers, Synthesized};
 
 use super::outcome::{numbers_of, PointOutcome, INVALID};
 use crate::base::unit::unit_of_key;
@@ -33,8 +33,8 @@ pub struct Subject {
 enum Work {
     /// A scenario is run, with the design of its controller, if it has one.
     Run(Option<Box<Design>>),
-    /// A model is synthesized with a solver, from this form of its problem.
-    Synthesis(Box<dyn Backend + Send + Sync>, Form),
+    /// A model is synthesized with these solvers.
+    Synthesis(Solvers),
 }
 
 /// Conditions that block a synthesis, as many as a row names.
@@ -49,11 +49,11 @@ impl Subject {
         }
     }
 
-    /// A model with its solver and the form of the problems that it is given.
-    pub fn model(model: &Model, solver: Box<dyn Backend + Send + Sync>, form: Form) -> Self {
+    /// A model with the solvers that may be asked.
+    pub fn model(model: &Model, solvers: Solvers) -> Self {
         Subject {
             file: value_of(&model.file),
-            work: Work::Synthesis(solver, form),
+            work: Work::Synthesis(solvers),
         }
     }
 
@@ -66,7 +66,7 @@ impl Subject {
     pub fn kind(&self) -> Kind {
         match &self.work {
             Work::Run(_) => Kind::Scenario,
-            Work::Synthesis(..) => Kind::Model,
+            Work::Synthesis(_) => Kind::Model,
         }
     }
 
@@ -74,17 +74,15 @@ impl Subject {
     pub fn design_sha256(&self) -> Option<&str> {
         match &self.work {
             Work::Run(design) => Some(&design.as_ref()?.sha256),
-            Work::Synthesis(..) => None,
+            Work::Synthesis(_) => None,
         }
     }
 
-    /// The solver with the form of its problems, for a model.
+    /// The solvers with the forms of their problems, for a model.
     pub fn solver(&self) -> Option<String> {
         match &self.work {
             Work::Run(_) => None,
-            Work::Synthesis(solver, form) => {
-                Some(format!("{}, {} form", solver.name(), form.name()))
-            }
+            Work::Synthesis(solvers) => Some(solvers.names()),
         }
     }
 
@@ -102,18 +100,20 @@ impl Subject {
     /// that start is the same for every point, points do not depend on each other. A search takes too long
     /// for that.
     pub fn prepare(&mut self, stop: &Arc<AtomicBool>) {
-        let Work::Synthesis(solver, form) = &mut self.work else {
+        let Work::Synthesis(solvers) = &mut self.work else {
             return;
         };
-        if solver.solver() != Some(Solver::Structured) {
+        let (backend, form) = solvers.first();
+        if backend.solver() != Some(Solver::Structured) {
             return;
         }
         let model = model_of(&self.file).ok();
         if let Some(model) = model.filter(|model| model.file.specs.objective == Objective::Gain) {
-            let (text, first) = (self.file.to_string(), Structured::warm());
+            let (text, warm) = (self.file.to_string(), Structured::warm());
+            let own = Solvers::only(warm.clone(), form);
             // Whatever comes of it: where nothing is remembered, points start cold.
-            let _ = synthesis::synthesize(&model, &text, *form, &first, Some(until(stop)));
-            *solver = Box::new(first.frozen());
+            let _ = synthesis::synthesize(&model, &text, &own, Some(until(stop)));
+            solvers.begin_with(warm.frozen(), form);
         }
     }
 
@@ -124,7 +124,7 @@ impl Subject {
         let found = file.map_err(|error| error.to_string());
         let found = found.and_then(|file| match &self.work {
             Work::Run(design) => run_scenario(&file, design.as_deref()),
-            Work::Synthesis(solver, form) => run_model(&file, solver.as_ref(), *form, stop),
+            Work::Synthesis(solvers) => run_model(&file, solvers, stop),
         });
         found.unwrap_or_else(|reason| PointOutcome::without_numbers(INVALID, reason))
     }
@@ -186,13 +186,12 @@ fn until(stop: &Arc<AtomicBool>) -> Observer {
 
 fn run_model(
     file: &Value,
-    solver: &dyn Backend,
-    form: Form,
+    solvers: &Solvers,
     stop: &Arc<AtomicBool>,
 ) -> Result<PointOutcome, String> {
     let text = file.to_string();
     let model = model_of(file).map_err(|error| error.to_string())?;
-    let outcome = synthesis::synthesize(&model, &text, form, solver, Some(until(stop)));
+    let outcome = synthesis::synthesize(&model, &text, solvers, Some(until(stop)));
     Ok(match outcome.map_err(|error| error.to_string())? {
         Outcome::Solved(design) => designed(&design),
         Outcome::Infeasible(decision) => undesigned("infeasible", &decision),

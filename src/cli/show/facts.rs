@@ -43,6 +43,11 @@ impl SolverStatus {
     }
 }
 
+/// What is to be said where a solver was named and found nothing.
+pub fn only_one_asked(solver: &str) -> String {
+    format!("only {solver} was asked; with --solver auto the other one is asked too")
+}
+
 /// What the solvers did.
 #[derive(Debug, Serialize)]
 pub struct SolverReport<'a> {

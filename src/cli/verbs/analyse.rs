@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use synth::model::{GainsFile, Model};
-use synth::synthesis;
+use synth::synthesis::{self, solver_order};
 
 use super::synthesize::conclude::Conclusion;
 use crate::cli::answer::Answer;
@@ -23,8 +23,8 @@ pub struct AnalyseArgs {
     /// File to write: the gains with their proof (a design), or the proof that there is none
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Solver
-    #[arg(long, default_value = "clarabel")]
+    /// Which solvers may be asked
+    #[arg(long, default_value = "auto")]
     solver: SolverArg,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -40,23 +40,16 @@ pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
         .check_size(inputs, states)
         .map_err(|problem| CliError::value(&args.gains, problem))?;
     files::check_output(args.output.as_deref(), &[&args.model, &args.gains])?;
-    let (form, backend) = (args.solver.form(), args.solver.backend());
+    let solvers = args.solver.solvers(solver_order(&model), None);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
-        synthesis::analyse(
-            &model,
-            &text,
-            &gains.gains,
-            &gains_text,
-            form,
-            backend.as_ref(),
-            observer,
-        )
+        synthesis::analyse(&model, &text, &gains.gains, &gains_text, &solvers, observer)
     })?;
     let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
         output: args.output.as_deref(),
-        form,
+        form: solvers.first().1,
+        only: args.solver.only(),
         cross_check: None,
         what: "proof for these gains",
         keeps_refutation: true,

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use synth::feasibility::{self, decide, relaxations, Decision};
 use synth::model::Model;
+use synth::synthesis::solver_order;
 
 use crate::cli::answer::{note, Answer};
 use crate::cli::error::CliError;
@@ -26,8 +27,8 @@ pub struct FeasibilityArgs {
     /// Do not search for the requirement whose relaxation makes an infeasible model feasible
     #[arg(long)]
     no_relaxations: bool,
-    /// Solver
-    #[arg(long, default_value = "clarabel")]
+    /// Which solvers may be asked
+    #[arg(long, default_value = "auto")]
     solver: SolverArg,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -41,11 +42,10 @@ pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
     if model.file.specs.outer.is_some() {
         note("note: the answer is about the model's own box and requirements; specs.outer is not part of it");
     }
-    let backend = args.solver.backend();
-    let backend = backend.as_ref();
+    let solvers = args.solver.solvers(solver_order(&model), None);
     let start = Instant::now();
     let decision = solve(&args.model, ASSEMBLING, |observer| {
-        decide(&model, &text, backend, observer)
+        decide(&model, &text, &solvers, observer)
     })?;
     let mut report = FeasibilityReport::new(&decision, start.elapsed().as_secs_f64());
     let output = args.output.as_deref();
@@ -56,7 +56,7 @@ pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
         ahead(&report.headline(&args.model));
         let what = "relaxing one requirement after the other";
         let relaxed = solve(&args.model, what, |observer| {
-            relaxations(&model, backend, observer)
+            relaxations(&model, &solvers, observer)
         })?;
         report.relaxations = Some(relaxed);
     }

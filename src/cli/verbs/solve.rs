@@ -6,7 +6,7 @@ use std::time::Instant;
 use synth::certify::exclusion::exclude;
 use synth::lmi::Semidefinite;
 use synth::model::read_text_up_to;
-use synth::solve::{Accuracy, SolveError, Status, Structured};
+use synth::solve::{Accuracy, SolveError, Solver, Status, Structured};
 
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
@@ -45,9 +45,12 @@ pub fn run(args: &SolveArgs) -> Result<Answer, CliError> {
         relative_gap: RELATIVE_GAP,
         objective_unit: 1.0,
     };
-    let backend = args.solver.backend();
+    let solvers = args
+        .solver
+        .solvers([Solver::Structured, Solver::Clarabel], None);
+    let (backend, _) = solvers.first();
     let solved: Result<_, SolveError> = watched("starting", |observer| match args.solver {
-        SolverArg::Structured => Structured::default()
+        SolverArg::Auto | SolverArg::Structured => Structured::default()
             .solve_timed(&problem, accuracy, Some(observer))
             .map(|(solution, timings)| (solution, Some(timings))),
         SolverArg::Clarabel => {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use synth::model::Model;
+use synth::synthesis::solver_order;
 
 use crate::base::files::create_folder;
 use crate::batch::engine::Interrupted;
@@ -45,7 +46,7 @@ pub struct SweepArgs {
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
-    /// Solver, for models; clarabel when left out
+    /// Which solvers may be asked, for models; auto when left out
     #[arg(long)]
     solver: Option<SolverArg>,
     /// Threads; one for each processor when left out
@@ -109,9 +110,10 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
     }
     match &args.design {
         None => {
-            let solver = args.solver.unwrap_or(SolverArg::Clarabel);
+            let solver = args.solver.unwrap_or(SolverArg::Auto);
             let model = files::parse(&args.file, text, Model::from_json)?;
-            Ok(Subject::model(&model, solver.backend(), solver.form()))
+            let solvers = solver.solvers(solver_order(&model), None);
+            Ok(Subject::model(&model, solvers))
         }
         Some(_) => Err(CliError::Argument {
             argument: "--design",

@@ -68,13 +68,16 @@ pub struct Provenance {
 }
 
 /// What fixes the units of a scaled problem; enough to state the very problem again.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProblemUnits {
-    /// The unit of the state, as a fraction of the smallest extent of the model's region.
+    /// The unit of each state, as a fraction of the smallest extent of the model's region along it.
     pub state_fraction: f64,
     /// The weight rho of the containment condition, in scaled units.
     pub containment_weight: f64,
+    /// The unit of each state itself, where a solver's point suggested it; powers of two.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub state_units: Vec<f64>,
 }
 
 /// One run of a solver.

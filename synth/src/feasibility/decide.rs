@@ -8,38 +8,39 @@ use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    containment_weights, has_point, scaled, Answer, Blocking, Decision, DesignRequest, Form, Goal,
-    Infeasible, Session, Solved, SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
+    containment_weights, has_point, is_structured, scaled, Answer, Asked, Blocking, Decision,
+    DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers, SynthesisError, Synthesized,
+    FIRST_UNITS, STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::centre::centred;
 use sdp::lmi::Affine;
-use sdp::solve::{Backend, Observer, Structured};
+use sdp::solve::Observer;
 
 /// Decides whether a design exists for a model. `model_text` is its file's text.
+///
+/// # Errors
+/// Stopped by the observer; a problem that a solver refuses; numbers that no design file may hold.
 pub fn decide(
     model: &Model,
     model_text: &str,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let task = model.task();
     let request = DesignRequest::of_model(model, model_text, &task, Form::Chordal);
-    decide_after(request, &mut Session::new(Form::Chordal, backend, observer))
+    decide_after(request, &mut Session::new(solvers, observer))
 }
 
-/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The other
-/// solver is tried where the structured one, which is faster here, is undecided.
+/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are
+/// asked in order.
 pub(super) fn look_for_a_design(
     model: &Model,
-    structured: &Structured,
-    backend: &dyn Backend,
+    solvers: &[Asked],
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let mut sessions = [
-        Session::new(Form::VertexRelaxed, structured, observer.clone()),
-        Session::new(Form::Chordal, backend, observer),
-    ];
+    let alone = |&asked: &_| Session::alone(asked, observer.clone());
+    let mut sessions: Vec<Session> = solvers.iter().map(alone).collect();
     let task = model.task();
     let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
     SolverSequence::new(&mut sessions, DecisionGoal::Design).decide(request)
@@ -50,18 +51,17 @@ pub(crate) fn decide_after(
     request: DesignRequest,
     session: &mut Session,
 ) -> Result<Decision, SynthesisError> {
-    let structured = Structured::default();
-    let other = session.alternative_to(structured.solver());
     // The full form's dual solution has not the blocks of a proof.
-    let mut sessions = vec![
-        session.fresh(Form::Chordal),
-        session.with_backend(Form::VertexRelaxed, &structured),
-    ];
-    sessions.extend(
-        other
-            .as_deref()
-            .map(|other| session.with_backend(Form::Chordal, other)),
-    );
+    let mut asked = Vec::new();
+    for (index, &(backend, _)) in session.solvers().iter().enumerate() {
+        if index == 0 || !is_structured(backend) {
+            asked.push((backend, Form::Chordal));
+        }
+        if is_structured(backend) {
+            asked.push((backend, Form::VertexRelaxed));
+        }
+    }
+    let mut sessions = session.each_alone(asked);
     let request = DesignRequest {
         form: Form::Chordal,
         ..request
@@ -82,11 +82,11 @@ pub(crate) fn decide_after(
 pub(super) fn refute_part(
     request: DesignRequest,
     most_units: usize,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let structured = Structured::default();
     let form = Form::VertexRelaxed;
-    let mut sessions = [Session::new(form, &structured, observer)];
+    let mut sessions = [Session::alone((solvers.for_searches(), form), observer)];
     let sequence = SolverSequence {
         most_units,
         ..SolverSequence::new(&mut sessions, DecisionGoal::Refutation)
@@ -178,7 +178,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
                 let (weights, checked): (_, Vec<Refutation>) = refuted.into_iter().unzip();
                 let bounds = checked.iter().map(|refutation| refutation.bound);
                 let bound = bounds.fold(f64::MAX, f64::min);
-                let mut provenance = request.provenance(units);
+                let mut provenance = request.provenance(units.clone());
                 provenance.solver_runs = runs.clone();
                 let (model, given) = (request.model, request.given);
                 let file = InfeasibilityFile::new(model, given, weights, provenance);
@@ -211,7 +211,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         for &state_fraction in STATE_UNITS.iter().take(self.most_units) {
             units.state_fraction = state_fraction;
             for session in 0..self.sessions.len() {
-                let result = self.attempt(request, session, *units)?;
+                let result = self.attempt(request, session, units)?;
                 if !matches!(result, AttemptResult::Undecided) {
                     return Ok(result);
                 }
@@ -225,7 +225,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         &mut self,
         request: DesignRequest,
         session: usize,
-        units: ProblemUnits,
+        units: &ProblemUnits,
     ) -> Result<AttemptResult, SynthesisError> {
         let session = &mut self.sessions[session];
         let solved = session.solve(solved_task(request.task, units), Goal::SmallestSlack)?;
@@ -258,7 +258,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
 }
 
 /// The task in its units, with a threshold that leaves its dual feasible set an interior.
-fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+fn solved_task(task: &Task, units: &ProblemUnits) -> (Scaling, Task) {
     // A larger xi makes k2 > 1 and is no gain: see `certify::infeasible::Level`.
     let mut task = task.clone();
     task.specification.disturbance_weight_max /= task.invariant_level();
@@ -273,7 +273,7 @@ fn solved_task(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
 fn refute_nominal(
     request: DesignRequest,
     session: &mut Session,
-    units: ProblemUnits,
+    units: &ProblemUnits,
 ) -> Result<AttemptResult, SynthesisError> {
     if !request.given.is_empty() {
         return Ok(AttemptResult::Undecided);
@@ -349,7 +349,11 @@ const UNKNOWN_GAIN: f64 = 1e300;
 const GAIN_BACK_OFF: f64 = 1e-3;
 
 /// The solver's point as a proved design, with the gain bound it admits.
-fn point(request: DesignRequest, solved: &Solved, units: ProblemUnits) -> Option<Box<Synthesized>> {
+fn point(
+    request: DesignRequest,
+    solved: &Solved,
+    units: &ProblemUnits,
+) -> Option<Box<Synthesized>> {
     let mut unknowns = solved.assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
     let (values, scaling) = (&solved.solution.values, &solved.scaling);

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::decide::refute_part;
 use crate::conditions::{GainPlan, Task};
-use crate::programs::{Answer, ConditionSubset, Decision, DesignRequest, SynthesisError};
+use crate::programs::{Answer, ConditionSubset, Decision, DesignRequest, Solvers, SynthesisError};
 use sdp::solve::Observer;
 
 /// State units that are tried for one gain.
@@ -21,6 +21,7 @@ const UNITS_TOGETHER: usize = 1;
 /// conditions is left out.
 pub(crate) fn refute_given(
     subject: DesignRequest,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Option<Decision>, SynthesisError> {
     let matched = subject.task.gains.matched().is_some();
@@ -46,7 +47,7 @@ pub(crate) fn refute_given(
             part,
             ..subject
         };
-        let decision = refute_part(restricted, units, observer.clone())?;
+        let decision = refute_part(restricted, units, solvers, observer.clone())?;
         if matches!(decision.answer, Answer::Infeasible(_)) {
             return Ok(Some(decision));
         }

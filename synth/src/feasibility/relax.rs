@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::decide::look_for_a_design;
 use crate::model::Model;
-use crate::programs::{Answer, Parameter, SynthesisError};
-use sdp::solve::{Backend, Observer, Structured};
+use crate::programs::{is_structured, Answer, Asked, Form, Parameter, Solvers, SynthesisError};
+use sdp::solve::{Observer, Structured};
 
 /// A requirement that can be relaxed alone.
 struct Requirement {
@@ -77,17 +77,21 @@ const REFINEMENTS: usize = 7;
 /// that do not help last.
 pub fn relaxations(
     model: &Model,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Vec<Relaxation>, SynthesisError> {
     let mut out = Vec::new();
     // Neighbours of one model: each is warm-started from the iterates of the last.
     let structured = Structured::warm();
+    let may = is_structured(solvers.for_searches());
+    let warm = may.then_some::<Asked>((&structured, Form::VertexRelaxed));
+    let others = solvers.in_order().into_iter();
+    let others = others.filter(|(backend, _)| !is_structured(*backend));
+    let asked: Vec<Asked> = warm.into_iter().chain(others).collect();
     for requirement in REQUIREMENTS {
         let mut search = Relaxing {
             model,
-            structured: &structured,
-            backend,
+            solvers: &asked,
             observer: observer.clone(),
             parameter: requirement.parameter,
             solves: 0,
@@ -117,8 +121,7 @@ pub fn relaxations(
 
 struct Relaxing<'a> {
     model: &'a Model,
-    structured: &'a Structured,
-    backend: &'a dyn Backend,
+    solvers: &'a [Asked<'a>],
     observer: Option<Observer>,
     parameter: Parameter,
     solves: usize,
@@ -195,8 +198,7 @@ impl Relaxing<'_> {
         let Some(model) = self.parameter.scaled(self.model, factor) else {
             return Ok(None);
         };
-        let decision =
-            look_for_a_design(&model, self.structured, self.backend, self.observer.clone())?;
+        let decision = look_for_a_design(&model, self.solvers, self.observer.clone())?;
         self.solves += decision.runs.len();
         Ok(Some(Probe {
             at,

@@ -8,9 +8,9 @@ use crate::conditions::{GainPlan, Task};
 use crate::infeasibility::InfeasibilityFile;
 use crate::model::Model;
 use crate::programs::{
-    largest_magnitude, scaled, Form, Goal, Session, SynthesisError, FIRST_UNITS,
+    largest_magnitude, scaled, Goal, Session, Solvers, SynthesisError, FIRST_UNITS,
 };
-use sdp::solve::Structured;
+use sdp::solve::Solver;
 
 impl InfeasibilityFile {
     /// The designs that the file's statement does not cover, where its dual multipliers are proved, by `checked`; none:
@@ -40,8 +40,8 @@ fn largest_multiplier(model: &Model, given: &[DMatrix<f64>]) -> Result<f64, Synt
         let gain = largest_entry(&task, session, Goal::SmallestGain)?;
         Ok(gain.max(largest_entry(&task, session, Goal::SmallestSlack)?))
     };
-    let structured = Structured::default();
-    let mut session = Session::new(Form::VertexRelaxed, &structured, None);
+    let solvers = Solvers::both([Solver::Structured, Solver::Clarabel]);
+    let mut session = Session::new(&solvers, None);
     let first = largest(&mut session)?;
     let largest = session.with_other(largest)?.unwrap_or(0.0).max(first);
     Ok(match largest > 0.0 {
@@ -51,7 +51,7 @@ fn largest_multiplier(model: &Model, given: &[DMatrix<f64>]) -> Result<f64, Synt
 }
 
 fn largest_entry(task: &Task, session: &mut Session, goal: Goal) -> Result<f64, SynthesisError> {
-    let solved = session.solve(scaled(task, FIRST_UNITS), goal)?;
+    let solved = session.solve(scaled(task, &FIRST_UNITS), goal)?;
     let units = DMatrix::from_diagonal(&solved.scaling.state);
     let multiplier = &solved.assembled.design.multiplier;
     let multiplier = &units * multiplier.value(&solved.solution.values) * &units;

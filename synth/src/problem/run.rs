@@ -15,11 +15,11 @@ use crate::conditions::state_feedback::{
 use crate::design::{SolverRun, DESIGN_SCHEMA_VERSION};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, has_point, largest_magnitude, now, sha256_of, Decision, Form, Outcome, Recorded,
-    Session, SynthesisError, Synthesized, GENERATOR,
+    blocking, has_point, largest_magnitude, now, sha256_of, Decision, Outcome, Recorded, Session,
+    Solvers, SynthesisError, Synthesized, GENERATOR,
 };
 use crate::synthesis::{Attempts, Smallest, Synthesis};
-use sdp::solve::{Backend, Observer, Solution};
+use sdp::solve::{Observer, Solution};
 
 /// A feedback and how it was found.
 pub type ProblemSynthesized = Synthesized<ProblemDesignFile>;
@@ -45,16 +45,15 @@ const BACK_OFFS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 const SLACK_SHARE: f64 = 0.5;
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
-/// provenance). No solver is asked where a mode that no input reaches rules every feedback out. Where the given solver
-/// finds no feedback that is proved, the other one is tried. Only the check decides whether the feedback is proved.
+/// provenance). The conditions of these problems have one form. No solver is asked where a mode that no input reaches
+/// rules every feedback out. Where the first solver finds no feedback that is proved, the second one is tried. Only the check decides whether the feedback is proved.
 pub fn synthesize(
     problem: &Problem,
     text: &str,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<ProblemOutcome, SynthesisError> {
-    // The conditions of these problems have one form.
-    let session = Session::new(Form::Full, backend, observer);
+    let session = Session::new(solvers, observer);
     with_problem!(&problem.task, requested => solve(&Request::new(problem, text, requested), session))
 }
 
@@ -164,7 +163,7 @@ impl<P: DesignProblem> Synthesis for FeedbackSynthesis<'_, '_, '_, P> {
     type Settings = ();
     type File = ProblemDesignFile;
 
-    fn smallest(&mut self, (): ()) -> Result<Smallest, SynthesisError> {
+    fn smallest(&mut self, (): &()) -> Result<Smallest, SynthesisError> {
         let (program, solution) = self.run(ProblemGoal::SmallestObjective)?;
         let smallest = Smallest::of(&solution);
         if let Smallest::Bound(objective) = smallest {
@@ -183,7 +182,7 @@ impl<P: DesignProblem> Synthesis for FeedbackSynthesis<'_, '_, '_, P> {
 
     fn design(
         &mut self,
-        (): (),
+        (): &(),
         objective: f64,
     ) -> Result<Option<Box<ProblemSynthesized>>, SynthesisError> {
         let (program, solution) = self.run(ProblemGoal::LargestMargin { objective })?;
@@ -225,16 +224,18 @@ fn solve<P: DesignProblem>(
         largest: 1.0,
         best: None,
     };
-    let found = Attempts::with_each_solver(&mut session, |session| {
-        let mut synthesis = FeedbackSynthesis {
-            request,
-            session,
-            returned: &mut returned,
-        };
-        let mut found = Attempts::default();
-        found.attempt(&mut synthesis, (), &BACK_OFFS)?;
-        Ok(found)
-    })?;
+    let proved = |found: &Attempts<(), ProblemDesignFile>| found.best.is_some();
+    let found =
+        Attempts::with_each_solver::<FeedbackSynthesis<P>>(&mut session, proved, |session| {
+            let mut synthesis = FeedbackSynthesis {
+                request,
+                session,
+                returned: &mut returned,
+            };
+            let mut found = Attempts::default();
+            found.attempt(&mut synthesis, &(), &BACK_OFFS)?;
+            Ok(found)
+        })?;
     if let Some(design) = found.best.or(found.unproved) {
         let mut design = design.with_runs(&session.runs);
         let guarantee = design.file.certificate.guarantee;

@@ -4,7 +4,7 @@ use crate::conditions::xu2020::{self, DesignUnknowns, SamplingEnd, Sector, Stric
 use crate::conditions::Task;
 use crate::reduce::{self, Cliques};
 use sdp::lmi::{Affine, Condition, LmiProblem, Unknowns};
-use sdp::solve::{Accuracy, Backend, Solver};
+use sdp::solve::{Accuracy, Solver};
 
 /// How the decrease condition (18) is put to the solver; all have the same solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,14 +32,6 @@ impl Form {
         match solver {
             Solver::Clarabel => Form::Chordal,
             Solver::Structured => Form::VertexRelaxed,
-        }
-    }
-
-    /// This form for another solver: the one that solver is fastest with, unless the published form is requested.
-    pub(crate) fn for_backend(self, backend: &dyn Backend) -> Self {
-        match (self, backend.solver()) {
-            (Form::Full, _) | (_, None) => self,
-            (_, Some(solver)) => Form::suited_to(solver),
         }
     }
 

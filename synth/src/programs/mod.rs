@@ -11,6 +11,7 @@ mod parameter;
 mod record;
 mod request;
 mod session;
+mod solvers;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
@@ -18,6 +19,8 @@ pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,
     Synthesized,
 };
+pub(crate) use solvers::{is_structured, Asked};
+pub use solvers::{solver_order, Solvers};
 pub use units::{scaled_task, FIRST_UNITS};
 
 pub(crate) use assemble::{state, Part};

@@ -69,7 +69,7 @@ impl DesignRequest<'_> {
         &self,
         certificate: &Certificate,
         large_set: Option<(OuterFile, Coupling)>,
-        units: ProblemUnits,
+        units: &ProblemUnits,
     ) -> Option<Box<Synthesized>> {
         let (controller, mut certificate) = CertificateFile::split(certificate);
         let mut model = self.model.file.clone();
@@ -94,7 +94,7 @@ impl DesignRequest<'_> {
             },
             provenance: Provenance {
                 coupling,
-                ..self.provenance(units)
+                ..self.provenance(units.clone())
             },
         };
         let report = file.verify(self.model).ok()?;

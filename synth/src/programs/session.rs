@@ -8,19 +8,22 @@ use super::active;
 use super::assemble::{assemble_at, Assembled, Form, Goal};
 use super::outcome::{Cancelled, SynthesisError};
 use super::record::{blocking, Blocking};
+use super::solvers::{Asked, Solvers};
 use crate::certify::theorem1::Certificate;
 use crate::conditions::Task;
 use crate::design::{recover, SolverRun};
 use crate::model::Model;
 use crate::scaling::Scaling;
 use sdp::lmi::LmiProblem;
-use sdp::solve::{alternative, Accuracy, Backend, Observer, Solution, Solver, Status};
+use sdp::solve::{Accuracy, Backend, Observer, Solution, Status};
 
 /// A solver with the form of its problems, and its runs so far.
 pub(crate) struct Session<'a> {
     /// How its problems are stated.
     pub form: Form,
-    backend: &'a dyn Backend,
+    backend: &'a (dyn Backend + Send + Sync),
+    /// The solvers that may be asked, this one first.
+    solvers: Vec<Asked<'a>>,
     observer: Option<Observer>,
     /// The solver's runs.
     pub runs: Vec<SolverRun>,
@@ -68,41 +71,52 @@ pub(crate) fn largest_magnitude<'a>(values: impl IntoIterator<Item = &'a f64>) -
 }
 
 impl<'a> Session<'a> {
-    pub fn new(form: Form, backend: &'a dyn Backend, observer: Option<Observer>) -> Self {
+    /// A session with the first of the solvers.
+    pub fn new(solvers: &'a Solvers, observer: Option<Observer>) -> Self {
+        Session {
+            solvers: solvers.in_order(),
+            ..Session::alone(solvers.first(), observer)
+        }
+    }
+
+    /// A session with one solver.
+    pub fn alone(asked: Asked<'a>, observer: Option<Observer>) -> Self {
+        let (backend, form) = asked;
         Session {
             form,
             backend,
+            solvers: vec![asked],
             observer,
             runs: Vec::new(),
             chosen: Vec::new(),
         }
     }
 
-    /// A session with the same solver that has not begun.
+    /// A session with the same solver alone that has not begun.
     pub fn fresh(&self, form: Form) -> Self {
-        self.with_backend(form, self.backend)
+        Session::alone((self.backend, form), self.observer.clone())
     }
 
-    /// The same with another solver.
-    pub fn with_backend<'b>(&self, form: Form, backend: &'b dyn Backend) -> Session<'b> {
-        Session::new(form, backend, self.observer.clone())
+    /// Sessions with each of these solvers alone, which have not begun.
+    pub fn each_alone(&self, asked: impl IntoIterator<Item = Asked<'a>>) -> Vec<Self> {
+        let alone = |asked| Session::alone(asked, self.observer.clone());
+        asked.into_iter().map(alone).collect()
     }
 
-    /// The other solver, unless it is the one named.
-    pub fn alternative_to(&self, solver: Option<Solver>) -> Option<Box<dyn Backend>> {
-        alternative(self.backend).filter(|other| other.solver() != solver)
+    /// The solvers that may be asked, in order.
+    pub fn solvers(&self) -> &[Asked<'a>] {
+        &self.solvers
     }
 
-    /// What `run` returns with the other solver, in the form that it is fastest with; `None` without another solver.
+    /// What `run` returns with the second solver; `None` without one.
     pub fn with_other<T>(
         &mut self,
         run: impl FnOnce(&mut Session) -> Result<T, SynthesisError>,
     ) -> Result<Option<T>, SynthesisError> {
-        let Some(other) = alternative(self.backend) else {
+        let Some(&second) = self.solvers.get(1) else {
             return Ok(None);
         };
-        let form = self.form.for_backend(other.as_ref());
-        let mut session = self.with_backend(form, other.as_ref());
+        let mut session = Session::alone(second, self.observer.clone());
         let found = run(&mut session);
         self.runs.append(&mut session.runs);
         found.map(Some)

@@ -1,5 +1,7 @@
 //! Units of the scaled problems, and which are tried.
 
+use nalgebra::DVector;
+
 use crate::conditions::Task;
 use crate::design::ProblemUnits;
 use crate::model::Model;
@@ -17,17 +19,24 @@ pub(crate) const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
 pub const FIRST_UNITS: ProblemUnits = ProblemUnits {
     state_fraction: STATE_UNITS[0],
     containment_weight: CONTAINMENT_WEIGHTS[0],
+    state_units: Vec::new(),
 };
 
 /// The model's task in the given units.
-pub fn scaled_task(model: &Model, units: ProblemUnits) -> (Scaling, Task) {
+pub fn scaled_task(model: &Model, units: &ProblemUnits) -> (Scaling, Task) {
     scaled(&model.task(), units)
 }
 
-pub(crate) fn scaled(task: &Task, units: ProblemUnits) -> (Scaling, Task) {
+pub(crate) fn scaled(task: &Task, units: &ProblemUnits) -> (Scaling, Task) {
     let mut task = task.clone();
     task.specification.containment_weight = units.containment_weight;
-    let scaling = Scaling::automatic(&task.system, units.state_fraction);
+    let scaling = match units.state_units.len() == task.system.states() {
+        true => {
+            let state = DVector::from_column_slice(&units.state_units);
+            Scaling::with_state_units(&task.system, state)
+        }
+        false => Scaling::automatic(&task.system, units.state_fraction),
+    };
     let scaled = scaling.apply(&task);
     (scaling, scaled)
 }

@@ -9,19 +9,19 @@ use sdp::solve::{Solution, Status};
 /// A problem at whose design attempts are made.
 pub(crate) trait Synthesis {
     /// What is chosen before a program can be stated: units, weights.
-    type Settings: Copy;
+    type Settings: Clone;
 
     /// The file that is made.
     type File;
 
     /// Solves for the smallest bound in these settings.
-    fn smallest(&mut self, settings: Self::Settings) -> Result<Smallest, SynthesisError>;
+    fn smallest(&mut self, settings: &Self::Settings) -> Result<Smallest, SynthesisError>;
 
     /// The design with the largest margin at a bound, checked as a reader of its file would; `None` where no file can
     /// hold the numbers of the solver's point.
     fn design(
         &mut self,
-        settings: Self::Settings,
+        settings: &Self::Settings,
         bound: f64,
     ) -> Result<Option<Box<Synthesized<Self::File>>>, SynthesisError>;
 
@@ -87,22 +87,31 @@ impl<Settings, File> Default for Attempts<Settings, File> {
     }
 }
 
-impl<Settings: Copy, File> Attempts<Settings, File> {
-    /// Runs attempts with the session's solver, and with the other one where it proves no design.
-    pub fn with_each_solver(
+impl<Settings: Clone, File> Attempts<Settings, File> {
+    /// Runs attempts with the session's first solver, and with the second where what it found is not enough.
+    pub fn with_each_solver<S: Synthesis<Settings = Settings, File = File>>(
         session: &mut Session,
+        enough: impl Fn(&Self) -> bool,
         mut run: impl FnMut(&mut Session) -> Result<Self, SynthesisError>,
     ) -> Result<Self, SynthesisError> {
         let mut found = run(session)?;
-        if found.best.is_none() {
+        if !enough(&found) {
             if let Some(other) = session.with_other(run)? {
-                found.best = other.best;
+                found.keep::<S>(other.best);
                 found.unproved = found.unproved.or(other.unproved);
                 found.bounds.extend(other.bounds);
                 found.infeasible += other.infeasible;
             }
         }
         Ok(found)
+    }
+
+    /// Keeps the better one of the best design and another.
+    fn keep<S: Synthesis<File = File>>(&mut self, other: Option<Box<Synthesized<File>>>) {
+        let smallest = |a: &Box<Synthesized<File>>, b: &Box<Synthesized<File>>| {
+            S::objective(&a.file).total_cmp(&S::objective(&b.file))
+        };
+        self.best = self.best.take().into_iter().chain(other).min_by(smallest);
     }
 
     /// The smallest bound that a solver reported.
@@ -115,11 +124,11 @@ impl<Settings: Copy, File> Attempts<Settings, File> {
     pub fn smallest(
         &mut self,
         synthesis: &mut impl Synthesis<Settings = Settings, File = File>,
-        settings: Settings,
+        settings: &Settings,
     ) -> Result<Smallest, SynthesisError> {
         let smallest = synthesis.smallest(settings)?;
         match smallest {
-            Smallest::Bound(bound) => self.bounds.push((settings, bound)),
+            Smallest::Bound(bound) => self.bounds.push((settings.clone(), bound)),
             Smallest::Infeasible => self.infeasible += 1,
             Smallest::Failed => {}
         }
@@ -130,11 +139,13 @@ impl<Settings: Copy, File> Attempts<Settings, File> {
     pub fn attempt(
         &mut self,
         synthesis: &mut impl Synthesis<Settings = Settings, File = File>,
-        settings: Settings,
+        settings: &Settings,
         back_offs: &[f64],
     ) -> Result<Attempt, SynthesisError> {
         match self.smallest(synthesis, settings)? {
-            Smallest::Bound(bound) => self.back_off(synthesis, &[(settings, bound)], back_offs),
+            Smallest::Bound(bound) => {
+                self.back_off(synthesis, &[(settings.clone(), bound)], back_offs)
+            }
             Smallest::Infeasible => Ok(Attempt::Infeasible),
             Smallest::Failed => Ok(Attempt::Failed),
         }
@@ -150,14 +161,11 @@ impl<Settings: Copy, File> Attempts<Settings, File> {
     ) -> Result<Attempt, SynthesisError> {
         let mut attempt = Attempt::Failed;
         for back_off in back_offs {
-            for &(settings, smallest) in bounds {
+            for (settings, smallest) in bounds {
                 match synthesis.design(settings, smallest * (1.0 + back_off))? {
                     Some(design) if design.is_proved() => {
                         attempt = Attempt::Proved;
-                        let best = self.best.take();
-                        let best = best
-                            .filter(|best| S::objective(&best.file) <= S::objective(&design.file));
-                        self.best = best.or(Some(design));
+                        self.keep::<S>(Some(design));
                     }
                     Some(design) => {
                         self.unproved = Some(design);

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::design::ProblemUnits;
 use crate::model::Model;
-use crate::programs::{assemble, has_point, scaled_task, Form, Goal};
-use sdp::solve::{Backend, Observer, SolveError};
+use crate::programs::{assemble, has_point, scaled_task, Asked, Goal, Solvers};
+use sdp::solve::{Observer, SolveError};
 
 /// One solver's smallest gain bound.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,26 +20,26 @@ pub struct SolverOptimum {
     pub seconds: f64,
 }
 
-/// The optima of two solvers for the same problem.
+/// The optima of the solvers for the same problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CrossCheck {
-    /// Each solver's answer.
-    pub found: [SolverOptimum; 2],
-    /// Distance of the gammas relative to the first; `None` when one is missing.
+    /// Each solver's answer, in the order in which they were asked.
+    pub found: Vec<SolverOptimum>,
+    /// Distance of the first two gammas relative to the first; `None` when one is missing.
     pub relative_difference: Option<f64>,
 }
 
-/// Minimises gamma with two solvers, each in its form of the problem, in the given units and with (18) at every
+/// Minimises gamma with each of the solvers, in its form of the problem, in the given units and with (18) at every
 /// vertex.
 pub fn cross_check(
     model: &Model,
-    units: ProblemUnits,
-    [first, second]: [(&dyn Backend, Form); 2],
+    units: &ProblemUnits,
+    solvers: &Solvers,
     observer: Option<&Observer>,
 ) -> Result<CrossCheck, SolveError> {
     let (_, task) = scaled_task(model, units);
     let goal = Goal::SmallestGain;
-    let smallest_gain = |(backend, form): (&dyn Backend, Form)| {
+    let smallest_gain = |(backend, form): Asked| {
         let problem = assemble(&task, form, goal).problem.lower();
         let solution = backend.solve(&problem, goal.accuracy(&task), observer.cloned())?;
         Ok(SolverOptimum {
@@ -49,8 +49,10 @@ pub fn cross_check(
             seconds: solution.seconds,
         })
     };
-    let found = [smallest_gain(first)?, smallest_gain(second)?];
-    let both = found[0].gamma.zip(found[1].gamma);
+    let found = solvers.in_order().into_iter().map(smallest_gain);
+    let found: Vec<SolverOptimum> = found.collect::<Result<_, _>>()?;
+    let mut gammas = found.iter().map(|optimum| optimum.gamma);
+    let both = gammas.next().flatten().zip(gammas.next().flatten());
     Ok(CrossCheck {
         relative_difference: both.map(|(a, b)| (a - b).abs() / a.abs()),
         found,

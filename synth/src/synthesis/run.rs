@@ -4,30 +4,30 @@ use nalgebra::DMatrix;
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use super::{parameter_search, two_certificates};
+use crate::conditions::state_feedback::power_of_two;
 use crate::conditions::GainPlan;
-use crate::design::{matrix, DesignFile, ProblemUnits};
+use crate::design::{DesignFile, ProblemUnits};
 use crate::feasibility;
 use crate::model::{Mismatch, Model, Objective};
 use crate::optimality::Optimality;
 use crate::programs::{
-    containment_weights, scaled, Answer, ConditionSubset, DesignRequest, Form, Goal, Outcome,
-    Session, SynthesisError, Synthesized, STATE_UNITS,
+    containment_weights, scaled, Answer, ConditionSubset, DesignRequest, Goal, Outcome, Session,
+    Solved, Solvers, SynthesisError, Synthesized, STATE_UNITS,
 };
-use crate::scaling::Scaling;
-use sdp::solve::{Backend, Observer};
+use sdp::solve::Observer;
 
-/// Back-off of the exported design's gain bound above the smallest one, relative: it leaves a margin for the proof.
-const GAIN_BACK_OFF: f64 = 1e-3;
+/// Back-offs of the exported design's bound above the smallest one, relative: they leave a margin for the proof.
+const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
 
-/// Larger back-offs, tried in this order where no design is proved with the first: the solver's smallest gain
-/// bound may be inaccurate, or leave no margin for a proof.
-const WIDER_BACK_OFFS: [f64; 3] = [1e-2, 1e-1, 1.0];
+/// Larger back-offs, tried in this order where no design is proved with the first: the solver's smallest bound may be
+/// inaccurate, or leave no margin for a proof.
+const WIDER_BACK_OFFS: [f64; 3] = [3e-2, 1e-1, 1.0];
 
-/// Units in which the larger back-offs are tried, the first ones that gave a gain bound.
+/// Units in which the larger back-offs are tried, the last ones that gave a bound.
 const WIDENED_UNITS: usize = 2;
 
-/// Range of the state units that a certified set may suggest.
-const UNIT_RANGE: [f64; 2] = [1.0 / 4096.0, 4.0];
+/// How often the point of a solver may suggest units.
+const RESCALINGS: usize = 3;
 
 /// Synthesizes for the model's objective and checks the result: one design, the outcome of a parameter search where
 /// the model requests one, or a design with two certificates. `model_text` is the file's text (its hash goes
@@ -39,19 +39,18 @@ const UNIT_RANGE: [f64; 2] = [1.0 / 4096.0, 4.0];
 pub fn synthesize(
     model: &Model,
     model_text: &str,
-    form: Form,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     if model.file.specs.objective == Objective::Both {
-        return two_certificates::synthesize(model, model_text, form, backend, observer);
+        return two_certificates::synthesize(model, model_text, solvers, observer);
     }
     if parameter_search::wanted(model) {
-        return parameter_search::synthesize(model, model_text, form, backend, observer);
+        return parameter_search::synthesize(model, model_text, solvers, observer);
     }
     let task = model.task();
-    let request = DesignRequest::of_model(model, model_text, &task, form);
-    smallest_gain(request, Session::new(form, backend, observer))
+    let request = DesignRequest::of_model(model, model_text, &task, solvers.first().1);
+    smallest_gain(request, Session::new(solvers, observer))
 }
 
 /// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup
@@ -63,8 +62,7 @@ pub fn analyse(
     model_text: &str,
     gains: &[DMatrix<f64>],
     gains_text: &str,
-    form: Form,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     let mut task = model.task();
@@ -83,21 +81,22 @@ pub fn analyse(
             vertices: None,
         },
         gains_text: Some(gains_text),
-        ..DesignRequest::of_model(model, model_text, &task, form)
+        ..DesignRequest::of_model(model, model_text, &task, solvers.first().1)
     };
-    if let Some(decision) = feasibility::refute_given(request, observer.clone())? {
+    if let Some(decision) = feasibility::refute_given(request, solvers, observer.clone())? {
         return Ok(Outcome::Infeasible(decision));
     }
-    smallest_gain(request, Session::new(form, backend, observer))
+    smallest_gain(request, Session::new(solvers, observer))
 }
 
 /// The design with the smallest gain bound that can be proved; without one, whether any design exists.
 fn smallest_gain(request: DesignRequest, mut session: Session) -> Result<Outcome, SynthesisError> {
-    let mut found = Attempts::with_each_solver(&mut session, |session| {
-        let form = session.form;
-        let request = DesignRequest { form, ..request };
-        GainSynthesis { request, session }.in_all_settings()
-    })?;
+    let mut found =
+        Attempts::with_each_solver::<GainSynthesis>(&mut session, is_enough, |session| {
+            let form = session.form;
+            let request = DesignRequest { form, ..request };
+            GainSynthesis::new(request, session).in_all_settings()
+        })?;
     let best_seen = found.smallest_bound();
     let solved = |design: Box<Synthesized>, session: &Session| {
         let mut design = design.with_runs(&session.runs);
@@ -130,21 +129,24 @@ type UnitAttempts = Attempts<ProblemUnits, DesignFile>;
 struct GainSynthesis<'a, 'b, 'c> {
     request: DesignRequest<'a>,
     session: &'b mut Session<'c>,
+    /// Units that the last point suggests.
+    suggested: Option<Vec<f64>>,
 }
 
 impl Synthesis for GainSynthesis<'_, '_, '_> {
     type Settings = ProblemUnits;
     type File = DesignFile;
 
-    fn smallest(&mut self, units: ProblemUnits) -> Result<Smallest, SynthesisError> {
+    fn smallest(&mut self, units: &ProblemUnits) -> Result<Smallest, SynthesisError> {
         let program = scaled(self.request.task, units);
         let solved = self.session.solve(program, Goal::SmallestGain)?;
+        self.suggested = suggested_units(&solved);
         Ok(Smallest::of(&solved.solution))
     }
 
     fn design(
         &mut self,
-        units: ProblemUnits,
+        units: &ProblemUnits,
         gain_bound: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let program = scaled(self.request.task, units);
@@ -153,7 +155,8 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
             .session
             .solve(program, goal)?
             .recover(self.request.model);
-        Ok(certificate.and_then(|certificate| self.request.design(&certificate, None, units)))
+        let design = |certificate| self.request.design(&certificate, None, units);
+        Ok(certificate.and_then(design))
     }
 
     fn objective(file: &DesignFile) -> f64 {
@@ -161,16 +164,25 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
     }
 }
 
-impl GainSynthesis<'_, '_, '_> {
+impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
+    fn new(request: DesignRequest<'a>, session: &'b mut Session<'c>) -> Self {
+        GainSynthesis {
+            request,
+            session,
+            suggested: None,
+        }
+    }
+
     /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
     fn in_all_settings(&mut self) -> Result<UnitAttempts, SynthesisError> {
         let mut found = Attempts::default();
         for &containment_weight in containment_weights(self.request.model) {
-            let first = self.unit_of_constant_gain(containment_weight)?;
+            let first = self.units_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
         }
         if found.best.is_none() {
-            let widened: Vec<_> = found.bounds.iter().take(WIDENED_UNITS).copied().collect();
+            let widened = found.bounds.iter().rev().take(WIDENED_UNITS);
+            let widened: Vec<_> = widened.cloned().collect();
             found.back_off(self, &widened, &WIDER_BACK_OFFS)?;
         }
         Ok(found)
@@ -178,80 +190,105 @@ impl GainSynthesis<'_, '_, '_> {
 
     /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that
     /// shows how large the certified set will be.
-    fn unit_of_constant_gain(&mut self, weight: f64) -> Result<Option<f64>, SynthesisError> {
+    fn units_of_constant_gain(
+        &mut self,
+        weight: f64,
+    ) -> Result<Option<ProblemUnits>, SynthesisError> {
         if self.request.task.gains.count == 1 || self.request.task.gains.given.is_some() {
             return Ok(None);
         }
         let mut task = self.request.task.clone();
         task.gains = GainPlan::constant();
         let mut session = self.session.fresh(self.request.form);
-        let mut constant = GainSynthesis {
-            request: DesignRequest {
-                task: &task,
-                ..self.request
-            },
-            session: &mut session,
+        let request = DesignRequest {
+            task: &task,
+            ..self.request
         };
+        let mut constant = GainSynthesis::new(request, &mut session);
         let mut found = Attempts::default();
         let outcome = constant.try_units(weight, None, &mut found);
         self.session.runs.append(&mut session.runs);
         outcome?;
-        let proved = found.best.map(|design| design.file.provenance.problem);
-        Ok(proved.map(|units| units.state_fraction))
+        Ok(found.best.map(|design| design.file.provenance.problem))
     }
 
-    /// Tries units one after the other until a design is proved. A design that is not suggests the next unit.
+    /// Tries units one after the other until a design is proved that is about as good as a solver says. The point of
+    /// a solver suggests the next units.
     fn try_units(
         &mut self,
         containment_weight: f64,
-        first: Option<f64>,
+        first: Option<ProblemUnits>,
         found: &mut UnitAttempts,
     ) -> Result<(), SynthesisError> {
-        let mut tried: Vec<f64> = Vec::new();
-        let mut next: Vec<f64> = STATE_UNITS.iter().rev().copied().chain(first).collect();
-        while let Some(state_fraction) = next.pop() {
-            if tried.iter().any(|&other| same_unit(other, state_fraction)) {
-                continue;
-            }
-            tried.push(state_fraction);
-            let units = ProblemUnits {
+        let usual = STATE_UNITS
+            .iter()
+            .rev()
+            .map(|&state_fraction| ProblemUnits {
                 state_fraction,
                 containment_weight,
-            };
-            match found.attempt(self, units, &[GAIN_BACK_OFF])? {
-                Attempt::Proved => return Ok(()),
-                Attempt::Unproved => {
-                    let design = found.unproved.as_ref();
-                    next.extend(design.map(|design| self.suggested_unit(design, state_fraction)));
-                }
+                state_units: Vec::new(),
+            });
+        let mut next: Vec<ProblemUnits> = usual.chain(first).collect();
+        let (mut tried, mut rescalings) = (Vec::new(), 0);
+        while let Some(units) = next.pop() {
+            let (scaling, _) = scaled(self.request.task, &units);
+            if tried.contains(&scaling.state) {
+                continue;
+            }
+            tried.push(scaling.state);
+            match found.attempt(self, &units, &BACK_OFFS)? {
+                Attempt::Proved if !is_poor(found) => return Ok(()),
                 // Confirmed once in other units, then given up.
                 Attempt::Infeasible if found.infeasible > 1 => return Ok(()),
-                Attempt::Infeasible | Attempt::Failed => {}
+                _ => {}
+            }
+            if let Some(state_units) = self.suggested.take().filter(|_| rescalings < RESCALINGS) {
+                rescalings += 1;
+                next.push(ProblemUnits {
+                    state_units,
+                    ..units
+                });
             }
         }
         Ok(())
     }
-
-    /// The state unit that the certified set of a design suggests: its largest radius, as a fraction of the region.
-    fn suggested_unit(&self, design: &Synthesized, state_fraction: f64) -> f64 {
-        let scaling = Scaling::automatic(&self.request.task.system, state_fraction);
-        let extent = scaling.state.min() / state_fraction;
-        let radius = certified_radius(&matrix(&design.file.certificate.lyapunov));
-        (radius / extent).clamp(UNIT_RANGE[0], UNIT_RANGE[1])
-    }
 }
 
-/// True when two fractions round to the same power of two.
-fn same_unit(a: f64, b: f64) -> bool {
-    a.log2().round() == b.log2().round()
+/// Whether there is a design that is about as good as a solver says.
+fn is_enough(found: &UnitAttempts) -> bool {
+    found.best.is_some() && !is_poor(found)
 }
 
-/// Largest distance from the origin to the edge of x'Ux <= 1; 1 where that has no meaning.
-fn certified_radius(lyapunov: &DMatrix<f64>) -> f64 {
-    let smallest = lyapunov.symmetric_eigenvalues().min();
-    let radius = smallest.sqrt().recip();
-    match radius.is_finite() && radius > 0.0 {
-        true => radius,
-        false => 1.0,
-    }
+/// Whether the best design is much worse than the smallest bound that a solver reported.
+fn is_poor(found: &UnitAttempts) -> bool {
+    let gamma = found
+        .best
+        .as_ref()
+        .map(|design| design.file.certificate.gamma);
+    let optimality = gamma.and_then(|gamma| Optimality::of_smallest(gamma, found.smallest_bound()));
+    optimality.is_some_and(|optimality| optimality.is_poor())
 }
+
+/// The unit of each state in which the set x'Ux <= 1 of a solver's point reaches about as far along every state,
+/// whatever the status of the point; `None` where it has no such set.
+fn suggested_units(solved: &Solved) -> Option<Vec<f64>> {
+    let values = &solved.solution.values;
+    let multiplier = solved.assembled.design.multiplier.value(values);
+    let lyapunov = solved.assembled.design.lyapunov.value(values);
+    // U^-1 = Qh' Uh^-1 Qh.
+    let inverse = multiplier.transpose() * lyapunov.try_inverse()? * &multiplier;
+    let reach = inverse.diagonal().map(f64::sqrt);
+    let usable = |reach: &f64| (1.0 / LARGEST_RESCALING..LARGEST_RESCALING).contains(reach);
+    let units = solved.scaling.state.component_mul(&reach);
+    let units = units.map(|unit| power_of_two(UNIT_SHARE * unit));
+    reach
+        .iter()
+        .all(usable)
+        .then(|| units.iter().copied().collect())
+}
+
+/// The largest factor by which a point may change a unit.
+const LARGEST_RESCALING: f64 = 1e9;
+
+/// A unit relative to the reach of the set along its state.
+const UNIT_SHARE: f64 = 0.5;

@@ -13,12 +13,12 @@ use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, P
 use crate::model::{Model, ModelError};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, Answer, Blocking, Decision, DesignRequest, Form, Goal, Outcome, Session,
+    blocking, Answer, Blocking, Decision, DesignRequest, Form, Goal, Outcome, Session, Solvers,
     SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
 use sdp::lmi::LmiProblem;
-use sdp::solve::{Backend, Observer, Solution};
+use sdp::solve::{Observer, Solution};
 
 /// Back-offs of the exported design's gain bound above the smallest one, relative, tried in order: they leave a margin
 /// for the proof.
@@ -114,15 +114,15 @@ pub fn coupled_problem(
 pub fn synthesize(
     model: &Model,
     model_text: &str,
-    form: Form,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     let outer = model.large_set()?;
     let task = model.task();
-    let mut session = Session::new(form, backend, observer);
+    let mut session = Session::new(solvers, observer);
     let (mut smallest, mut couplings, mut blocking) = (f64::INFINITY, 0, Vec::new());
-    let found = Attempts::with_each_solver(&mut session, |session| {
+    let proved = |found: &CouplingAttempts| found.best.is_some();
+    let found = Attempts::with_each_solver::<CoupledSynthesis>(&mut session, proved, |session| {
         let mut synthesis = CoupledSynthesis {
             request: DesignRequest::of_model(model, model_text, &task, session.form),
             outer: &outer,
@@ -170,7 +170,7 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
     type Settings = CouplingChoice;
     type File = DesignFile;
 
-    fn smallest(&mut self, choice: CouplingChoice) -> Result<Smallest, SynthesisError> {
+    fn smallest(&mut self, &choice: &CouplingChoice) -> Result<Smallest, SynthesisError> {
         let scaled = choice.scaled(self.request.model, self.outer);
         let (coupled, solution) = self.solve(&scaled, choice, Goal::SmallestGain)?;
         self.couplings += 1;
@@ -196,7 +196,7 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
 
     fn design(
         &mut self,
-        choice: CouplingChoice,
+        &choice: &CouplingChoice,
         gain_bound: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
         let scaled = choice.scaled(self.request.model, self.outer);
@@ -221,9 +221,10 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
         let units = ProblemUnits {
             state_fraction: 1.0,
             containment_weight: choice.containment_weight,
+            state_units: Vec::new(),
         };
         let second = Some((second, choice.coupling));
-        Ok(self.request.design(&first, second, units))
+        Ok(self.request.design(&first, second, &units))
     }
 
     fn objective(file: &DesignFile) -> f64 {
@@ -245,7 +246,7 @@ impl CoupledSynthesis<'_, '_, '_> {
         for weight in weight.map_or(CONTAINMENT_WEIGHTS.to_vec(), |weight| vec![weight]) {
             match given {
                 Some(scale) => {
-                    found.smallest(self, CouplingChoice::new(weight, scale))?;
+                    found.smallest(self, &CouplingChoice::new(weight, scale))?;
                 }
                 None => self.search_scale(weight, &mut found)?,
             }
@@ -311,7 +312,7 @@ impl CoupledSynthesis<'_, '_, '_> {
         found: &mut CouplingAttempts,
     ) -> Result<bool, SynthesisError> {
         let least = self.gains.iter().copied().fold(f64::INFINITY, f64::min);
-        found.smallest(self, choice)?;
+        found.smallest(self, &choice)?;
         Ok(self.gains.iter().any(|gain| *gain < least))
     }
 

@@ -9,8 +9,8 @@ use synth::certify::theorem1::for_each_condition;
 use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::model::Model;
-use synth::solve::Clarabel;
-use synth::synthesis::{synthesize, Form, Outcome};
+use synth::solve::Solver;
+use synth::synthesis::{synthesize, Outcome, Solvers};
 
 /// The design of models/xu2020-both.json for one choice of the search.
 fn design() -> &'static Value {
@@ -22,8 +22,12 @@ fn design() -> &'static Value {
         file["specs"]["outer"]["containment_weight"] = json!(0.5);
         let text = file.to_string();
         let model = Model::from_json(&text).expect("a valid model");
-        let backend = Clarabel::default();
-        match synthesize(&model, &text, Form::Chordal, &backend, None) {
+        match synthesize(
+            &model,
+            &text,
+            &Solvers::both([Solver::Clarabel, Solver::Structured]),
+            None,
+        ) {
             Ok(Outcome::Solved(design)) => {
                 assert_eq!(design.report.verdict, Verdict::Proved);
                 serde_json::from_str(&design.file.to_json()).expect("a design file is JSON")

@@ -19,8 +19,8 @@ use synth::conditions::Task;
 use synth::design::recover;
 use synth::model::Model;
 use synth::scaling::Scaling;
-use synth::solve::Clarabel;
-use synth::synthesis::{synthesize, Form, Outcome};
+use synth::solve::Solver;
+use synth::synthesis::{synthesize, Form, Outcome, Solvers};
 
 const XU2020: &str = include_str!("../../../models/xu2020.json");
 const DOUBLE_INTEGRATOR: &str = include_str!("../../../models/double-integrator.json");
@@ -289,7 +289,12 @@ fn the_check_of_a_spacecraft_in_descriptor_form_agrees_with_synthesis() {
 
 fn proved_design(text: &str) -> (Model, Certificate) {
     let model = Model::from_json(text).expect("a valid model");
-    let outcome = synthesize(&model, text, Form::Chordal, &Clarabel::default(), None);
+    let outcome = synthesize(
+        &model,
+        text,
+        &Solvers::both([Solver::Clarabel, Solver::Structured]),
+        None,
+    );
     let Ok(Outcome::Solved(design)) = outcome else {
         panic!("no design was found");
     };

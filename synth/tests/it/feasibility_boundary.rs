@@ -13,7 +13,7 @@ use synth::lmi::Semidefinite;
 use synth::model::{Model, ModelFile, PlantFile};
 use synth::programs::Parameter;
 use synth::solve::{Backend, Clarabel, Status};
-use synth::synthesis::{assemble, scaled_task, Form, Goal, FIRST_UNITS};
+use synth::synthesis::{assemble, scaled_task, Form, Goal, Solvers, FIRST_UNITS};
 
 /// Bisections of the logarithm of a factor in [0, RANGE].
 const BISECTIONS: usize = 6;
@@ -32,7 +32,7 @@ fn text(path: &Path) -> String {
 }
 
 fn decided(model: &Model) -> Decision {
-    decide(model, "", &Clarabel::default(), None).expect("a decision")
+    decide(model, "", &Solvers::suited_to(model), None).expect("a decision")
 }
 
 /// The smallest slack without any proof; `None` when the solver fails.

@@ -20,8 +20,7 @@ use synth::conditions::xu2020::{self, decrease, gain_suffix, vertex_term, Sector
 use synth::conditions::{GainPlan, Task};
 use synth::feasibility::{decide, Answer, Decision, InfeasibilityFile};
 use synth::model::Model;
-use synth::solve::{Clarabel, Structured};
-use synth::synthesis::{analyse, Form, Outcome};
+use synth::synthesis::{analyse, Outcome, Solvers};
 
 fn symmetric(stream: &mut Stream, side: usize) -> DMatrix<f64> {
     let matrix = random::uniform(stream, side, side, 1.0);
@@ -293,7 +292,7 @@ fn the_sum_of_the_weighted_conditions_is_the_balance_whatever_the_unknowns() {
 
 fn certificate(text: &str) -> InfeasibilityFile {
     let model = Model::from_json(text).expect("a valid model");
-    let decision = decide(&model, text, &Clarabel::default(), None).expect("a decision");
+    let decision = decide(&model, text, &Solvers::suited_to(&model), None).expect("a decision");
     match decision.answer {
         Answer::Infeasible(proof) => proof.file,
         other => panic!("not infeasible: {other:?}"),
@@ -309,8 +308,8 @@ fn with(text: &str, pointer: &str, value: Value) -> String {
 /// A file that says that a gain has no proof.
 fn refuted_gain(text: &str, gains: &[DMatrix<f64>]) -> InfeasibilityFile {
     let model = Model::from_json(text).expect("a valid model");
-    let backend = Structured::default();
-    let outcome = analyse(&model, text, gains, "", Form::VertexRelaxed, &backend, None);
+    let solvers = Solvers::suited_to(&model);
+    let outcome = analyse(&model, text, gains, "", &solvers, None);
     match outcome.expect("an outcome") {
         Outcome::Infeasible(Decision {
             answer: Answer::Infeasible(proof),

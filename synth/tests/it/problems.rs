@@ -12,7 +12,8 @@ use synth::certify::interval::Interval;
 use synth::certify::Verdict;
 use synth::conditions::state_feedback::StateFeedback;
 use synth::problem::{synthesize, Problem, ProblemDesignFile, ProblemOutcome, ProblemSynthesized};
-use synth::solve::Clarabel;
+use synth::solve::Solver;
+use synth::synthesis::Solvers;
 
 /// The objective may exceed the optimum by this much, relative: the price of a margin.
 const ROOM_ABOVE_OPTIMUM: f64 = 1.1e-3;
@@ -40,7 +41,7 @@ fn outcome(file: &Value) -> ProblemOutcome {
     synthesize(
         &problem(file),
         &file.to_string(),
-        &Clarabel::default(),
+        &Solvers::both([Solver::Clarabel, Solver::Structured]),
         None,
     )
     .expect("the solver accepts the problem")

@@ -6,8 +6,8 @@ use synth::certify::{check, Verdict};
 use synth::design::ProblemUnits;
 use synth::fuzzy::VertexSystem;
 use synth::model::{GainForm, Mismatch, Model, Plant};
-use synth::solve::{Backend, Clarabel, DenseColumns, Status};
-use synth::synthesis::{assemble, scaled_task, synthesize, Form, Goal, Outcome};
+use synth::solve::{Backend, Clarabel, DenseColumns, Solver, Status};
+use synth::synthesis::{assemble, scaled_task, synthesize, Form, Goal, Outcome, Solvers};
 
 /// The units in which the designs of this model are proved.
 const UNITS: ProblemUnits = ProblemUnits {
@@ -24,7 +24,12 @@ fn model(kappa: f64) -> Model {
 }
 
 fn proved(model: &Model) -> Certificate {
-    let outcome = synthesize(model, "", Form::Chordal, &Clarabel::default(), None);
+    let outcome = synthesize(
+        model,
+        "",
+        &Solvers::both([Solver::Clarabel, Solver::Structured]),
+        None,
+    );
     let Ok(Outcome::Solved(design)) = outcome else {
         panic!("{outcome:?}");
     };

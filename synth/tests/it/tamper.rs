@@ -11,12 +11,17 @@ use synth::certify::theorem1::{for_each_condition, Certificate};
 use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::model::Model;
-use synth::solve::Clarabel;
-use synth::synthesis::{synthesize, Form, Outcome};
+use synth::solve::Solver;
+use synth::synthesis::{synthesize, Outcome, Solvers};
 
 fn synthesized(text: &str) -> Value {
     let model = Model::from_json(text).expect("a valid model");
-    let outcome = synthesize(&model, text, Form::Chordal, &Clarabel::default(), None);
+    let outcome = synthesize(
+        &model,
+        text,
+        &Solvers::both([Solver::Clarabel, Solver::Structured]),
+        None,
+    );
     let Ok(Outcome::Solved(design)) = outcome else {
         panic!("no design was found");
     };

@@ -63,8 +63,8 @@ fn model_program(
             (problem, "smallest inner gain with two certificates")
         }
         false => {
-            let units = design.map_or(FIRST_UNITS, |design| design.provenance.problem);
-            let (_, task) = scaled_task(model, units);
+            let units = design.map_or(FIRST_UNITS, |design| design.provenance.problem.clone());
+            let (_, task) = scaled_task(model, &units);
             let problem = assemble(&task, form, Goal::SmallestGain).problem;
             (problem, "smallest gain")
         }

@@ -6,6 +6,7 @@ use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::feasibility::Decision;
 use synth::model::{FileError, Model};
+use synth::solve::Solver;
 use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, SynthesisError, Synthesized};
 
 use crate::cli::answer::{Answer, Exit};
@@ -13,10 +14,10 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::watched;
 use crate::cli::show::design::SynthesisReport;
-use crate::cli::show::facts::{design_written, written_or_nothing, SolverStatus};
+use crate::cli::show::facts::{design_written, only_one_asked, written_or_nothing, SolverStatus};
 use crate::cli::show::infeasibility::Existence;
 use crate::cli::show::no_design::NoDesignReport;
-use crate::cli::solver::SolverArg;
+use crate::cli::solver::beginning_with;
 
 /// What a synthesis or an analysis was asked.
 pub struct Conclusion<'a> {
@@ -28,8 +29,10 @@ pub struct Conclusion<'a> {
     pub output: Option<&'a Path>,
     /// Form of the decrease condition.
     pub form: Form,
-    /// The solver used, when the other is to be asked too.
-    pub cross_check: Option<SolverArg>,
+    /// The solver asked first, when both are to be compared at the end.
+    pub cross_check: Option<Solver>,
+    /// The solver that alone may be asked, where one was named.
+    pub only: Option<&'static str>,
     /// What was requested: a design, or a proof for given gains.
     pub what: &'static str,
     /// A proof that there is none is written in the place of the design.
@@ -63,18 +66,11 @@ impl Conclusion<'_> {
     }
 
     /// The smallest gamma from both solvers, each with the form it is fastest with.
-    fn other_solver(
-        &self,
-        solver: SolverArg,
-        design: &Synthesized,
-    ) -> Result<CrossCheck, CliError> {
-        let (form, other) = (self.form, solver.other());
-        let forms = [form, other.form()];
-        let backends = [solver.backend_for(form), other.backend_for(other.form())];
-        let candidates = [0, 1].map(|index| (backends[index].as_ref(), forms[index]));
-        let units = design.file.provenance.problem;
+    fn other_solver(&self, solver: Solver, design: &Synthesized) -> Result<CrossCheck, CliError> {
+        let candidates = beginning_with(solver, self.form);
+        let units = &design.file.provenance.problem;
         let checked = watched("cross-check", |observer| {
-            cross_check(self.model, units, candidates, Some(&observer))
+            cross_check(self.model, units, &candidates, Some(&observer))
         });
         checked.map_err(|error| CliError::from(SynthesisError::from(error)))
     }
@@ -89,6 +85,7 @@ impl Conclusion<'_> {
         }
         let report = NoDesignReport::new(self.model, self.form, decision, status);
         let mut lines = report.lines(self.model_path, self.what);
+        lines.extend(self.only.map(only_one_asked));
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))
     }

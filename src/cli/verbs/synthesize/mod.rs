@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use synth::model::{kind_of, Kind, Model, Objective};
-use synth::synthesis::{self, Form};
+use synth::synthesis::{self, solver_order, Form};
 
 use conclude::Conclusion;
 
@@ -31,8 +31,8 @@ pub struct SynthesizeArgs {
     /// Form of the decrease condition; by default chordal for clarabel, vertex-relaxed for structured
     #[arg(long)]
     form: Option<FormArg>,
-    /// Solver
-    #[arg(long, default_value = "clarabel")]
+    /// Which solvers may be asked
+    #[arg(long, default_value = "auto")]
     solver: SolverArg,
     /// Minimise gamma with both solvers at the end and report the difference
     #[arg(long)]
@@ -79,7 +79,9 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         model = Model::new(file).map_err(|problem| CliError::value(&args.model, problem))?;
     }
     files::check_output(args.output.as_deref(), &[&args.model])?;
-    let form = args.form.map_or(args.solver.form(), Form::from);
+    let order = solver_order(&model);
+    let solvers = args.solver.solvers(order, args.form.map(Form::from));
+    let (_, form) = solvers.first();
     let both = model.file.specs.objective == Objective::Both;
     if both && args.cross_check {
         let reason =
@@ -92,16 +94,16 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         model: &model,
         output: args.output.as_deref(),
         form,
-        cross_check: args.cross_check.then_some(args.solver),
+        cross_check: args.cross_check.then_some(args.solver.first(order)),
+        only: args.solver.only(),
         what: match both {
             true => "design with both certificates",
             false => "design",
         },
         keeps_refutation: false,
     };
-    let backend = args.solver.backend_for(form);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
-        synthesis::synthesize(&model, &text, form, backend.as_ref(), observer)
+        synthesis::synthesize(&model, &text, &solvers, observer)
     })?;
     conclusion.answer(outcome)
 }

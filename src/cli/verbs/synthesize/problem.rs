@@ -5,6 +5,8 @@ use std::path::Path;
 use synth::problem::{
     self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
+use synth::solve::Solver;
+use synth::synthesis::Form;
 
 use super::conclude::keep;
 use crate::cli::answer::{Answer, Exit};
@@ -32,9 +34,9 @@ pub fn synthesize(
         return Err(CliError::unsuitable(path, reason));
     }
     files::check_output(output, &[path])?;
-    let backend = solver.backend();
+    let solvers = solver.solvers([Solver::Clarabel, Solver::Structured], Some(Form::Full));
     let outcome = solve(path, ASSEMBLING, |observer| {
-        problem::synthesize(&problem, text, backend.as_ref(), observer)
+        problem::synthesize(&problem, text, &solvers, observer)
     })?;
     let none = |failure: ProblemFailure, status| Ok(none(&problem, &failure, status));
     match outcome {

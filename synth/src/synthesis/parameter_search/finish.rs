@@ -215,15 +215,16 @@ impl Finish<'_> {
         };
         let wide = matches!(self.evaluator.aim, Aim::Reach { .. });
         let task = self.task_at(point, settings, &model);
-        let smallest = Scaling::automatic(&task.system, 1.0).state.min();
+        let scaling = Scaling::of_size(&task.system, self.plan.unit * settings.unit);
         let units = ProblemUnits {
-            state_fraction: self.plan.unit * settings.unit / smallest,
+            state_fraction: 1.0,
             containment_weight: 0.5,
+            state_units: scaling.state.iter().copied().collect(),
         };
         let request = DesignRequest::of_model(&model, self.model_text, &task, session.form);
         // The design of a solver's point, checked.
         let mut design = |goal: Goal, peak: Option<f64>| {
-            let solved = session.solve(scaled(&task, units), goal)?;
+            let solved = session.solve(scaled(&task, &units), goal)?;
             let least = match Smallest::of(&solved.solution) {
                 Smallest::Bound(least) => Some(least),
                 _ => None,
@@ -235,7 +236,7 @@ impl Finish<'_> {
                 let above = peak.max(certificate.disturbance_weight);
                 certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
                 add_claims(&model, &mut certificate)?;
-                let mut design = request.design(&certificate, None, units)?;
+                let mut design = request.design(&certificate, None, &units)?;
                 design.file.provenance.search = Some(self.record(point, &model.file));
                 Some(design)
             });

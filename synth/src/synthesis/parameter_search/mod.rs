@@ -25,20 +25,21 @@ use plan::{outside_every_box, Plan};
 use progress::SearchProgress;
 
 use crate::model::Model;
-use crate::programs::{Decision, Form, LimitingFactors, Outcome, Session, SynthesisError};
+use crate::programs::{
+    is_structured, Decision, LimitingFactors, Outcome, Session, Solvers, SynthesisError,
+};
 use crate::scaling::Scaling;
 use sdp::solve::{Backend, Observer, Structured};
 
 /// Scale at which the required sets count as contained, with an allowance for the next step.
 const CONTAINED: f64 = 1.02;
 
-/// Searches once, and makes the design with the given solver; with the other one too where that proves nothing: the
+/// Searches once, and makes the design with the first solver; with the second one too where that proves nothing: the
 /// better of the two outcomes is returned, with the runs of both. Only the check decides whether the design is proved.
 pub fn synthesize(
     model: &Model,
     model_text: &str,
-    form: Form,
-    backend: &dyn Backend,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     let plan = Plan::of(model);
@@ -46,14 +47,18 @@ pub fn synthesize(
     // Two points at a time, each on one thread.
     let mut own = Structured::default();
     own.threads = 1;
+    let given = solvers.for_searches();
+    let backend: &(dyn Backend + Sync) = match is_structured(given) {
+        true => &own,
+        false => given,
+    };
     let system = model.task().system;
-    let smallest = Scaling::automatic(&system, 1.0).state.min();
     let evaluator = Evaluator {
         space: &plan.space,
         aim: &plan.aim,
         contained: &plan.contained,
-        scaling: &Scaling::automatic(&system, plan.unit / smallest),
-        backend: &own,
+        scaling: &Scaling::of_size(&system, plan.unit),
+        backend,
         progress: &progress,
     };
     let search = ParameterSearch {
@@ -78,7 +83,7 @@ pub fn synthesize(
         evaluator: &evaluator,
     };
     let solved = progress.count();
-    let mut session = Session::new(form, backend, observer);
+    let mut session = Session::new(solvers, observer);
     let first = finish.outcome(&points, &mut session)?;
     if first.is_proved() {
         return Ok(first);
