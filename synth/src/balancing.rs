@@ -11,10 +11,10 @@ use nalgebra::{DMatrix, DVector};
 use crate::fuzzy::TakagiSugeno;
 
 /// Passes over the states.
-const PASSES: usize = 60;
+const PASSES: usize = 1000;
 
-/// A factor below this, or above its inverse, ends the passes no sooner.
-const CONVERGED: f64 = 1e-3;
+/// Largest logarithm of a change that ends the passes.
+const CONVERGED: f64 = 1e-9;
 
 /// The largest change of a unit, as a power of two: a state that nothing drives or observes keeps a finite one.
 const LARGEST_EXPONENT: f64 = 60.0;

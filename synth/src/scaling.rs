@@ -126,6 +126,8 @@ impl Scaling {
             },
             specification,
             disturbance_weight_unit: task.disturbance_weight_unit / (c * c),
+            gain_per_weight: task.gain_per_weight,
+            held_is_sample: task.held_is_sample,
         }
     }
 }
@@ -133,7 +135,12 @@ impl Scaling {
 /// A unit for each state: `fraction` of the smallest extent of the region along it. A state that the region does not
 /// bound has one that balances the plant, beside the others.
 fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
-    let extents: Vec<Option<f64>> = (0..system.states())
+    extents(system).map(|extent| power_of_two(fraction * extent))
+}
+
+/// The size of each state: the smallest extent of the region along it, or what balances the plant.
+fn extents(system: &TakagiSugeno) -> DVector<f64> {
+    let known: Vec<Option<f64>> = (0..system.states())
         .map(|state| {
             let along = system.region.iter().filter_map(|bound| {
                 let reach = bound.rows.column(state).norm();
@@ -142,5 +149,34 @@ fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
             along.reduce(f64::min).filter(|extent| *extent > 0.0)
         })
         .collect();
-    balanced(system, &extents).map(|extent| power_of_two(fraction * extent))
+    balanced(system, &known)
+}
+
+/// The largest natural disturbance, relative to its bound: limits that are hardly any are no measure.
+const LARGEST_DISTURBANCE: f64 = 1e3;
+
+/// `(y0 tau0)^2` for an output y0 at the edge of the region and a disturbance tau0 that acts on the plant as much as
+/// the inputs can: what makes g and xi comparable whatever the units of disturbances, inputs, states and outputs.
+pub fn natural_gain_per_weight(system: &TakagiSugeno) -> f64 {
+    let sizes = extents(system);
+    let acts = |column: nalgebra::DVectorView<f64>| column.component_div(&sizes).norm();
+    let authorities = system.input.column_iter().zip(&system.input_limit);
+    let authority = authorities
+        .map(|(column, limit)| acts(column) * limit)
+        .fold(0.0, f64::max);
+    let disturbance = system
+        .disturbance
+        .column_iter()
+        .map(acts)
+        .fold(0.0, f64::max);
+    let tau0 = (authority / disturbance).min(LARGEST_DISTURBANCE * system.disturbance_bound);
+    let seen = system
+        .output
+        .row_iter()
+        .map(|row| row.transpose().component_mul(&sizes).norm());
+    let ratio = (seen.fold(0.0, f64::max) * tau0).powi(2);
+    match ratio.is_normal() {
+        true => ratio,
+        false => 1.0,
+    }
 }

@@ -108,7 +108,7 @@ impl Subject {
             return;
         }
         let model = model_of(&self.file).ok();
-        if let Some(model) = model.filter(|model| model.file.specs.objective == Objective::Gain) {
+        if let Some(model) = model.filter(|model| is_one_design(model)) {
             let (text, warm) = (self.file.to_string(), Structured::warm());
             let own = Solvers::only(warm.clone(), form);
             // Whatever comes of it: where nothing is remembered, points start cold.
@@ -128,6 +128,14 @@ impl Subject {
         });
         found.unwrap_or_else(|reason| PointOutcome::without_numbers(INVALID, reason))
     }
+}
+
+/// Whether a model is neither searched nor asks for a region.
+fn is_one_design(model: &Model) -> bool {
+    matches!(
+        model.file.specs.objective,
+        Objective::Gain | Objective::Gamma
+    )
 }
 
 /// The unit that the last key of a name ends with.

@@ -63,6 +63,23 @@ pub struct Certificate {
 }
 
 impl Certificate {
+    /// Multiplies every number of the functional and of the multipliers, xi included, by a factor above 0: without the
+    /// slack of a mismatch (18) is homogeneous in them. Gains and claims stay as they are.
+    pub fn scale_functional(&mut self, factor: f64) {
+        for matrix in [
+            &mut self.trigger_weight,
+            &mut self.lyapunov,
+            &mut self.integral_weight,
+            &mut self.multiplier,
+            &mut self.free_state,
+            &mut self.free_sample,
+        ] {
+            *matrix *= factor;
+        }
+        self.sector_weight *= factor;
+        self.disturbance_weight *= factor;
+    }
+
     /// Number of gains.
     pub fn gain_count(&self) -> usize {
         1 + self.further.len()

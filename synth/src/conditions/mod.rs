@@ -91,6 +91,11 @@ pub struct Task {
     pub further_signals: Vec<FurtherSignal>,
     /// `xi` in these units times this number is `xi` in SI units.
     pub disturbance_weight_unit: f64,
+    /// The bound on g that is minimised is at least this times xi (SI units); 1 for the gamma of the paper.
+    pub gain_per_weight: f64,
+    /// With nu = 0 the held state may be taken for the last sample: e = 0 whatever the trigger weight, which is then no
+    /// part of (18); one that is large enough satisfies the whole of it.
+    pub held_is_sample: bool,
     /// The gains.
     pub gains: GainPlan,
     /// Sets to be contained, where a search requires them.
@@ -105,9 +110,26 @@ impl Task {
             specification,
             further_signals: Vec::new(),
             disturbance_weight_unit: 1.0,
+            gain_per_weight: 1.0,
+            held_is_sample: false,
             gains: GainPlan::constant(),
             containment: None,
         }
+    }
+
+    /// Unit of the bound on g in these units, in SI units.
+    pub fn gain_unit(&self) -> f64 {
+        self.disturbance_weight_unit * self.gain_per_weight
+    }
+
+    /// The weight with which the supply of all bounded signals reaches phi, so that k2 = 1: a larger one gains nothing,
+    /// because U, Y, W, Q, L, M and all weights divided by k2 satisfy the conditions too, with the same guaranteed gain.
+    /// Infinite without a disturbance.
+    pub fn largest_useful_weight(&self) -> f64 {
+        let further = self.further_signals.iter().map(|signal| signal.bound);
+        let bounds = std::iter::once(self.system.disturbance_bound).chain(further);
+        let squares: f64 = bounds.map(|bound| bound * bound).sum();
+        self.specification.decay_rate / squares
     }
 
     /// Level `k2 = max(1, xi_max taubar^2 / phi)`, the sum over all bounded signals: x'Ux never exceeds it once it

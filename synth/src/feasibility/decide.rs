@@ -259,10 +259,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
 
 /// The task in its units, with a threshold that leaves its dual feasible set an interior.
 fn solved_task(task: &Task, units: &ProblemUnits) -> (Scaling, Task) {
-    // A larger xi makes k2 > 1 and is no gain: see `certify::infeasible::Level`.
-    let mut task = task.clone();
-    task.specification.disturbance_weight_max /= task.invariant_level();
-    let (scaling, mut task) = scaled(&task, units);
+    let (scaling, mut task) = scaled(task, units);
     let threshold = &mut task.specification.trigger_threshold;
     *threshold = threshold.max(SMALLEST_THRESHOLD);
     (scaling, task)

@@ -13,8 +13,8 @@ struct Requirement {
     /// Its symbol in the conditions.
     symbol: &'static str,
     /// Signs of the logarithm of the factor to be searched. Larger limits and shorter intervals only
-    /// help. The others act in more than one place: a smaller decay rate or a larger weight raises the
-    /// level k2 = max(1, xi_max taubar^2 / phi) of the set, a wider region has wider vertices.
+    /// help, a larger weight up to where xi_max taubar^2 = phi. The others act in more than one place: a wider region
+    /// has wider vertices.
     directions: &'static [f64],
 }
 
@@ -37,7 +37,7 @@ const REQUIREMENTS: [Requirement; 6] = [
     requirement(Parameter::Threshold, "nu", &[-1.0]),
     requirement(Parameter::DecayRate, "phi", &[-1.0, 1.0]),
     requirement(Parameter::Region, "box", &[1.0, -1.0]),
-    requirement(Parameter::DisturbanceWeight, "xi_max", &[1.0, -1.0]),
+    requirement(Parameter::DisturbanceWeight, "xi_max", &[1.0]),
 ];
 
 /// The effect of relaxing one requirement alone.

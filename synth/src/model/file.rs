@@ -278,12 +278,23 @@ pub struct Specs {
     /// Weights eps_1, eps_2, eps_3 of the multiplier; the second above 0.
     #[serde(default = "unit_weights", with = "As::<[Finite; 3]>")]
     pub eps: [f64; 3],
-    /// Largest disturbance weight xi, above 0.
+    /// Largest disturbance weight xi, above 0; when left out, whatever keeps xi taubar^2 within phi. A larger one
+    /// would gain nothing.
+    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     #[serde(with = "As::<Positive>")]
     pub xi_max: f64,
     /// What is optimised.
     #[serde(default)]
     pub objective: Objective,
+    /// The gain to be proved, above 0, in the place of the smallest: of the objective gain the guaranteed gain, of
+    /// the objective gamma the bound gamma.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
+    pub gamma: Option<f64>,
+    /// Largest such gain that is accepted, above 0; the smallest is sought.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
+    pub gamma_max: Option<f64>,
     /// States x0 that the certified set must contain, each of n entries.
     #[serde(default)]
     pub must_contain: Vec<Vec<f64>>,
@@ -312,9 +323,12 @@ pub struct ThresholdUpdate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Objective {
-    /// The smallest L-infinity gain bound gamma.
+    /// The smallest guaranteed L-infinity gain from the disturbance to the output, in the model's own units.
     #[default]
     Gain,
+    /// The smallest gamma of the paper, which bounds both that gain and xi; it depends on the units of disturbance
+    /// and output.
+    Gamma,
     /// One gain with two certificates: the smallest gamma in the model's own box, while the set of
     /// `outer` is certified too.
     Both,
@@ -351,6 +365,15 @@ fn unit_weights() -> [f64; 3] {
     [1.0; 3]
 }
 
+/// No limit of its own.
+fn unlimited() -> f64 {
+    f64::INFINITY
+}
+
+fn is_unlimited(value: &f64) -> bool {
+    value.is_infinite()
+}
+
 fn default_margin() -> f64 {
     1e-6
 }
@@ -369,7 +392,9 @@ pub struct OuterSpecs {
     /// The box of the large set: smallest scalar part q0 of the error quaternion, in (0, 1].
     #[serde(with = "As::<UpToOne>")]
     pub q0_min: f64,
-    /// Largest disturbance weight xi of the large-set certificate, above 0.
+    /// Largest disturbance weight xi of the large-set certificate, above 0; when left out, whatever keeps
+    /// xi taubar^2 within phi.
+    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     #[serde(with = "As::<Positive>")]
     pub xi_max: f64,
     /// States x0 that the large set must contain, each of 6 entries; at least one.

@@ -23,7 +23,7 @@ pub(super) fn derived(file: &ModelFile, outer: &OuterSpecs) -> Result<ModelFile,
     out.specs.phi_per_s = outer.phi_per_s;
     out.specs.xi_max = outer.xi_max;
     out.specs.must_contain.clone_from(&outer.must_contain);
-    out.specs.objective = Objective::Gain;
+    out.specs.objective = Objective::Gamma;
     out.specs.outer = None;
     Ok(out)
 }

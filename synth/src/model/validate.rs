@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::bounded::within_ranges;
 use super::file::{
-    ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, PlantFile, Specs, VerticesPlant,
-    MODEL_SCHEMA_VERSION,
+    ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
+    VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
@@ -18,6 +18,7 @@ use super::search::check_search;
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
 use crate::fuzzy::{ExactSpacecraft, VertexSystem};
+use crate::scaling::natural_gain_per_weight;
 
 /// A checked model.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +47,7 @@ impl Model {
         let plant = Plant::of_ranges(&file.plant)?;
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
+        check_weight_limit(&file.specs, &plant)?;
         check_large_set(&file)?;
         check_search(&file)?;
         Ok(Model { file, plant })
@@ -68,7 +70,7 @@ impl Model {
                 sampling_interval_max: specs.hbar_s,
                 trigger_threshold: specs.nu,
                 multiplier_weights: specs.eps,
-                disturbance_weight_max: specs.xi_max,
+                disturbance_weight_max: f64::INFINITY,
                 must_contain: must_contain
                     .map(|state| DVector::from_column_slice(state))
                     .collect(),
@@ -76,6 +78,11 @@ impl Model {
                 margin: specs.margin,
             },
         );
+        let largest = specs.xi_max.min(task.largest_useful_weight());
+        task.specification.disturbance_weight_max = largest;
+        if specs.objective == Objective::Gain && specs.search.is_none() {
+            task.gain_per_weight = natural_gain_per_weight(&task.system);
+        }
         if let (GainForm::Scheduled, Mismatch::Kappa(kappa)) = (self.file.gains, self.file.mismatch)
         {
             task.gains = GainPlan {
@@ -252,6 +259,18 @@ pub fn check_bounds(
 }
 
 /// What must hold between the numbers of the specifications.
+/// Without a disturbance nothing else bounds xi.
+fn check_weight_limit(specs: &Specs, plant: &Plant) -> Result<(), ModelError> {
+    let disturbed = plant.takagi_sugeno().disturbance_bound > 0.0;
+    match disturbed || specs.xi_max.is_finite() {
+        true => Ok(()),
+        false => Err(ModelError::choice(
+            "specs.xi_max",
+            "is missing: without a disturbance bound above 0 nothing else bounds xi",
+        )),
+    }
+}
+
 fn check_specs(specs: &Specs, states: usize) -> Result<(), ModelError> {
     let ok = specs.phi_per_s * specs.hbar_s <= 100.0;
     let allowed = "at most 100 / phi_per_s";

@@ -74,7 +74,7 @@ impl Goal {
     /// When a solver may stop. The margin need not be the largest: any point well
     /// inside the feasible set suffices, and the check decides.
     pub fn accuracy(self, task: &Task) -> Accuracy {
-        let gain_unit = GAIN_UNIT * task.disturbance_weight_unit;
+        let gain_unit = GAIN_UNIT * task.gain_unit();
         let (relative_gap, objective_unit) = match self {
             Goal::SmallestGain => (1e-8, gain_unit),
             Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => (1e-2, 1.0),
@@ -123,7 +123,7 @@ const REACH_UNIT: f64 = 1e-2;
 const SLACK_UNIT: f64 = 1e-3;
 
 /// Largest trigger weight in the search for the largest margin, in scaled units.
-const TRIGGER_WEIGHT_BOUND: f64 = 1e3;
+const TRIGGER_WEIGHT_BOUND: f64 = 1e6;
 
 /// One certificate of a program.
 pub(crate) struct Part<'a> {
@@ -254,7 +254,9 @@ pub(crate) fn state(
     }
     if let Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } = goal {
         let last = second.as_ref().unwrap_or(&first);
-        conditions.push(bounded_trigger_weight(&last.design));
+        if !last.task.held_is_sample {
+            conditions.push(bounded_trigger_weight(&last.design));
+        }
     }
     for part in [Some(&first), second.as_ref()].into_iter().flatten() {
         conditions.extend(part.named(part.decrease(&mut unknowns, form, &strictness)));

@@ -12,6 +12,7 @@ mod record;
 mod request;
 mod session;
 mod solvers;
+mod trigger_weight;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};

@@ -77,7 +77,7 @@ impl DesignRequest<'_> {
         certificate.xi = certificate.xi.min(model.specs.xi_max);
         // One certificate does not prove what the objective requires of two.
         if large_set.is_none() && model.specs.objective == Objective::Both {
-            model.specs.objective = Objective::Gain;
+            model.specs.objective = Objective::Gamma;
         }
         let (outer, coupling) = large_set.unzip();
         let mut file = DesignFile {

@@ -9,6 +9,7 @@ use super::assemble::{assemble_at, Assembled, Form, Goal};
 use super::outcome::{Cancelled, SynthesisError};
 use super::record::{blocking, Blocking};
 use super::solvers::{Asked, Solvers};
+use super::trigger_weight::with_weight;
 use crate::certify::theorem1::Certificate;
 use crate::conditions::Task;
 use crate::design::{recover, SolverRun};
@@ -47,7 +48,8 @@ impl Solved {
     /// The solver's point as numbers of a certificate, in SI units.
     pub fn recover(&self, model: &Model) -> Option<Certificate> {
         let values = &self.solution.values;
-        recover(model, &self.assembled.design, values, &self.scaling)
+        let unknowns = with_weight(&self.task, &self.assembled.design, values)?;
+        recover(model, &unknowns, values, &self.scaling)
     }
 
     /// The conditions that carry the dual solution.

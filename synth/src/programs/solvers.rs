@@ -92,7 +92,8 @@ pub(crate) fn is_structured(backend: &dyn Backend) -> bool {
 /// and many vertices, where it is faster; Clarabel first for a single small design.
 pub fn solver_order(model: &Model) -> [Solver; 2] {
     let specs = &model.file.specs;
-    let many_solves = specs.search.is_some() || specs.objective != Objective::Gain;
+    let many_solves =
+        specs.search.is_some() || matches!(specs.objective, Objective::Region | Objective::Both);
     match many_solves || statements(&model.task()) > FEW_VERTICES {
         true => [Solver::Structured, Solver::Clarabel],
         false => [Solver::Clarabel, Solver::Structured],

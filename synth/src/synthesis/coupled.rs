@@ -96,7 +96,7 @@ pub(super) fn assemble(
     let mut inner_design = own.with_own(&mut unknowns, inner, "inner");
     let outer_design = shared.with_own(&mut unknowns, outer, "outer");
     if goal == Goal::SmallestGain {
-        inner_design.gain_bound = inner.disturbance_weight_unit * unknowns.scalar("gamma");
+        inner_design.gain_bound = inner.gain_unit() * unknowns.scalar("gamma");
     }
     let first = Part::at_every_vertex("inner", inner, inner_design);
     let second = Part::at_every_vertex("outer", outer, outer_design.clone());

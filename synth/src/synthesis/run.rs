@@ -4,17 +4,19 @@ use nalgebra::DMatrix;
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use super::{parameter_search, two_certificates};
+use crate::certify::theorem1::Certificate;
 use crate::conditions::state_feedback::power_of_two;
-use crate::conditions::GainPlan;
-use crate::design::{DesignFile, ProblemUnits};
+use crate::conditions::{GainPlan, Task};
+use crate::design::{add_claims, DesignFile, ProblemUnits};
 use crate::feasibility;
 use crate::model::{Mismatch, Model, Objective};
 use crate::optimality::Optimality;
 use crate::programs::{
-    containment_weights, scaled, Answer, ConditionSubset, DesignRequest, Goal, Outcome, Session,
-    Solved, Solvers, SynthesisError, Synthesized, STATE_UNITS,
+    containment_weights, scaled, Answer, ConditionSubset, DesignRequest, Form, Goal, Outcome,
+    Session, Solved, Solvers, SynthesisError, Synthesized, STATE_UNITS,
 };
-use sdp::solve::Observer;
+use crate::scaling::Scaling;
+use sdp::solve::{Observer, Status};
 
 /// Back-offs of the exported design's bound above the smallest one, relative: they leave a margin for the proof.
 const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
@@ -26,8 +28,17 @@ const WIDER_BACK_OFFS: [f64; 3] = [3e-2, 1e-1, 1.0];
 /// Units in which the larger back-offs are tried, the last ones that gave a bound.
 const WIDENED_UNITS: usize = 2;
 
+/// How far gamma lies above max(g, xi) where the guaranteed gain is the objective.
+const GAMMA_ALLOWANCE: f64 = 1e-6;
+
 /// How often the point of a solver may suggest units.
-const RESCALINGS: usize = 3;
+const RESCALINGS: usize = 4;
+
+/// The margin in units that a point suggested, relative to the model's.
+const SHARE_OF_MARGIN: f64 = 1e-2;
+
+/// An improvement of the best design by less than this, relative, ends the attempts.
+const IMPROVEMENT: f64 = 1e-2;
 
 /// Synthesizes for the model's objective and checks the result: one design, the outcome of a parameter search where
 /// the model requests one, or a design with two certificates. `model_text` is the file's text (its hash goes
@@ -100,8 +111,8 @@ fn smallest_gain(request: DesignRequest, mut session: Session) -> Result<Outcome
     let best_seen = found.smallest_bound();
     let solved = |design: Box<Synthesized>, session: &Session| {
         let mut design = design.with_runs(&session.runs);
-        let gamma = design.file.certificate.gamma;
-        design.optimality = Optimality::of_smallest(gamma, best_seen);
+        let objective = GainSynthesis::objective(&design.file);
+        design.optimality = Optimality::of_smallest(objective, best_seen);
         Outcome::Solved(design)
     };
     if let Some(design) = found.best.take() {
@@ -131,6 +142,8 @@ struct GainSynthesis<'a, 'b, 'c> {
     session: &'b mut Session<'c>,
     /// Units that the last point suggests.
     suggested: Option<Vec<f64>>,
+    /// Whether the solver calls the last point an optimum; unverified.
+    accurate: bool,
 }
 
 impl Synthesis for GainSynthesis<'_, '_, '_> {
@@ -138,29 +151,45 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
     type File = DesignFile;
 
     fn smallest(&mut self, units: &ProblemUnits) -> Result<Smallest, SynthesisError> {
-        let program = scaled(self.request.task, units);
+        let program = self.scaled(units);
         let solved = self.session.solve(program, Goal::SmallestGain)?;
         self.suggested = suggested_units(&solved);
-        Ok(Smallest::of(&solved.solution))
+        self.accurate = solved.solution.status == Status::Solved;
+        let smallest = Smallest::of(&solved.solution);
+        Ok(match smallest {
+            Smallest::Bound(bound) => Smallest::Bound(bound / self.gain_ratio()),
+            _ => smallest,
+        })
     }
 
     fn design(
         &mut self,
         units: &ProblemUnits,
-        gain_bound: f64,
+        bound: f64,
     ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
-        let program = scaled(self.request.task, units);
+        let program = self.scaled(units);
+        let gain_bound = bound * self.gain_ratio();
         let goal = Goal::LargestMargin { gain_bound };
-        let certificate = self
-            .session
-            .solve(program, goal)?
-            .recover(self.request.model);
-        let design = |certificate| self.request.design(&certificate, None, units);
-        Ok(certificate.and_then(design))
+        let model = self.request.model;
+        let Some(mut certificate) = self.session.solve(program, goal)?.recover(model) else {
+            return Ok(None);
+        };
+        if model.file.specs.objective == Objective::Gain {
+            let stated = with_paper_gamma(self.request.task, certificate, gain_bound);
+            certificate = stated;
+            if add_claims(model, &mut certificate).is_none() {
+                return Ok(None);
+            }
+        }
+        Ok(self.request.design(&certificate, None, units))
     }
 
     fn objective(file: &DesignFile) -> f64 {
-        file.certificate.gamma
+        let certificate = &file.certificate;
+        match file.model.specs.objective {
+            Objective::Gain => certificate.guaranteed_gain,
+            _ => certificate.gamma,
+        }
     }
 }
 
@@ -170,7 +199,26 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
             request,
             session,
             suggested: None,
+            accurate: false,
         }
+    }
+
+    /// The task in these units; with nu = 0 without the trigger's error, except in the published form. In units that
+    /// suit the set a smaller margin leaves a proof, and costs less.
+    fn scaled(&self, units: &ProblemUnits) -> (Scaling, Task) {
+        let (scaling, mut task) = scaled(self.request.task, units);
+        let always = task.specification.trigger_threshold == 0.0;
+        if !units.state_units.is_empty() {
+            task.specification.margin *= SHARE_OF_MARGIN;
+        }
+        task.held_is_sample =
+            always && self.request.form != Form::Full && task.gains.mismatch.is_none();
+        (scaling, task)
+    }
+
+    /// From bounds on the guaranteed gain, where that is the objective, to bounds on g.
+    fn gain_ratio(&self) -> f64 {
+        self.request.task.gain_per_weight.sqrt()
     }
 
     /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
@@ -236,8 +284,11 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
                 continue;
             }
             tried.push(scaling.state);
-            match found.attempt(self, &units, &BACK_OFFS)? {
-                Attempt::Proved if !is_poor(found) => return Ok(()),
+            let before = best_objective(found);
+            let attempt = found.attempt(self, &units, &BACK_OFFS)?;
+            let settled = before <= (1.0 + IMPROVEMENT) * best_objective(found);
+            match attempt {
+                Attempt::Proved if !is_poor(found) && (self.accurate || settled) => return Ok(()),
                 // Confirmed once in other units, then given up.
                 Attempt::Infeasible if found.infeasible > 1 => return Ok(()),
                 _ => {}
@@ -254,18 +305,65 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
     }
 }
 
+/// A certificate with C'C <= peak phi U whose gamma is that of the paper, at least xi. Where no region bounds the set
+/// its size is free within the input limits and the largest xi: it is made the one with the smallest gamma.
+fn with_paper_gamma(task: &Task, mut certificate: Certificate, peak: f64) -> Certificate {
+    let mut peak = peak;
+    let xi = certificate.disturbance_weight;
+    let free = task.system.region.is_empty() && task.specification.must_contain.is_empty();
+    if free && certificate.mismatch.is_empty() {
+        let smallest = smallest_scale(task, &certificate);
+        let largest = task.specification.disturbance_weight_max / xi;
+        if smallest < largest {
+            let scale = (peak / xi).sqrt().clamp(smallest, largest);
+            certificate.scale_functional(scale);
+            peak /= scale;
+        }
+    }
+    let above = peak.max(certificate.disturbance_weight);
+    certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
+    certificate
+}
+
+/// The smallest factor on U with which every command still stays within its limit where x'Ux <= 1, and a little.
+fn smallest_scale(task: &Task, certificate: &Certificate) -> f64 {
+    let Some(inverse) = certificate.lyapunov.clone().try_inverse() else {
+        return f64::INFINITY;
+    };
+    let pairs = certificate.gains().zip(certificate.anti_windups());
+    let shares = pairs.flat_map(|(gain, anti_windup)| {
+        let beyond = gain - anti_windup;
+        let squares = (&beyond * &inverse * beyond.transpose()).diagonal();
+        let limits = task.system.input_limit.iter();
+        let shares: Vec<f64> = squares
+            .iter()
+            .zip(limits)
+            .map(|(s, l)| s / (l * l))
+            .collect();
+        shares
+    });
+    shares.fold(0.0, f64::max) * (1.0 + SCALE_ALLOWANCE)
+}
+
+/// Relative distance of a command to its limit, so that it can be proved.
+const SCALE_ALLOWANCE: f64 = 1e-3;
+
 /// Whether there is a design that is about as good as a solver says.
 fn is_enough(found: &UnitAttempts) -> bool {
     found.best.is_some() && !is_poor(found)
 }
 
+/// The objective of the best design; infinite without one.
+fn best_objective(found: &UnitAttempts) -> f64 {
+    let best = found.best.as_ref();
+    best.map_or(f64::INFINITY, |design| {
+        GainSynthesis::objective(&design.file)
+    })
+}
+
 /// Whether the best design is much worse than the smallest bound that a solver reported.
 fn is_poor(found: &UnitAttempts) -> bool {
-    let gamma = found
-        .best
-        .as_ref()
-        .map(|design| design.file.certificate.gamma);
-    let optimality = gamma.and_then(|gamma| Optimality::of_smallest(gamma, found.smallest_bound()));
+    let optimality = Optimality::of_smallest(best_objective(found), found.smallest_bound());
     optimality.is_some_and(|optimality| optimality.is_poor())
 }
 

@@ -45,8 +45,10 @@ pub struct SynthesizeArgs {
 /// What to optimise.
 #[derive(Clone, Copy, ValueEnum)]
 enum ObjectiveArg {
-    /// The smallest L-infinity gain bound
+    /// The smallest guaranteed L-infinity gain
     Gain,
+    /// The smallest gamma of the paper, which bounds the gain and xi
+    Gamma,
     /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
     /// specs.outer is certified too
     Both,
@@ -73,6 +75,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         let mut file = model.file;
         file.specs.objective = match objective {
             ObjectiveArg::Gain => Objective::Gain,
+            ObjectiveArg::Gamma => Objective::Gamma,
             ObjectiveArg::Region => Objective::Region,
             ObjectiveArg::Both => Objective::Both,
         };

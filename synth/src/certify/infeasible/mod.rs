@@ -71,7 +71,7 @@ impl Refutation {
 /// with the k2 of xi_max.
 pub fn refute(model: &Model, weights: &DualMultipliers) -> Refutation {
     let first = refute_at(model, weights, Level::One);
-    if first.proved {
+    if first.proved || model.file.specs.xi_max.is_infinite() {
         return first;
     }
     let second = refute_at(model, weights, Level::AtLargestWeight);

@@ -35,8 +35,14 @@ pub enum Level {
 
 impl Level {
     /// k2 and the largest xi.
-    fn with<S: Scalar>(self, model: &Model, phi: &S, xi_max: S) -> (S, S) {
-        let reached = reached_level(&bounded(model), |_| xi_max.clone(), phi);
+    fn with<S: Scalar>(self, model: &Model, phi: &S) -> (S, S) {
+        let signals = bounded(model);
+        if model.file.specs.xi_max.is_infinite() {
+            let of_one = reached_level(&signals, |_| S::one(), phi);
+            return (S::one(), S::one() / of_one);
+        }
+        let xi_max = S::from_f64(model.file.specs.xi_max);
+        let reached = reached_level(&signals, |_| xi_max.clone(), phi);
         let level = reached.max(S::one());
         match self {
             // xi_max / k2 is the smaller of xi_max and phi / taubar^2.
@@ -67,7 +73,7 @@ impl<S: Scalar> Numbers<S> {
         let plant = DescriptorPlant::<S>::explicit(&model.plant);
         let phi = S::from_f64(specs.phi_per_s);
         let hbar = S::from_f64(specs.hbar_s);
-        let (level, xi_max) = level.with(model, &phi, S::from_f64(specs.xi_max));
+        let (level, xi_max) = level.with(model, &phi);
         // 1 / e^(-a) with the divisor rounded up.
         let growth = S::one() / (-(phi.clone() * hbar.clone())).exp_upper();
         Numbers {

@@ -15,7 +15,9 @@ mod unknowns;
 pub use anti_windup::gain_suffix;
 pub use decrease::{condition_name, decrease, full_condition, full_matched_condition};
 pub use sets::containment;
-pub use signals::{terms, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term};
+pub use signals::{
+    terms, terms_at, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term,
+};
 pub use unknowns::{
     DesignUnknowns, MismatchUnknowns, RuleUnknowns, SamplingEnd, Sector, SectorUnknowns,
     DEAD_ZONE_UNIT,
@@ -72,8 +74,11 @@ fn positivity_and_anti_windup(
     let mut out = vec![
         strictness.positive("lyapunov positive", unknowns.lyapunov.clone()),
         strictness.positive("integral weight positive", unknowns.integral_weight.clone()),
-        strictness.positive("trigger weight positive", unknowns.trigger_weight.clone()),
     ];
+    if !task.held_is_sample {
+        let weight = unknowns.trigger_weight.clone();
+        out.push(strictness.positive("trigger weight positive", weight));
+    }
     out.extend(anti_windup::sector_positive(unknowns, strictness));
     out.extend(anti_windup::anti_windup(task, unknowns, strictness));
     out.extend(mismatch::bounded(task, unknowns, strictness));

@@ -16,9 +16,9 @@ pub(super) fn peak_gain(
     let output = &task.system.output;
     let outputs = output.nrows();
     let decay = task.specification.decay_rate * &unknowns.lyapunov;
-    let output_unit = task.disturbance_weight_unit.sqrt();
+    let output_unit = task.gain_unit().sqrt();
     let seen = &unknowns.multiplier * &(output.transpose() / output_unit);
-    let identity = DMatrix::identity(outputs, outputs) / task.disturbance_weight_unit;
+    let identity = DMatrix::identity(outputs, outputs) / task.gain_unit();
     let gamma = unknowns.gain_bound.times_matrix(&identity);
     let lhs = SymmetricBlocks::of(&[&[&decay, &seen], &[&gamma]]);
     strictness.positive("peak gain", lhs)
@@ -34,7 +34,7 @@ fn weights<'a>(
     std::iter::once(("disturbance", &unknowns.disturbance_weight)).chain(further)
 }
 
-/// gamma >= xi (in the units of xi).
+/// gamma >= xi (in the units of xi), or a multiple of xi: see [`Task::gain_per_weight`].
 pub(super) fn gain_above_weight<'a>(
     task: &'a Task,
     unknowns: &'a DesignUnknowns,
@@ -43,7 +43,7 @@ pub(super) fn gain_above_weight<'a>(
     weights(task, unknowns).map(|(name, weight)| {
         strictness.positive(
             format!("gain bound above {name} weight"),
-            1.0 / task.disturbance_weight_unit * &unknowns.gain_bound - weight.clone(),
+            1.0 / task.gain_unit() * &unknowns.gain_bound - weight.clone(),
         )
     })
 }

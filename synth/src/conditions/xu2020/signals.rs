@@ -231,6 +231,8 @@ pub struct Basis {
     weights: [f64; 3],
     dead_zone_unit: f64,
     states: usize,
+    /// e = 0: see [`Task::held_is_sample`].
+    held_is_sample: bool,
 }
 
 impl Basis {
@@ -256,6 +258,7 @@ impl Basis {
             weights: task.specification.multiplier_weights,
             dead_zone_unit: 1.0,
             states,
+            held_is_sample: task.held_is_sample,
         }
     }
 
@@ -265,7 +268,10 @@ impl Basis {
             .iter()
             .map(|signal| Further(signal.name));
         let integral = (end == SamplingEnd::End).then_some(Integral);
-        let signals = signals.iter().copied().chain(further);
+        let held = task.held_is_sample;
+        let own = signals.iter().copied();
+        let own = own.filter(|signal| !(held && matches!(signal, Held | Error)));
+        let signals = own.chain(further);
         let signals: Vec<Signal> = signals.chain(integral).collect();
         let sizes = signals.iter().map(|signal| signal.size(task, unknowns));
         Basis {
@@ -274,6 +280,7 @@ impl Basis {
             weights: task.specification.multiplier_weights,
             dead_zone_unit: unknowns.dead_zone_unit(),
             states: task.system.states(),
+            held_is_sample: task.held_is_sample,
         }
     }
 
@@ -306,6 +313,10 @@ impl Basis {
         match signal {
             Rate => (self.map(Multiplied) - e1 * state - e3 * sample) / e2,
             Multiplied => e1 * state + e2 * self.map(Rate) + e3 * sample,
+            Held | Error if self.held_is_sample => match signal {
+                Held => sample,
+                _ => DMatrix::zeros(self.states, self.side()),
+            },
             Held => sample - self.map(Error),
             Error => sample - self.map(Held),
             // Absent for this end of the interval.
@@ -406,6 +417,8 @@ impl Basis {
         let parts: &[Signal] = match signal {
             Rate => &[Multiplied, State, Sample],
             Multiplied => &[State, Rate, Sample],
+            Held if self.held_is_sample => &[Sample],
+            Error if self.held_is_sample => &[],
             Held => &[Sample, Error],
             Error => &[Sample, Held],
             _ => &[],

@@ -115,7 +115,7 @@ pub struct DesignUnknowns {
     pub lyapunov: Affine,
     /// Yh, n x n, symmetric: the weight of the integral term.
     pub integral_weight: Affine,
-    /// Wh, n x n, symmetric: the trigger weight (Upsilon).
+    /// Wh, n x n, symmetric: the trigger weight (Upsilon); 0 where it is no part of (18).
     pub trigger_weight: Affine,
     /// Qh, n x n: the inverse multiplier.
     pub multiplier: Affine,
@@ -147,7 +147,10 @@ impl DesignUnknowns {
         let (states, inputs) = (task.system.states(), task.system.inputs());
         let lyapunov = unknowns.symmetric("Uh", states);
         let integral_weight = unknowns.symmetric("Yh", states);
-        let trigger_weight = unknowns.symmetric("Wh", states);
+        let trigger_weight = match task.held_is_sample {
+            true => Affine::zeros(states, states),
+            false => unknowns.symmetric("Wh", states),
+        };
         let multiplier = unknowns.general("Qh", states, states);
         let free_state = unknowns.general("L1h", states, states);
         let free_sample = unknowns.general("L2h", states, states);
@@ -189,7 +192,7 @@ impl DesignUnknowns {
             further,
             mismatch,
             disturbance_weight,
-            gain_bound: task.disturbance_weight_unit * unknowns.scalar("gamma"),
+            gain_bound: task.gain_unit() * unknowns.scalar("gamma"),
             multiplier,
         }
     }

@@ -173,7 +173,6 @@ impl Evaluator<'_> {
         linearisation: &DMatrix<f64>,
     ) -> Result<Option<SolvedProgram>, SynthesisError> {
         let file = self.space.at(point);
-        let xi_max = file.specs.xi_max;
         let Some(task) = self.task(file, linearisation) else {
             return Ok(None);
         };
@@ -204,7 +203,7 @@ impl Evaluator<'_> {
             solution,
             objective,
             per_program_objective,
-            xi_max,
+            weight_max: weight_max(&task),
         }))
     }
 
@@ -259,10 +258,13 @@ impl Evaluator<'_> {
         linearisation: &DMatrix<f64>,
         step: f64,
     ) -> Option<f64> {
-        // The guaranteed gain is the root of g times xi_max.
+        // The guaranteed gain is the root of g times the largest xi.
         let explicit = match self.aim {
-            Aim::Gain if file.specs.xi_max != solved.xi_max => -0.5,
-            _ => 0.0,
+            Aim::Gain => {
+                let largest = weight_max(&self.task(file.clone(), linearisation)?);
+                -0.5 * (largest / solved.weight_max).ln() / step
+            }
+            Aim::Reach { .. } => 0.0,
         };
         let other = self.program(file, linearisation, 1.0)?;
         Some(explicit - solved.per_program_objective * (solved.change(&other) / step))
@@ -288,7 +290,8 @@ struct SolvedProgram {
     objective: f64,
     /// Derivative of the search's objective with respect to the program's.
     per_program_objective: f64,
-    xi_max: f64,
+    /// The largest xi, SI.
+    weight_max: f64,
 }
 
 impl SolvedProgram {

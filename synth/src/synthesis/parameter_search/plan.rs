@@ -61,7 +61,7 @@ impl Plan {
             contained.push(attitudes() * (norm * (1.0 + COVER_ROOM)));
         }
         let aim = match specs.objective {
-            Objective::Gain | Objective::Both => {
+            Objective::Gain | Objective::Gamma | Objective::Both => {
                 contained.extend(states.iter().map(|state| state * (1.0 + COVER_ROOM)));
                 Aim::Gain
             }
@@ -163,12 +163,21 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     let weights = WEIGHT_FACTOR.map(|factor| factor * specs.eps[1]);
     push(Parameter::FirstWeight, limits.eps_1.unwrap_or(weights));
     push(Parameter::ThirdWeight, limits.eps_3.unwrap_or(weights));
-    let xi = limits
-        .xi_max
-        .unwrap_or([LEAST_WEIGHT * specs.xi_max, specs.xi_max]);
+    let largest = largest_weight(model, limits);
+    let xi = limits.xi_max.unwrap_or([LEAST_WEIGHT * largest, largest]);
     let cap = limits.gamma_max.unwrap_or(f64::INFINITY);
     push(Parameter::DisturbanceWeight, xi.map(|value| value.min(cap)));
     out
+}
+
+/// xi_max, or the largest xi that gains anything at the fastest decay that is searched.
+fn largest_weight(model: &Model, limits: &SearchFile) -> f64 {
+    let specs = &model.file.specs;
+    if specs.xi_max.is_finite() {
+        return specs.xi_max;
+    }
+    let fastest = limits.phi_per_s.map_or(specs.phi_per_s, |[_, high]| high);
+    model.task().largest_useful_weight() * (fastest / specs.phi_per_s)
 }
 
 /// The first required state that lies outside every allowed box, as a sentence.
