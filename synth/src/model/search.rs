@@ -30,7 +30,28 @@ pub(super) fn check_search(file: &ModelFile) -> Result<(), ModelError> {
         let reason = "a search needs constant gains; it must be \"constant\"";
         return Err(ModelError::choice("gains", reason));
     }
+    check_asked(file)?;
     search.map_or(Ok(()), |search| check_limits(search, exact))
+}
+
+/// A gain is asked for once, and of one design.
+fn check_asked(file: &ModelFile) -> Result<(), ModelError> {
+    let specs = &file.specs;
+    let (field, given) = match specs.gamma {
+        Some(_) => ("specs.gamma", true),
+        None => ("specs.gamma_max", specs.gamma_max.is_some()),
+    };
+    let searched =
+        specs.search.is_some() || matches!(specs.objective, Objective::Region | Objective::Both);
+    let reason = match (searched, specs.gamma, specs.gamma_max) {
+        (true, ..) if given => {
+            "has no meaning for a search or for the objectives region and both; \
+             specs.search has gamma_max and guaranteed_gain_max"
+        }
+        (_, Some(_), Some(_)) => "goes without gamma_max: it is the gain that is asked for",
+        _ => return Ok(()),
+    };
+    Err(ModelError::choice(field, reason))
 }
 
 /// The vector part of a quaternion is at most 1 long.

@@ -3,6 +3,7 @@
 mod attempts;
 mod coupled;
 mod cross_check;
+mod gain;
 mod parameter_search;
 mod run;
 mod two_certificates;

@@ -15,7 +15,6 @@ use crate::programs::{
     scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Session, SynthesisError,
     Synthesized,
 };
-use crate::scaling::Scaling;
 use crate::synthesis::attempts::Smallest;
 
 /// Settings of one attempt at a design; they are tried in order until a design is proved.
@@ -215,11 +214,11 @@ impl Finish<'_> {
         };
         let wide = matches!(self.evaluator.aim, Aim::Reach { .. });
         let task = self.task_at(point, settings, &model);
-        let scaling = Scaling::of_size(&task.system, self.plan.unit * settings.unit);
+        let own = &self.evaluator.scaling.state * settings.unit;
         let units = ProblemUnits {
             state_fraction: 1.0,
             containment_weight: 0.5,
-            state_units: scaling.state.iter().copied().collect(),
+            state_units: own.iter().copied().collect(),
         };
         let request = DesignRequest::of_model(&model, self.model_text, &task, session.form);
         // The design of a solver's point, checked.

@@ -24,6 +24,7 @@ use finish::Finish;
 use plan::{outside_every_box, Plan};
 use progress::SearchProgress;
 
+use crate::design::SolverRun;
 use crate::model::Model;
 use crate::programs::{
     is_structured, Decision, LimitingFactors, Outcome, Session, Solvers, SynthesisError,
@@ -52,38 +53,64 @@ pub fn synthesize(
         true => &own,
         false => given,
     };
+    let searched = |scaling: &Scaling, observer: Option<Observer>| {
+        let evaluator = Evaluator {
+            space: &plan.space,
+            aim: &plan.aim,
+            contained: &plan.contained,
+            scaling,
+            backend,
+            progress: &progress,
+        };
+        let session = Session::new(solvers, observer);
+        in_units((model, model_text), &plan, &evaluator, session)
+    };
+    if let Some(reason) = outside_every_box(model, &plan) {
+        return Ok(without_design(reason, &[]));
+    }
     let system = model.task().system;
-    let evaluator = Evaluator {
-        space: &plan.space,
-        aim: &plan.aim,
-        contained: &plan.contained,
-        scaling: &Scaling::of_size(&system, plan.unit),
-        backend,
-        progress: &progress,
-    };
+    let one_unit = searched(&Scaling::of_size(&system, plan.unit), observer.clone())?;
+    if one_unit.is_proved() || plan.unit_fraction.is_none() {
+        return Ok(one_unit);
+    }
+    // Where one unit suits no start or leaves nothing proved, each state has its own.
+    let fraction = plan.unit_fraction.unwrap_or(1.0);
+    let own_units = searched(&Scaling::automatic(&system, fraction), observer)?;
+    Ok(match own_units.rank() > one_unit.rank() {
+        true => own_units.after(&one_unit),
+        false => one_unit.after(&own_units),
+    })
+}
+
+/// The record of a search without a design.
+fn without_design(reason: String, runs: &[SolverRun]) -> Outcome {
+    let factors = LimitingFactors::unknown(reason);
+    Outcome::Undecided(Decision::of_search(factors, Vec::new(), runs))
+}
+
+/// The search in the evaluator's units and the design at its optimum.
+fn in_units(
+    (model, model_text): (&Model, &str),
+    plan: &Plan,
+    evaluator: &Evaluator<'_>,
+    mut session: Session,
+) -> Result<Outcome, SynthesisError> {
     let search = ParameterSearch {
-        plan: &plan,
-        evaluator,
+        plan,
+        evaluator: *evaluator,
     };
-    let found = match outside_every_box(model, &plan) {
-        Some(reason) => Err(reason),
-        None => search.best(model)?,
-    };
-    let points = match found {
+    let points = match search.best(model)? {
         Ok(points) => points,
-        Err(reason) => {
-            let decision = Decision::of_search(LimitingFactors::unknown(reason), Vec::new(), &[]);
-            return Ok(Outcome::Undecided(decision));
-        }
+        Err(reason) => return Ok(without_design(reason, &[])),
     };
     let finish = Finish {
         model,
         model_text,
-        plan: &plan,
-        evaluator: &evaluator,
+        plan,
+        evaluator,
     };
+    let progress = evaluator.progress;
     let solved = progress.count();
-    let mut session = Session::new(solvers, observer);
     let first = finish.outcome(&points, &mut session)?;
     if first.is_proved() {
         return Ok(first);

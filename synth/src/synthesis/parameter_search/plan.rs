@@ -6,6 +6,7 @@ use super::evaluator::{Aim, GainBounds};
 use super::space::{Range, Space};
 use crate::model::{Model, ModelFile, Objective, PlantFile, SearchFile};
 use crate::programs::Parameter;
+use crate::scaling::Scaling;
 
 /// The search of a model.
 #[derive(Debug, Clone)]
@@ -20,6 +21,9 @@ pub struct Plan {
     pub limits: SearchFile,
     /// A unit of the state that suits the requested set.
     pub unit: f64,
+    /// The same as a fraction of the region's extent along the states that the set reaches; where each state has a unit
+    /// of its own. `None` where one unit says as much.
+    pub unit_fraction: Option<f64>,
 }
 
 /// Relative allowance of the sets that must be contained, so that containment can be proved.
@@ -80,12 +84,14 @@ impl Plan {
         base.specs.search = None;
         let ranges = ranges(model, &limits, &mut base);
         let unit = unit(model, &contained, &aim);
+        let unit_fraction = unit_fraction(model, unit, &contained, &aim);
         Plan {
             space: Space { base, ranges },
             aim,
             contained,
             limits,
             unit,
+            unit_fraction,
         }
     }
 
@@ -133,6 +139,25 @@ fn unit(model: &Model, contained: &[DMatrix<f64>], aim: &Aim) -> f64 {
     } else {
         1.0
     }
+}
+
+/// The unit relative to the largest extent of the region along the states that must be in the set.
+fn unit_fraction(model: &Model, unit: f64, contained: &[DMatrix<f64>], aim: &Aim) -> Option<f64> {
+    let scaled = match aim {
+        Aim::Reach { scaled, .. } => scaled.as_slice(),
+        Aim::Gain => &[],
+    };
+    let extents = Scaling::automatic(&model.task().system, 1.0).state;
+    if extents.iter().all(|extent| *extent == extents[0]) {
+        return None;
+    }
+    let reached = |state: usize| {
+        let sets = contained.iter().chain(scaled);
+        sets.into_iter().any(|set| set.row(state).norm() > 0.0)
+    };
+    let along = (0..extents.len()).filter(|&state| reached(state));
+    let largest = along.map(|state| extents[state]).reduce(f64::max);
+    largest.map(|extent| (unit / extent).min(1.0))
 }
 
 /// What is varied; what has one value only is set in `base`.

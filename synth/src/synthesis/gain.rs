@@ -1,0 +1,355 @@
+//! The smallest gain bound of one certificate, in one system of units after the other.
+//!
+//! An optimum that a solver reports is a hint: a design at a small back-off from it is made well inside the conditions,
+//! and the check decides. The set of a solver's point suggests the units of the next attempt, in which it reaches about
+//! as far along every state.
+
+use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
+use crate::certify::theorem1::Certificate;
+use crate::conditions::state_feedback::power_of_two;
+use crate::conditions::{GainPlan, Task};
+use crate::design::{add_claims, DesignFile, ProblemUnits};
+use crate::model::Objective;
+use crate::optimality::Optimality;
+use crate::programs::{
+    containment_weights, scaled, DesignRequest, Form, Goal, Session, Solved, SynthesisError,
+    Synthesized, STATE_UNITS,
+};
+use crate::scaling::Scaling;
+use sdp::solve::Status;
+
+/// Back-offs of the exported design's bound above the smallest one, relative: they leave a margin for the proof.
+const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
+
+/// Larger back-offs, tried in this order where no design is proved with the first: the solver's smallest bound may be
+/// inaccurate, or leave no margin for a proof.
+const WIDER_BACK_OFFS: [f64; 3] = [3e-2, 1e-1, 1.0];
+
+/// Units in which the larger back-offs are tried, the last ones that gave a bound.
+const WIDENED_UNITS: usize = 2;
+
+/// How far below a bound that is asked for the design is made, relative, so that its claims meet it.
+const CLAIM_ROOM: f64 = 1e-5;
+
+/// How far gamma lies above max(g, xi) where the guaranteed gain is the objective.
+const GAMMA_ALLOWANCE: f64 = 1e-6;
+
+/// How often the point of a solver may suggest units.
+const RESCALINGS: usize = 4;
+
+/// Up to this many vertices an inaccurate optimum is not accepted at once.
+const FEW_VERTICES: usize = 8;
+
+/// The margin in units that a point suggested, relative to the model's.
+const SHARE_OF_MARGIN: f64 = 1e-2;
+
+/// An improvement of the best design by less than this, relative, ends the attempts.
+const IMPROVEMENT: f64 = 1e-2;
+
+/// The results of the attempts in all units.
+pub(super) type UnitAttempts = Attempts<ProblemUnits, DesignFile>;
+
+/// The smallest gain bound of one certificate, with one solver.
+pub(super) struct GainSynthesis<'a, 'b, 'c> {
+    request: DesignRequest<'a>,
+    /// The gain that is asked for in the place of the smallest.
+    asked: Option<f64>,
+    session: &'b mut Session<'c>,
+    /// Units that the last point suggests.
+    suggested: Option<Vec<f64>>,
+    /// Whether the last point may pass for an optimum; unverified.
+    accurate: bool,
+}
+
+impl Synthesis for GainSynthesis<'_, '_, '_> {
+    type Settings = ProblemUnits;
+    type File = DesignFile;
+
+    fn smallest(&mut self, units: &ProblemUnits) -> Result<Smallest, SynthesisError> {
+        let program = self.scaled(units);
+        let solved = self.session.solve(program, Goal::SmallestGain)?;
+        self.suggested = suggested_units(&solved);
+        self.accurate = match solved.solution.status {
+            Status::Solved => true,
+            // Where an attempt is cheap, the next one may do better.
+            Status::Inaccurate => {
+                units.state_units.is_empty()
+                    && self.request.task.system.vertices.len() > FEW_VERTICES
+            }
+            _ => false,
+        };
+        let smallest = Smallest::of(&solved.solution);
+        Ok(match smallest {
+            Smallest::Bound(bound) => Smallest::Bound(bound / self.gain_ratio()),
+            _ => smallest,
+        })
+    }
+
+    fn design(
+        &mut self,
+        units: &ProblemUnits,
+        bound: f64,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+        let program = self.scaled(units);
+        let gain_bound = bound * self.gain_ratio();
+        let goal = Goal::LargestMargin { gain_bound };
+        let model = self.request.model;
+        let solved = self.session.solve(program, goal)?;
+        self.suggested = suggested_units(&solved);
+        let Some(mut certificate) = solved.recover(model) else {
+            return Ok(None);
+        };
+        if model.file.specs.objective == Objective::Gain {
+            let stated = with_paper_gamma(self.request.task, certificate, gain_bound);
+            certificate = stated;
+            if add_claims(model, &mut certificate).is_none() {
+                return Ok(None);
+            }
+        }
+        Ok(self.request.design(&certificate, None, units))
+    }
+
+    fn objective(file: &DesignFile) -> f64 {
+        let certificate = &file.certificate;
+        match file.model.specs.objective {
+            Objective::Gain => certificate.guaranteed_gain,
+            _ => certificate.gamma,
+        }
+    }
+}
+
+impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
+    /// Attempts at a gain that is asked for, or at the smallest.
+    pub fn new(
+        request: DesignRequest<'a>,
+        asked: Option<f64>,
+        session: &'b mut Session<'c>,
+    ) -> Self {
+        GainSynthesis {
+            request,
+            asked,
+            session,
+            suggested: None,
+            accurate: false,
+        }
+    }
+
+    /// The task in these units; with nu = 0 without the trigger's error, except in the published form. In units that
+    /// suit the set a smaller margin leaves a proof, and costs less.
+    fn scaled(&self, units: &ProblemUnits) -> (Scaling, Task) {
+        let (scaling, mut task) = scaled(self.request.task, units);
+        let always = task.specification.trigger_threshold == 0.0;
+        if !units.state_units.is_empty() {
+            task.specification.margin *= SHARE_OF_MARGIN;
+        }
+        task.held_is_sample =
+            always && self.request.form != Form::Full && task.gains.mismatch.is_none();
+        (scaling, task)
+    }
+
+    /// From bounds on the guaranteed gain, where that is the objective, to bounds on g.
+    fn gain_ratio(&self) -> f64 {
+        self.request.task.gain_per_weight.sqrt()
+    }
+
+    /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
+    pub fn in_all_settings(&mut self) -> Result<UnitAttempts, SynthesisError> {
+        let mut found = Attempts::default();
+        if let Some(asked) = self.asked {
+            self.try_bound(asked, &mut found)?;
+            return Ok(found);
+        }
+        for &containment_weight in containment_weights(self.request.model) {
+            let first = self.units_of_constant_gain(containment_weight)?;
+            self.try_units(containment_weight, first, &mut found)?;
+        }
+        if found.best.is_none() {
+            let widened = found.bounds.iter().rev().take(WIDENED_UNITS);
+            let widened: Vec<_> = widened.cloned().collect();
+            found.back_off(self, &widened, &WIDER_BACK_OFFS)?;
+        }
+        Ok(found)
+    }
+
+    /// A design at a given bound, without a solve for the smallest.
+    fn try_bound(&mut self, asked: f64, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
+        for &containment_weight in containment_weights(self.request.model) {
+            for &state_fraction in &STATE_UNITS {
+                let mut units = ProblemUnits {
+                    state_fraction,
+                    containment_weight,
+                    state_units: Vec::new(),
+                };
+                for _ in 0..=RESCALINGS {
+                    let attempt =
+                        found.back_off(self, &[(units.clone(), asked)], &[-CLAIM_ROOM])?;
+                    if attempt == Attempt::Proved {
+                        return Ok(());
+                    }
+                    let Some(state_units) = self.suggested.take() else {
+                        break;
+                    };
+                    if units.state_units == state_units {
+                        break;
+                    }
+                    units.state_units = state_units;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that
+    /// shows how large the certified set will be.
+    fn units_of_constant_gain(
+        &mut self,
+        weight: f64,
+    ) -> Result<Option<ProblemUnits>, SynthesisError> {
+        if self.request.task.gains.count == 1 || self.request.task.gains.given.is_some() {
+            return Ok(None);
+        }
+        let mut task = self.request.task.clone();
+        task.gains = GainPlan::constant();
+        let mut session = self.session.fresh(self.request.form);
+        let request = DesignRequest {
+            task: &task,
+            ..self.request
+        };
+        let mut constant = GainSynthesis::new(request, None, &mut session);
+        let mut found = Attempts::default();
+        let outcome = constant.try_units(weight, None, &mut found);
+        self.session.runs.append(&mut session.runs);
+        outcome?;
+        Ok(found.best.map(|design| design.file.provenance.problem))
+    }
+
+    /// Tries units one after the other until a design is proved that is about as good as a solver says. The point of
+    /// a solver suggests the next units.
+    fn try_units(
+        &mut self,
+        containment_weight: f64,
+        first: Option<ProblemUnits>,
+        found: &mut UnitAttempts,
+    ) -> Result<(), SynthesisError> {
+        let usual = STATE_UNITS
+            .iter()
+            .rev()
+            .map(|&state_fraction| ProblemUnits {
+                state_fraction,
+                containment_weight,
+                state_units: Vec::new(),
+            });
+        let mut next: Vec<ProblemUnits> = usual.chain(first).collect();
+        let (mut tried, mut rescalings) = (Vec::new(), 0);
+        while let Some(units) = next.pop() {
+            let (scaling, _) = scaled(self.request.task, &units);
+            if tried.contains(&scaling.state) {
+                continue;
+            }
+            tried.push(scaling.state);
+            let before = best_objective(found);
+            let attempt = found.attempt(self, &units, &BACK_OFFS)?;
+            let settled = before <= (1.0 + IMPROVEMENT) * best_objective(found);
+            match attempt {
+                Attempt::Proved if !is_poor(found) && (self.accurate || settled) => return Ok(()),
+                // Confirmed once in other units, then given up.
+                Attempt::Infeasible if found.infeasible > 1 => return Ok(()),
+                _ => {}
+            }
+            if let Some(state_units) = self.suggested.take().filter(|_| rescalings < RESCALINGS) {
+                rescalings += 1;
+                next.push(ProblemUnits {
+                    state_units,
+                    ..units
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A certificate with C'C <= peak phi U whose gamma is that of the paper, at least xi. Where no region bounds the set
+/// its size is free within the input limits and the largest xi: it is made the one with the smallest gamma.
+fn with_paper_gamma(task: &Task, mut certificate: Certificate, peak: f64) -> Certificate {
+    let mut peak = peak;
+    let xi = certificate.disturbance_weight;
+    let free = task.system.region.is_empty() && task.specification.must_contain.is_empty();
+    if free && certificate.mismatch.is_empty() {
+        let smallest = smallest_scale(task, &certificate);
+        let largest = task.specification.disturbance_weight_max / xi;
+        if smallest < largest {
+            let scale = (peak / xi).sqrt().clamp(smallest, largest);
+            certificate.scale_functional(scale);
+            peak /= scale;
+        }
+    }
+    let above = peak.max(certificate.disturbance_weight);
+    certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
+    certificate
+}
+
+/// The smallest factor on U with which every command still stays within its limit where x'Ux <= 1, and a little.
+fn smallest_scale(task: &Task, certificate: &Certificate) -> f64 {
+    let Some(inverse) = certificate.lyapunov.clone().try_inverse() else {
+        return f64::INFINITY;
+    };
+    let pairs = certificate.gains().zip(certificate.anti_windups());
+    let shares = pairs.flat_map(|(gain, anti_windup)| {
+        let beyond = gain - anti_windup;
+        let squares = (&beyond * &inverse * beyond.transpose()).diagonal();
+        let limits = task.system.input_limit.iter();
+        let shares: Vec<f64> = squares
+            .iter()
+            .zip(limits)
+            .map(|(s, l)| s / (l * l))
+            .collect();
+        shares
+    });
+    shares.fold(0.0, f64::max) * (1.0 + SCALE_ALLOWANCE)
+}
+
+/// Relative distance of a command to its limit, so that it can be proved.
+const SCALE_ALLOWANCE: f64 = 1e-3;
+
+/// Whether there is a design that is about as good as a solver says.
+pub(super) fn is_enough(found: &UnitAttempts) -> bool {
+    found.best.is_some() && !is_poor(found)
+}
+
+/// The objective of the best design; infinite without one.
+fn best_objective(found: &UnitAttempts) -> f64 {
+    let best = found.best.as_ref();
+    best.map_or(f64::INFINITY, |design| {
+        GainSynthesis::objective(&design.file)
+    })
+}
+
+/// Whether the best design is much worse than the smallest bound that a solver reported.
+fn is_poor(found: &UnitAttempts) -> bool {
+    let optimality = Optimality::of_smallest(best_objective(found), found.smallest_bound());
+    optimality.is_some_and(|optimality| optimality.is_poor())
+}
+
+/// The unit of each state in which the set x'Ux <= 1 of a solver's point reaches about as far along every state,
+/// whatever the status of the point; `None` where it has no such set.
+fn suggested_units(solved: &Solved) -> Option<Vec<f64>> {
+    let values = &solved.solution.values;
+    let multiplier = solved.assembled.design.multiplier.value(values);
+    let lyapunov = solved.assembled.design.lyapunov.value(values);
+    // U^-1 = Qh' Uh^-1 Qh.
+    let inverse = multiplier.transpose() * lyapunov.try_inverse()? * &multiplier;
+    let reach = inverse.diagonal().map(f64::sqrt);
+    let usable = |reach: &f64| (1.0 / LARGEST_RESCALING..LARGEST_RESCALING).contains(reach);
+    let units = solved.scaling.state.component_mul(&reach);
+    let units = units.map(|unit| power_of_two(UNIT_SHARE * unit));
+    reach
+        .iter()
+        .all(usable)
+        .then(|| units.iter().copied().collect())
+}
+
+/// The largest factor by which a point may change a unit.
+const LARGEST_RESCALING: f64 = 1e9;
+
+/// A unit relative to the reach of the set along its state.
+const UNIT_SHARE: f64 = 0.5;
