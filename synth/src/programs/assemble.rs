@@ -247,7 +247,12 @@ pub(crate) fn state(
         }
     };
     let mut conditions = first.named(first.side_conditions(goal, &strictness));
-    conditions.extend(xu2020::containment(first.task, &first.design, &reach));
+    conditions.extend(xu2020::containment(
+        first.task,
+        &first.design,
+        &reach,
+        &strictness,
+    ));
     if let Some(second) = &second {
         let without_gain = second.side_conditions(Goal::SmallestSlack, &strictness);
         conditions.extend(second.named(without_gain));

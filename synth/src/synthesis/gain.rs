@@ -155,10 +155,6 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
     /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
     pub fn in_all_settings(&mut self) -> Result<UnitAttempts, SynthesisError> {
         let mut found = Attempts::default();
-        if let Some(asked) = self.asked {
-            self.try_bound(asked, &mut found)?;
-            return Ok(found);
-        }
         for &containment_weight in containment_weights(self.request.model) {
             let first = self.units_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
@@ -168,7 +164,25 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
             let widened: Vec<_> = widened.cloned().collect();
             found.back_off(self, &widened, &WIDER_BACK_OFFS)?;
         }
+        if let Some(asked) = self.asked {
+            self.meet(asked, &mut found)?;
+        }
         Ok(found)
+    }
+
+    /// Puts a design at a gain that is asked for in the place of the best, where it can be had: with more margin than the
+    /// smallest; or where no smallest was found, because it is 0 or never attained.
+    fn meet(&mut self, asked: f64, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
+        let best = found.best.take();
+        match &best {
+            Some(design) if GainSynthesis::objective(&design.file) <= asked => {
+                let units = design.file.provenance.problem.clone();
+                found.back_off(self, &[(units, asked)], &[-CLAIM_ROOM])?;
+            }
+            _ => self.try_bound(asked, found)?,
+        }
+        found.best = found.best.take().or(best);
+        Ok(())
     }
 
     /// A design at a given bound, without a solve for the smallest.

@@ -83,12 +83,7 @@ fn smallest_gain(request: DesignRequest, mut session: Session) -> Result<Outcome
             let form = session.form;
             let request = DesignRequest { form, ..request };
             let asked = request.model.file.specs.gamma;
-            let mut found = GainSynthesis::new(request, asked, session).in_all_settings()?;
-            if found.best.is_none() && asked.is_some() {
-                // What can be had in its place is part of the answer.
-                found = GainSynthesis::new(request, None, session).in_all_settings()?;
-            }
-            Ok(found)
+            GainSynthesis::new(request, asked, session).in_all_settings()
         })?;
     let best_seen = found.smallest_bound();
     let solved = |design: Box<Synthesized>, session: &Session| {

@@ -92,6 +92,6 @@ fn weight_region_and_start(
 ) -> Vec<Condition> {
     let mut out: Vec<Condition> = peak_gain::weight_bound(task, unknowns).collect();
     out.extend(sets::region(task, unknowns, strictness));
-    out.extend(sets::must_contain(task, unknowns));
+    out.extend(sets::must_contain(task, unknowns, strictness));
     out
 }

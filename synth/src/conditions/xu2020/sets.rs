@@ -27,13 +27,14 @@ pub(super) fn region<'a>(
 pub(super) fn must_contain<'a>(
     task: &'a Task,
     unknowns: &'a DesignUnknowns,
+    strictness: &'a Strictness,
 ) -> impl Iterator<Item = Condition> + 'a {
     let rho = task.specification.containment_weight;
     let states = task.specification.must_contain.iter().enumerate();
     states.map(move |(index, state)| {
         let inner = rho * unknowns.multiplier.symmetrised() - rho * rho * &unknowns.lyapunov;
         let outer = Affine::constant(&(state * state.transpose()));
-        Condition::semidefinite(format!("must contain state {}", index + 1), inner - outer)
+        strictness.positive(format!("must contain state {}", index + 1), inner - outer)
     })
 }
 
@@ -46,6 +47,7 @@ pub fn containment(
     task: &Task,
     unknowns: &DesignUnknowns,
     scale_squared: &Affine,
+    strictness: &Strictness,
 ) -> Vec<Condition> {
     let Some(containment) = &task.containment else {
         return Vec::new();
@@ -59,7 +61,11 @@ pub fn containment(
         Condition::semidefinite(name, &inner - &outer)
     };
     let contained = containment.contained.iter().enumerate();
-    let contained = contained.map(|(k, d)| stated(format!("covered set {}", k + 1), d, &one));
+    // With a margin: what a nearly singular Qh makes of a solver's tolerance may be large.
+    let contained = contained.map(|(k, d)| {
+        let outer = one.times_matrix(&(d * d.transpose()));
+        strictness.positive(format!("covered set {}", k + 1), &inner - &outer)
+    });
     let scaled = containment.scaled.iter().enumerate();
     let scaled = scaled.map(|(k, d)| stated(format!("grown set {}", k + 1), d, scale_squared));
     contained.chain(scaled).collect()

@@ -184,6 +184,15 @@ impl Evaluator<'_> {
             .backend
             .solve(&program, accuracy, Some(self.progress.evaluator()))?;
         self.progress.solved()?;
+            eprintln!(
+                "{:?} {} {} {:?} unit {:?}",
+                point,
+                solution.status_text,
+                solution.objective,
+                linearisation[(0, 0)],
+                self.scaling.state.as_slice()
+            );
+        }
         if !has_point(&solution) {
             return Ok(None);
         }

@@ -16,6 +16,7 @@ use crate::programs::{
     Synthesized,
 };
 use crate::synthesis::attempts::Smallest;
+use crate::synthesis::gain::GainSynthesis;
 
 /// Settings of one attempt at a design; they are tried in order until a design is proved.
 #[derive(Debug, Clone, Copy)]
@@ -159,8 +160,35 @@ impl Finish<'_> {
                 break;
             }
         }
+        if missing.is_none() && matches!(self.evaluator.aim, Aim::Gain) {
+            if let Some(design) = self.in_other_units(point, session)? {
+                if self.missed(&design).is_none() {
+                    return Ok(Some(Outcome::Solved(design.with_runs(&session.runs))));
+                }
+                missing = Some(design);
+            }
+        }
         let outcome = missing.map(|design| self.short(point, &design, session));
         outcome.transpose()
+    }
+
+    /// A proved design at a point from attempts as for a single design, in one system of units after the other.
+    fn in_other_units(
+        &self,
+        point: &SearchPoint,
+        session: &mut Session,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+        let Some(model) = self.model_at(point, 0.0) else {
+            return Ok(None);
+        };
+        let mut task = self.task_at(point, GAIN_ATTEMPTS[0], &model);
+        task.gain_per_weight = model.task().gain_per_weight;
+        let request = DesignRequest::of_model(&model, self.model_text, &task, session.form);
+        let found = GainSynthesis::new(request, None, session).in_all_settings()?;
+        Ok(found.best.map(|mut design| {
+            design.file.provenance.search = Some(self.record(point, &design.file.model));
+            design
+        }))
     }
 
     /// The point with its parameters rounded to a few significant digits.

@@ -32,6 +32,9 @@ use crate::programs::{
 use crate::scaling::Scaling;
 use sdp::solve::{Backend, Observer, Structured};
 
+/// Shares of the largest xi that are tried at the start of a search for the smallest gain.
+const WEIGHT_SHARES: [f64; 4] = [1.0, 1e-1, 1e-2, 1e-3];
+
 /// Scale at which the required sets count as contained, with an allowance for the next step.
 const CONTAINED: f64 = 1.02;
 
@@ -95,9 +98,15 @@ fn in_units(
     evaluator: &Evaluator<'_>,
     mut session: Session,
 ) -> Result<Outcome, SynthesisError> {
+    let own = evaluator.backend.solver();
+    let asked = session.solvers().iter();
+    let others = asked.filter(|(backend, _)| backend.solver() != own);
     let search = ParameterSearch {
         plan,
         evaluator: *evaluator,
+        others: others
+            .map(|&(backend, _)| backend as &(dyn Backend + Sync))
+            .collect(),
     };
     let points = match search.best(model)? {
         Ok(points) => points,
@@ -130,6 +139,8 @@ struct ParameterSearch<'a> {
     plan: &'a Plan,
     /// For the aim of the plan.
     evaluator: Evaluator<'a>,
+    /// Solvers that are asked where the evaluator's finds no start.
+    others: Vec<&'a (dyn Backend + Sync)>,
 }
 
 /// What a search found, or why it found nothing.
@@ -142,7 +153,7 @@ impl ParameterSearch<'_> {
         let begun = match self.plan.contained.is_empty() {
             true => start::first(evaluator)?,
             false => match self.covering(model)? {
-                Ok(point) => evaluator.solve(&point.coordinates, &point.linearisation)?,
+                Ok(points) => self.first_solved(&points)?,
                 Err(reason) => return Ok(Err(reason)),
             },
         };
@@ -157,8 +168,30 @@ impl ParameterSearch<'_> {
         Ok(Ok(iterates))
     }
 
-    /// A point at which all required sets are contained.
-    fn covering(&self, model: &Model) -> Found<SearchPoint> {
+    /// The solution at the first of some points that has one, with the largest xi there or a smaller one: with a large
+    /// xi the smallest g asks for a small set and large gains.
+    fn first_solved(&self, points: &[SearchPoint]) -> Result<Option<SearchPoint>, SynthesisError> {
+        let others = self.others.iter().map(|&backend| Evaluator {
+            backend,
+            ..self.evaluator
+        });
+        for evaluator in std::iter::once(self.evaluator).chain(others) {
+            for share in WEIGHT_SHARES {
+                for point in points {
+                    let space = &self.plan.space;
+                    let coordinates = space.with_weight_share(&point.coordinates, share);
+                    let solved = evaluator.solve(&coordinates, &point.linearisation)?;
+                    if solved.is_some() {
+                        return Ok(solved);
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Points at which all required sets are contained, the one with the most room first.
+    fn covering(&self, model: &Model) -> Found<Vec<SearchPoint>> {
         let aim = Aim::Reach {
             scaled: self.plan.contained.clone(),
             bounds: self.plan.aim.bounds(),
@@ -171,9 +204,17 @@ impl ParameterSearch<'_> {
         let Some(begun) = start::first(&evaluator)? else {
             return Ok(Err(self.no_start(model)?));
         };
-        let end = self.ascend(&evaluator, begun, CONTAINED.ln(), &mut |_| {})?;
+        let mut passed = vec![begun.clone()];
+        let end = match begun.objective >= CONTAINED.ln() {
+            true => begun,
+            false => self.ascend(&evaluator, begun, CONTAINED.ln(), &mut |point| {
+                passed.push(point.clone());
+            })?,
+        };
         if end.objective >= 0.0 {
-            return Ok(Ok(end));
+            passed.retain(|point| point.objective >= 0.0);
+            passed.reverse();
+            return Ok(Ok(passed));
         }
         let mut reason = format!(
             "what must be covered could be covered up to the fraction {:.4} only",
@@ -220,7 +261,11 @@ impl ParameterSearch<'_> {
             contained: &[],
             ..self.evaluator
         };
-        let free = ParameterSearch { plan, evaluator };
+        let free = ParameterSearch {
+            plan,
+            evaluator,
+            others: Vec::new(),
+        };
         let Some(begun) = start::first(&evaluator)? else {
             return Ok(none.to_string());
         };

@@ -63,6 +63,16 @@ impl Space {
         })
     }
 
+    /// A point with its largest xi multiplied by a factor, inside the limits.
+    pub fn with_weight_share(&self, point: &[f64], share: f64) -> Vec<f64> {
+        let pairs = self.ranges.iter().zip(point);
+        let moved = pairs.map(|(range, &coordinate)| match range.parameter {
+            Parameter::DisturbanceWeight => coordinate + share.ln(),
+            _ => coordinate,
+        });
+        self.inside(&moved.collect::<Vec<_>>())
+    }
+
     /// The nearest point inside the limits.
     pub fn inside(&self, point: &[f64]) -> Vec<f64> {
         let pairs = self.ranges.iter().zip(point);
