@@ -1,6 +1,7 @@
 //! The design that a scenario runs with.
 
 use std::path::{Path, PathBuf};
+use synth::claim::Claim;
 
 use super::answer::note;
 use super::error::CliError;
@@ -57,7 +58,8 @@ fn announce(design: &Design) {
         false => "NOT PROVED",
     };
     let worst = design.report.worst().map_or(String::new(), |worst| {
-        format!(", smallest margin {:.3e} ({})", worst.margin, worst.name)
+        let margin = Claim::AtLeast(worst.margin);
+        format!(", smallest margin {margin:.4} ({})", worst.name)
     });
     note(&format!("design '{}': {verdict}{worst}", design.file.name));
 }

@@ -125,7 +125,7 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
         return Some("did not settle".to_string());
     }
     let missed = summary.requirements.iter().find(|outcome| !outcome.met)?;
-    Some(missed.as_text(Some(4)))
+    Some(missed.as_text())
 }
 
 /// The compared metrics of a run, then the steps outside of a bound, which no table shows.

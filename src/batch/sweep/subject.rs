@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use serde::Serialize;
 use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
+use synth::claim::Claim;
 use synth::feasibility::Decision;
 use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
 use synth::solve::{Backend, Observer, Solver, Structured};
@@ -171,7 +172,7 @@ fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, S
 
 fn why_not(summary: &Summary) -> Option<String> {
     let missed = summary.requirements.iter().filter(|outcome| !outcome.met);
-    let missed = missed.map(|outcome| outcome.as_text(None));
+    let missed = missed.map(|outcome| outcome.as_text());
     match summary.verdict {
         RunVerdict::RequirementsMet => None,
         RunVerdict::RequirementsMissed => Some(missed.collect::<Vec<_>>().join("; ")),
@@ -224,14 +225,16 @@ fn designed(design: &Synthesized) -> PointOutcome {
     let (part, report) = (&design.file.certificate, &design.report);
     let proved = report.verdict == Verdict::Proved;
     let worst = report.worst();
+    // What is not proved claims nothing.
+    let claimed = |value: Option<f64>| value.filter(|_| proved);
     PointOutcome {
         verdict: if proved { "proved" } else { "not_proved" }.to_string(),
         reason: (!proved).then(|| not_proved(report)),
         metrics: model_metrics([
-            Some(part.gamma),
-            Some(part.guaranteed_gain),
-            Some(part.xi),
-            certified_angle_deg(part.certified_vector_part),
+            claimed(Some(part.gamma)),
+            claimed(Some(part.guaranteed_gain)),
+            claimed(Some(part.xi)),
+            claimed(certified_angle_deg(part.certified_vector_part)),
             worst.map(|condition| condition.margin),
             gain_norm(&design.file.controller.gains),
             None,
@@ -254,7 +257,10 @@ fn gain_norm(gains: &[Vec<Vec<f64>>]) -> Option<f64> {
 
 fn not_proved(report: &Report) -> String {
     match report.worst() {
-        Some(worst) => format!("not proved: {}, margin {:.3e}", worst.name, worst.margin),
+        Some(worst) => {
+            let margin = Claim::AtLeast(worst.margin);
+            format!("not proved: {}, margin {margin:.4}", worst.name)
+        }
         None => "not proved".to_string(),
     }
 }

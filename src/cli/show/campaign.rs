@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use synth::claim::Claim;
 
 use super::facts::written;
 use crate::batch::campaign::record::{Inputs, Results};
@@ -45,11 +46,11 @@ fn lines(results: &Results, inputs: &Inputs, folder: &Path) -> Vec<String> {
         format!("scenario: {}", inputs.scenario),
         format!("runs: {}; failures: {}", results.runs, results.failures),
         format!(
-            "pass rate: {:.4} %, {} % confidence: {:.4} % to {:.4} % ({})",
-            percent(results.pass_rate),
+            "pass rate: {} %, {} % confidence: {} % to {} % ({})",
+            Claim::AtLeast(percent(results.pass_rate)),
             percent(interval.confidence),
-            percent(interval.lower),
-            percent(interval.upper),
+            Claim::AtLeast(percent(interval.lower)),
+            Claim::AtMost(percent(interval.upper)),
             interval.method
         ),
     ];

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use synth::claim::Claim;
 use synth::fuzzy::triangle_excess;
 use synth::model::{GainsFile, Kind, Model, Plant};
 use synth::problem::Problem;
@@ -134,7 +135,10 @@ pub fn of_gains(gains: &GainsFile) -> String {
 pub fn of_requirements(requirements: &Requirements) -> String {
     let (file, least) = (&requirements.file, least_time_s(requirements));
     format!(
-        "{}, {} deg within {} s; any controller needs {least:.3} s",
-        file.name, file.manoeuvre.angle_deg, file.limits.settle_s
+        "{}, {} deg within {} s; any controller needs {:.5} s",
+        file.name,
+        file.manoeuvre.angle_deg,
+        file.limits.settle_s,
+        Claim::AtLeast(least)
     )
 }

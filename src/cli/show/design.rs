@@ -12,6 +12,7 @@ use synth::synthesis::{reached, CrossCheck, Synthesized};
 use super::facts::{ProofReport, SolverReport, SolverStatus};
 use crate::run::design::certified_angle_deg;
 use crate::sim::transmissions::TransmissionBound;
+use synth::claim::Claim;
 
 /// What is proved of a design.
 #[derive(Debug, Serialize)]
@@ -35,10 +36,9 @@ impl<'a> DesignReport<'a> {
 
     /// In words.
     pub fn lines(&self) -> Vec<String> {
-        let mut lines = self.proof.lines(None);
-        lines.extend(self.claims.gamma.map(|gamma| format!("gamma: {gamma}")));
-        lines.extend(self.claims.further_lines());
-        lines
+        let claims = self.claims.gain_lines().into_iter();
+        let claims = claims.chain(self.claims.further_lines());
+        claims.chain(self.proof.lines(None)).collect()
     }
 }
 
@@ -193,13 +193,14 @@ impl DesignClaims {
 
     /// The gain and the certified angle, rounded.
     pub fn gain_lines(&self) -> Vec<String> {
-        let gamma = self.gamma.map(|gamma| format!("gamma: {gamma:.6}"));
-        let gain = self.guaranteed_gain;
+        let gamma = self.gamma.map(Claim::AtMost);
+        let gamma = gamma.map(|gamma| format!("gamma: {gamma}"));
+        let gain = self.guaranteed_gain.map(Claim::AtMost);
         let gain =
-            gain.map(|gain| format!("guaranteed gain: {gain:.6} (sup|y| / sup|tau| from rest)"));
-        let angle = self.certified_angle_deg;
-        let angle = angle
-            .map(|angle| format!("certified set: every attitude at rest up to {angle:.3} deg"));
+            gain.map(|gain| format!("guaranteed gain: {gain} (sup|y| / sup|tau| from rest)"));
+        let angle = self.certified_angle_deg.map(Claim::AtLeast);
+        let angle =
+            angle.map(|angle| format!("certified set: every attitude at rest up to {angle} deg"));
         [gamma, gain, angle].into_iter().flatten().collect()
     }
 
@@ -207,13 +208,12 @@ impl DesignClaims {
     pub fn further_lines(&self) -> Vec<String> {
         let mut lines = self.outer.as_ref().map_or(Vec::new(), OuterClaims::lines);
         lines.extend(self.must_contain.iter().enumerate().map(|(index, state)| {
-            let angle = state.angle_deg.map_or(String::new(), |angle| {
-                format!(", up to {angle:.3} deg at rest")
+            let angle = state.angle_deg.map(Claim::AtLeast);
+            let angle = angle.map_or(String::new(), |angle| {
+                format!(", up to {angle} deg at rest")
             });
-            let (number, scale) = (index + 1, state.scale);
-            format!(
-                "must-contain state {number}: contained up to {scale:.4} times the state{angle}"
-            )
+            let (number, scale) = (index + 1, Claim::AtLeast(state.scale));
+            format!("must-contain state {number}: contained up to {scale} times the state{angle}")
         }));
         lines.extend(self.transmissions.iter().map(TransmissionBound::describe));
         lines
@@ -240,17 +240,21 @@ impl OuterClaims {
 
     fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!(
-            "large-set certificate: gamma {:.6}, guaranteed gain {:.6}",
-            self.gamma, self.guaranteed_gain
+            "large-set certificate: gamma {}, guaranteed gain {}",
+            Claim::AtMost(self.gamma),
+            Claim::AtMost(self.guaranteed_gain)
         )];
-        let angle = self.certified_angle_deg;
-        lines.extend(angle.map(|angle| {
-            format!("large certified set: every attitude at rest up to {angle:.3} deg")
-        }));
+        let angle = self.certified_angle_deg.map(Claim::AtLeast);
+        lines.extend(
+            angle.map(|angle| {
+                format!("large certified set: every attitude at rest up to {angle} deg")
+            }),
+        );
         lines.extend(self.start_levels.iter().enumerate().map(|(index, level)| {
             format!(
-                "start {} in the large set: x'Ux = {level:.6} (the set: at most 1)",
-                index + 1
+                "start {} in the large set: x'Ux = {} (the set: at most 1)",
+                index + 1,
+                Claim::AtMost(*level)
             )
         }));
         lines

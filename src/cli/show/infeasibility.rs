@@ -9,6 +9,7 @@ use synth::feasibility::{Answer, InfeasibilityFile};
 
 use super::facts::not_proved;
 use crate::cli::answer::Exit;
+use synth::claim::Claim;
 
 /// What is proved about the existence of a design.
 #[derive(Debug, Serialize)]
@@ -41,8 +42,8 @@ impl<'a> Existence<'a> {
         };
         let (verdict, headline) = match answer {
             Answer::Feasible(design) => {
-                let gamma = design.file.certificate.gamma;
-                let how = format!("proved by a design with gamma {gamma:.6} (not the smallest)");
+                let gamma = Claim::AtMost(design.file.certificate.gamma);
+                let how = format!("proved by a design with gamma {gamma} (not the smallest)");
                 ("feasible", format!("FEASIBLE, {how}"))
             }
             Answer::Infeasible(proof) => {
@@ -81,7 +82,10 @@ fn statement(file: &InfeasibilityFile, bound: f64) -> String {
     let unbounded = bound == f64::MAX;
     let within = match unbounded {
         true => String::new(),
-        false => format!(" with multiplier entries up to R = {bound:.3e} (SI units)"),
+        false => {
+            let bound = Claim::AtLeast(bound);
+            format!(" with multiplier entries up to R = {bound:.4} (SI units)")
+        }
     };
     if file.gains.is_empty() {
         return format!("no design{within} satisfies the conditions");

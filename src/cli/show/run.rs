@@ -1,4 +1,5 @@
 //! A run as text.
+use synth::claim::Claim;
 
 use crate::plants::SystemKind;
 use crate::run::summary::{CertificateOutcome, Summary};
@@ -25,13 +26,15 @@ pub fn lines(summary: &Summary) -> Vec<String> {
     let bound = summary.max_transmissions_per_s;
     lines.push(match (summary.min_inter_event_s, bound) {
         (Some(shortest), Some(most)) => format!(
-            "messages per second: {:.4}; the sampling allows one every {shortest} s, {most:.6} per second",
-            summary.triggers_per_s
+            "messages per second: {:.4}; the sampling allows one every {} s, {} per second",
+            summary.triggers_per_s,
+            Claim::AtLeast(shortest),
+            Claim::AtMost(most)
         ),
         _ => format!("messages per second: {:.4}", summary.triggers_per_s),
     });
-    lines.push(match summary.settle_seconds {
-        Some(seconds) => format!("settled: from {seconds:.3} s on"),
+    lines.push(match summary.settle_seconds.map(Claim::AtMost) {
+        Some(seconds) => format!("settled: from {seconds} s on"),
         None => "settled: no".to_string(),
     });
     let spacecraft = summary.system == SystemKind::RigidBody;
@@ -114,25 +117,28 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
         "NOT proved"
     };
     lines.push(format!(
-        "design: {proved}; x'Ux at the start {:.4}",
-        outcome.start_level
+        "design: {proved}; x'Ux at the start {}",
+        Claim::AtMost(outcome.start_level)
     ));
     lines.push(format!(
-        "largest x'Ux over its bound: {:.6} at {:.3} s",
-        outcome.largest_lyapunov_ratio, outcome.largest_lyapunov_ratio_at_s
+        "largest x'Ux over its bound: {} at {:.3} s",
+        Claim::AtMost(outcome.largest_lyapunov_ratio),
+        outcome.largest_lyapunov_ratio_at_s
     ));
-    if let Some(ratio) = outcome.peak_ratio.filter(|_| outcome.from_rest_in_origin) {
+    let ratio = outcome.peak_ratio.filter(|_| outcome.from_rest_in_origin);
+    if let (Some(ratio), Some([gain, gamma])) = (ratio, outcome.gains()) {
+        let ratio = Claim::AtMost(ratio);
         lines.push(format!(
-            "sup|y| / sup|tau| from rest: {ratio:.5}; guaranteed: {:.5}; gamma: {:.5}",
-            outcome.guaranteed_gain, outcome.gamma
+            "sup|y| / sup|tau| from rest: {ratio}; guaranteed: {gain}; gamma: {gamma}"
         ));
     }
     if let Some(inner) = &outcome.inner {
         lines.push(match inner.entered_s {
             None => "inner certificate: its set was not entered".to_string(),
             Some(time) => format!(
-                "inner certificate: holds from {time:.3} s on; largest x'Ux over its bound {:.6} at {:.3} s",
-                inner.largest_lyapunov_ratio, inner.largest_lyapunov_ratio_at_s
+                "inner certificate: holds from {time:.3} s on; largest x'Ux over its bound {} at {:.3} s",
+                Claim::AtMost(inner.largest_lyapunov_ratio),
+                inner.largest_lyapunov_ratio_at_s
             ),
         });
     }

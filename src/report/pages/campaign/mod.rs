@@ -9,6 +9,8 @@ mod worst;
 
 use std::path::Path;
 
+use synth::claim::Claim;
+
 use super::files::ReportError;
 use super::{hashes, optional};
 use crate::base::number::{percent, short};
@@ -50,8 +52,8 @@ pub fn page(folder: &Path, link: &str) -> Result<String, ReportError> {
             "Pass rate {}; {} % confidence interval {} to {} ({}).",
             percent(results.pass_rate),
             100.0 * interval.confidence,
-            percent(interval.lower),
-            percent(interval.upper),
+            format_args!("{} %", Claim::AtLeast(100.0 * interval.lower)),
+            format_args!("{} %", Claim::AtMost(100.0 * interval.upper)),
             interval.method
         ),
         heading: inputs.scenario.clone(),
