@@ -11,6 +11,7 @@ mod files;
 mod progress;
 mod show;
 mod solver;
+mod target;
 mod verbs;
 
 pub use error::CliError;

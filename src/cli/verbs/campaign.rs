@@ -4,7 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
+use crate::base::files::what_was_written;
 use crate::batch::campaign::finish::finish;
+use crate::batch::campaign::folder::{
+    CAMPAIGN_FILE, DESIGN_FILE, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
+};
 use crate::batch::campaign::job::CampaignJob;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, State};
@@ -17,6 +21,7 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{interrupted, threads, PartsProgress};
 use crate::cli::show::campaign::answer;
+use crate::cli::target::{Contents, Targets};
 use crate::scenario::Scenario;
 
 /// Most failed runs that are kept when the command line does not say.
@@ -49,6 +54,9 @@ pub struct CampaignArgs {
     /// Folder for the results; the same command goes on with what is there
     #[arg(short, long)]
     output: PathBuf,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -57,7 +65,7 @@ pub struct CampaignArgs {
 /// Makes the runs. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     check_runs(args.runs)?;
-    files::check_folder(Some(&args.output))?;
+    check_folder(&args.output, args.force)?;
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
     let (text, scenario) = files::load(&args.scenario, Scenario::from_json)?;
     let given = args.design.as_deref();
@@ -102,6 +110,24 @@ fn make(
     finish(job, state, keep, &control.stop)
 }
 
+/// The files of a campaign beside its record.
+const FILES: [(&str, Contents); 4] = [
+    (RUNS_FILE, Contents::Parquet),
+    (PROFILES_FILE, Contents::Parquet),
+    (
+        SCENARIO_FILE,
+        Contents::Part("copy of the campaign's scenario"),
+    ),
+    (DESIGN_FILE, Contents::Part("copy of the campaign's design")),
+];
+
+/// Tries the folder of a campaign. Where one has begun, its record says what is in the folder.
+pub(crate) fn check_folder(folder: &Path, force: bool) -> Result<(), CliError> {
+    let begun = folder.join(CAMPAIGN_FILE).exists();
+    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
+    Targets { inputs: &[], force }.check_folder(Some(folder), files)
+}
+
 /// Refuses numbers of runs that are no campaign.
 pub(crate) fn check_runs(runs: u64) -> Result<(), CliError> {
     if (1..=MAX_RUNS).contains(&runs) {
@@ -130,7 +156,7 @@ fn parse_shard(text: &str) -> Result<Shard, CliError> {
 fn stopped(scenario: &Path, job: &CampaignJob, error: CampaignError) -> CliError {
     let (done, all) = (job.runs_done(), job.runs());
     let kept = match done {
-        0 => "; nothing is done".to_string(),
+        0 => format!("; no run is done; {}", what_was_written()),
         _ => format!(
             "; {done} of {all} runs are done and kept in {}; the same command goes on with the rest",
             job.folder.path.display()

@@ -11,8 +11,11 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
+use crate::cli::target::{Contents, Targets, COMPARISON, COMPARISON_TABLE};
 use crate::controllers::ControllerChoice;
-use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
+use crate::report::pages::files::{
+    write_comparison, COMPARISON_CSV, COMPARISON_FILE, COMPARISON_PAGE,
+};
 use crate::run::design::Design;
 use crate::run::summary::RunVerdict;
 use crate::scenario::Scenario;
@@ -37,14 +40,30 @@ pub struct CompareArgs {
     /// Folder for comparison.json, comparison.csv and comparison.html
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
+/// The files of a comparison.
+const FILES: [(&str, Contents); 3] = [
+    (COMPARISON_FILE, COMPARISON),
+    (COMPARISON_CSV, COMPARISON_TABLE),
+    (COMPARISON_PAGE, Contents::Page),
+];
+
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
 pub fn run(args: &CompareArgs) -> Result<Answer, CliError> {
-    files::check_folder(args.output.as_deref())?;
+    let inputs = args.scenarios.iter().chain(&args.design);
+    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+    let targets = Targets {
+        inputs: &inputs,
+        force: args.force,
+    };
+    targets.check_folder(args.output.as_deref(), &FILES)?;
     let candidates = candidates(args)?;
     let taken_from = args.take_system_from.as_ref();
     let taken_from = taken_from.map(|path| path.display().to_string());

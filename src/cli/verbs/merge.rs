@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::campaign::KEPT;
+use super::campaign::{check_folder, KEPT};
 use crate::batch::campaign::merge::merge;
 use crate::batch::campaign::record::CampaignFile;
 use crate::batch::campaign::CampaignError;
@@ -20,6 +20,9 @@ pub struct MergeArgs {
     /// Folder for the whole campaign
     #[arg(short, long)]
     output: PathBuf,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Most failed runs that are kept with their trajectory, of those that the shards have kept
     #[arg(long, value_name = "K", default_value_t = KEPT)]
     keep: usize,
@@ -30,6 +33,7 @@ pub struct MergeArgs {
 
 /// Merges shards. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &MergeArgs) -> Result<Answer, CliError> {
+    check_folder(&args.output, args.force)?;
     let failed = |error: CampaignError| CliError::Campaign(error.to_string());
     let results = merge(&args.folders, &args.output, args.keep).map_err(failed)?;
     let record = CampaignFile::read(&args.output).map_err(failed)?;

@@ -1,13 +1,13 @@
 //! `steadfast sweep FILE.json --vary key=lo:hi:n`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use synth::model::Model;
 
 use crate::base::files::create_folder;
 use crate::batch::engine::Interrupted;
 use crate::batch::sweep;
-use crate::batch::sweep::finished::Finished;
+use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::outcome::PointOutcome;
 use crate::batch::sweep::points::{PointStore, SweepIdentity};
 use crate::batch::sweep::subject::Subject;
@@ -21,6 +21,7 @@ use crate::cli::files;
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show;
 use crate::cli::solver::SolverArg;
+use crate::cli::target::{Contents, Targets, SWEEP, SWEEP_TABLE};
 use crate::report::pages::files::write_sweep;
 use crate::run::check_design;
 use crate::scenario::Scenario;
@@ -42,6 +43,9 @@ pub struct SweepArgs {
     /// Folder for the results; a sweep that was ended goes on where its points are
     #[arg(short, long)]
     output: PathBuf,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
@@ -59,10 +63,24 @@ pub struct SweepArgs {
     pub(super) json: bool,
 }
 
+/// The files of a sweep beside its points.
+const FILES: [(&str, Contents); 4] = [
+    (CSV_FILE, SWEEP_TABLE),
+    (PARQUET_FILE, Contents::Parquet),
+    (PAGE_FILE, Contents::Page),
+    (PROVENANCE_FILE, SWEEP),
+];
+
 /// Runs every point and writes the table. 0: done, whatever the points' verdicts.
 pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
-    files::check_folder(Some(&args.output))?;
+    let inputs = std::iter::once(&args.file).chain(&args.design);
+    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+    let targets = Targets {
+        inputs: &inputs,
+        force: args.force,
+    };
+    targets.check_folder(Some(&args.output), &FILES)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {

@@ -31,7 +31,6 @@ pub fn synthesize(
         );
         return Err(CliError::unsuitable(path, reason));
     }
-    files::check_output(output, &[path])?;
     let backend = solver.backend();
     let outcome = solve(path, ASSEMBLING, |observer| {
         problem::synthesize(&problem, text, backend.as_ref(), observer)
