@@ -8,6 +8,7 @@ mod answer;
 mod design;
 mod error;
 mod files;
+mod physics;
 mod progress;
 mod show;
 mod solver;

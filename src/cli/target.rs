@@ -40,7 +40,7 @@ pub const DECISION: Contents = Contents::Document(&[Kind::Design, Kind::Infeasib
 /// The summary of a run.
 pub const SUMMARY: Contents = Contents::Record("summary", &["scenario", "verdict", "scales"]);
 /// A comparison.
-pub const COMPARISON: Contents = Contents::Record("comparison", &["runs", "faults", "generator"]);
+pub const COMPARISON: Contents = Contents::Record("comparison", &["task", "runs", "faults"]);
 /// How a sweep's table came about.
 pub const SWEEP: Contents = Contents::Record("sweep", &["axes", "points", "verdicts"]);
 /// The trajectory of a run.

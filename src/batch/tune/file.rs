@@ -5,10 +5,7 @@ use std::ops::RangeInclusive;
 use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use synth::model::{
-    check_matrix, check_positive, check_positive_definite, finite, parse, FileError, Kind,
-    ModelError,
-};
+use synth::model::{check_inertia, check_positive, finite, parse, FileError, Kind, ModelError};
 
 use crate::base::bounded::{plain, NonNegative, Positive};
 use crate::base::ranges::{each, require};
@@ -164,10 +161,8 @@ impl Requirements {
                 expected: TUNE_SCHEMA_VERSION,
             });
         }
-        let rows: Vec<Vec<f64>> = file.spacecraft.inertia_kg_m2.map(|row| row.to_vec()).into();
-        let field = "spacecraft.inertia_kg_m2";
-        check_positive_definite(field, &check_matrix(field, &rows, (Some(3), Some(3)))?)?;
-        let inertia = Matrix3::from_fn(|row, column| rows[row][column]);
+        let rows = &file.spacecraft.inertia_kg_m2;
+        let inertia = check_inertia("spacecraft.inertia_kg_m2", rows)?;
         let moments = inertia.symmetric_eigenvalues();
         let limits = &file.limits;
         let (turn, settle_s) = (&file.manoeuvre, limits.settle_s.get());

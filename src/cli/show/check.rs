@@ -21,6 +21,8 @@ pub struct CheckReport<'a> {
     kind: String,
     /// What it holds, in short.
     summary: String,
+    /// What is allowed and yet hardly meant, with its numbers.
+    warnings: Vec<String>,
     /// The conditions of a paper on the parameters of its controller; left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     design_check: Option<&'a DesignCheck>,
@@ -28,11 +30,17 @@ pub struct CheckReport<'a> {
 
 impl<'a> CheckReport<'a> {
     /// Of a valid file.
-    pub fn new(kind: Kind, summary: String, check: Option<&'a DesignCheck>) -> Self {
+    pub fn new(
+        kind: Kind,
+        summary: String,
+        warnings: Vec<String>,
+        check: Option<&'a DesignCheck>,
+    ) -> Self {
         CheckReport {
             valid: true,
             kind: kind.to_string(),
             summary,
+            warnings,
             design_check: check,
         }
     }
@@ -42,7 +50,9 @@ impl<'a> CheckReport<'a> {
         let (kind, summary) = (&self.kind, &self.summary);
         let title = format!("{}: valid {kind} file: {summary}", path.display());
         let check = self.design_check.into_iter().flat_map(condition_lines);
-        [title].into_iter().chain(check).collect()
+        let warnings = self.warnings.iter();
+        let warnings = warnings.map(|text| format!("warning: {text}"));
+        [title].into_iter().chain(warnings).chain(check).collect()
     }
 }
 

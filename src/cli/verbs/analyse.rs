@@ -9,6 +9,7 @@ use super::synthesize::conclude::Conclusion;
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::SolverArg;
 use crate::cli::target::{Targets, DECISION};
@@ -48,6 +49,7 @@ pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
         force: args.force,
     };
     targets.check_file(args.output.as_deref(), DECISION)?;
+    warn(&of_model(&model, &text));
     let (form, backend) = (args.solver.form(), args.solver.backend());
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
         synthesis::analyse(

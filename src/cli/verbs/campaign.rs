@@ -19,6 +19,7 @@ use crate::cli::answer::{note, Answer};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_scenario, warn};
 use crate::cli::progress::{interrupted, threads, PartsProgress};
 use crate::cli::show::campaign::answer;
 use crate::cli::target::{Contents, Targets};
@@ -74,6 +75,7 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
         Some(path) => Some(files::text(&path)?),
         None => None,
     };
+    warn(&of_scenario(&scenario, &text));
     let failed = |error| CliError::campaign(&args.scenario, error);
     let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs).map_err(failed)?;
     if plan.columns.drawn.is_empty() {

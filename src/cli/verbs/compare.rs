@@ -9,6 +9,7 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_scenario, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
 use crate::cli::target::{Contents, Targets, COMPARISON, COMPARISON_TABLE};
@@ -16,6 +17,7 @@ use crate::controllers::ControllerChoice;
 use crate::report::pages::files::{
     write_comparison, COMPARISON_CSV, COMPARISON_FILE, COMPARISON_PAGE,
 };
+use crate::run::check_design;
 use crate::run::design::Design;
 use crate::run::summary::RunVerdict;
 use crate::scenario::Scenario;
@@ -121,6 +123,13 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
             return Err(CliError::unsuitable(path, reason));
         }
     }
+    for candidate in &candidates {
+        // The types of a file hold numbers, texts and lists only, so they can always be written.
+        let text = serde_json::to_string(&candidate.entry.file).unwrap_or_default();
+        let warnings = of_scenario(&candidate.scenario, &text).into_iter();
+        let named = warnings.map(|text| format!("{}: {text}", candidate.entry.path.display()));
+        warn(&named.collect::<Vec<_>>());
+    }
     name_apart(&mut candidates);
     Ok(candidates)
 }
@@ -148,6 +157,8 @@ fn candidate(entry: Entry, design: Option<&Design>) -> Result<Candidate, CliErro
         }
         _ => None,
     };
+    check_design(&scenario, design.as_ref())
+        .map_err(|error| CliError::unsuitable(&entry.path, error))?;
     Ok(Candidate {
         label: scenario.name.clone(),
         entry,

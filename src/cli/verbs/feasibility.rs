@@ -9,6 +9,7 @@ use synth::model::Model;
 use crate::cli::answer::{note, Answer};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{ahead, solve, ASSEMBLING};
 use crate::cli::show::facts::written_or_nothing;
 use crate::cli::show::feasibility::FeasibilityReport;
@@ -49,6 +50,7 @@ pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
     if model.file.specs.outer.is_some() {
         note("note: the answer is about the model's own box and requirements; specs.outer is not part of it");
     }
+    warn(&of_model(&model, &text));
     let backend = args.solver.backend();
     let backend = backend.as_ref();
     let start = Instant::now();

@@ -8,6 +8,7 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_scenario, warn};
 use crate::cli::show::facts::written;
 use crate::cli::show::run::lines;
 use crate::cli::target::{Contents, Targets, SUMMARY, TRAJECTORY};
@@ -70,6 +71,7 @@ pub fn run(args: &SimulateArgs) -> Result<Answer, CliError> {
     };
     targets.check_folder(args.output.as_deref(), &FILES)?;
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
+    warn(&of_scenario(&scenario, &text));
     let outcome = match args.run_index {
         Some(run) => run_of_campaign(args, &text, &scenario, design.as_ref(), run)?,
         None => simulate(&scenario, design.as_ref(), args.output.is_some())

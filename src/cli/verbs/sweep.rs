@@ -18,6 +18,7 @@ use crate::cli::answer::Answer;
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, of_scenario, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show;
 use crate::cli::solver::SolverArg;
@@ -121,6 +122,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         let scenario = Scenario::from_file(&file, sha256);
         let scenario = scenario.map_err(|error| CliError::value(&args.file, error))?;
         let design = design_of(&scenario, &args.file, args.design.as_deref())?;
+        warn(&of_scenario(&scenario, text));
         check_design(&scenario, design.as_ref())
             .map_err(|error| CliError::unsuitable(&args.file, error))?;
         return Ok(Subject::scenario(&file, design.map(Box::new)));
@@ -129,6 +131,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Clarabel);
             let model = files::parse(&args.file, text, Model::from_json)?;
+            warn(&of_model(&model, text));
             Ok(Subject::model(&model, solver.backend(), solver.form()))
         }
         Some(_) => Err(CliError::Argument {

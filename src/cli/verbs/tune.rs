@@ -11,6 +11,7 @@ use crate::batch::tune::{tune, Tuned};
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_requirements, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
 use crate::cli::show::tune::lines;
@@ -39,7 +40,7 @@ pub struct TuneArgs {
 /// Searches, validates and writes the scenario. 0: every requirement is met on every axis tried; 2: one
 /// is missed.
 pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
-    let (_, requirements) = files::load(&args.requirements, Requirements::from_json)?;
+    let (text, requirements) = files::load(&args.requirements, Requirements::from_json)?;
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
     let targets = Targets {
@@ -48,6 +49,7 @@ pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
     };
     let contents = Contents::Document(&[Kind::Scenario]);
     targets.check_file(Some(&args.output), contents)?;
+    warn(&of_requirements(&requirements, &text));
     let tuned = tuned(&requirements, &threads(args.jobs)?)?;
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";

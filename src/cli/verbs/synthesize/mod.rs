@@ -14,6 +14,7 @@ use conclude::Conclusion;
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::{FormArg, SolverArg};
 use crate::cli::target::{Contents, Targets};
@@ -89,6 +90,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         model = Model::new(file).map_err(|problem| CliError::value(&args.model, problem))?;
     }
     targets.check_file(output, Contents::Document(&[Kind::Design]))?;
+    warn(&of_model(&model, &text));
     let form = args.form.map_or(args.solver.form(), Form::from);
     let both = model.file.specs.objective == Objective::Both;
     if both && args.cross_check {
