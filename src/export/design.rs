@@ -197,7 +197,6 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
         ),
         None => (PER_STATE, "input_limit", "input"),
     };
-    let shortest = design.model.sampling_interval_min();
     let mut out = vec![
         Quantity::new("gains", per_state, &controller.gains)
             .means("the gains F_j, one for each rule"),
@@ -206,9 +205,12 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
         Quantity::new(limit_name, limit_unit, limit.as_slice())
             .means("saturation level of each input"),
         Quantity::new("hbar_s", "s", &specs.hbar_s).means("longest sampling interval"),
-        Quantity::new("hmin_s", "s", &shortest).means("shortest sampling interval"),
         Quantity::new("nu", "1", &specs.nu).means("largest trigger threshold"),
     ];
+    let shortest = design.model.sampling_interval_min();
+    out.extend(shortest.map(|shortest| {
+        Quantity::new("hmin_s", "s", &shortest).means("shortest sampling interval")
+    }));
     if let Some(update) = &specs.threshold_update {
         let least = specs.nu_min.unwrap_or(specs.nu);
         out.extend([

@@ -107,7 +107,7 @@ where
 
 /// What is to be said when the scenario samples faster than the design's model allows.
 fn closer_samples(design: Option<&Design>, bound: Option<TransmissionBound>) -> Option<String> {
-    let promised = TransmissionBound::of_model(&design?.model).min_inter_event_s;
+    let promised = TransmissionBound::of_model(&design?.model)?.min_inter_event_s;
     let shortest = bound?.min_inter_event_s;
     (shortest < promised * (1.0 - ROUNDING)).then(|| {
         format!(
@@ -194,6 +194,18 @@ pub(crate) fn certificate<const N: usize>(
 }
 
 impl CertificateOutcome {
+    /// What is proved of the run.
+    pub fn as_text(&self) -> String {
+        match (self.proved, self.covers_run) {
+            (true, true) => "proved; the proof covers this run".to_string(),
+            (true, false) => format!(
+                "proved; the proof does not cover this run: {}",
+                self.not_covered.join("; ")
+            ),
+            (false, _) => "not proved".to_string(),
+        }
+    }
+
     /// The guaranteed gain and gamma; `None` where they are not proved.
     pub fn gains(&self) -> Option<[Claim; 2]> {
         let gains = self.guaranteed_gain.zip(self.gamma);

@@ -5,6 +5,7 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 use synth::claim::Claim;
 
+use crate::base::number::short;
 use crate::plants::SystemKind;
 use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
@@ -296,6 +297,31 @@ impl Summary {
             threshold: self.threshold.as_ref(),
             link: self.link.as_ref(),
         })
+    }
+
+    /// That the run did not settle although no requirement is missed for it, in a sentence; `None` where it did or
+    /// where a requirement says so.
+    pub fn unsettled(&self) -> Option<String> {
+        if self.settle_seconds.is_some() || self.verdict != RunVerdict::RequirementsMet {
+            return None;
+        }
+        let tolerance = match self.scales.settle_tolerance_component {
+            Some(tolerance) => format!("{tolerance} in every component"),
+            None if self.system == SystemKind::RigidBody => {
+                format!("{} deg", short(self.scales.settle_tolerance))
+            }
+            None => short(self.scales.settle_tolerance),
+        };
+        let largest = self.tail_error_deg.map(Claim::AtMost);
+        let largest = largest.map_or(String::new(), |error| {
+            format!(
+                ", the largest error of its last {} s is {error} deg",
+                self.scales.tail_s
+            )
+        });
+        Some(format!(
+            "The run did not settle within {tolerance}{largest}; no requirement asks for it."
+        ))
     }
 
     /// Judges the requirements and then the run. `broken`: a proved bound was broken.

@@ -29,9 +29,9 @@ impl TransmissionBound {
         }
     }
 
-    /// The bound of a model's sampling.
-    pub fn of_model(model: &Model) -> Self {
-        Self::new(model.sampling_interval_min())
+    /// The bound of a model's sampling; `None` when the model gives no shortest interval.
+    pub fn of_model(model: &Model) -> Option<Self> {
+        model.sampling_interval_min().map(Self::new)
     }
 
     /// The bound of a scenario's sampling; `None` when the trigger is watched continuously.

@@ -162,7 +162,11 @@ fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, S
     let scenario = scenario_of(file).map_err(|error| error.to_string())?;
     let outcome = simulate(&scenario, design, false).map_err(|error| error.to_string())?;
     let summary = outcome.summary;
+    let certificate = summary.certificate.as_ref();
+    let reasons = certificate.map(|outcome| outcome.not_covered.join("; "));
     Ok(PointOutcome {
+        proof_covers: certificate.map(|outcome| outcome.covers_run),
+        not_covered: reasons.filter(|reasons| !reasons.is_empty()),
         verdict: summary.verdict.name().to_string(),
         reason: why_not(&summary),
         metrics: numbers_of(&value_of(&summary)),

@@ -135,7 +135,7 @@ pub struct DesignClaims {
     certified_angle_along_deg: Option<f64>,
     /// How far the set goes along each must-contain state.
     must_contain: Vec<Along>,
-    /// No two messages are closer than this (s).
+    /// No two messages are closer than this (s); null where the model gives no shortest sampling interval.
     min_inter_event_s: Option<f64>,
     /// Its inverse.
     max_transmissions_per_s: Option<f64>,
@@ -184,10 +184,10 @@ impl DesignClaims {
             certified_angle_any_axis_deg: part.certified_vector_part.map(angle_of_vector_part_deg),
             certified_angle_along_deg: smallest,
             must_contain: along,
-            min_inter_event_s: Some(transmissions.min_inter_event_s),
-            max_transmissions_per_s: Some(transmissions.max_transmissions_per_s),
+            min_inter_event_s: transmissions.map(|bound| bound.min_inter_event_s),
+            max_transmissions_per_s: transmissions.map(|bound| bound.max_transmissions_per_s),
             outer: outer.as_ref().map(OuterClaims::of),
-            transmissions: Some(transmissions),
+            transmissions,
         }
     }
 

@@ -70,6 +70,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
             requirement.name, requirement.limit
         ));
     }
+    lines.extend(summary.unsettled());
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines
 }

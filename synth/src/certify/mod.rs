@@ -122,11 +122,17 @@ fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
             "no gap between samples longer than {} s, dropouts included",
             specs.hbar_s
         ),
+        "a first sample at the start, t = 0, that is sent".to_string(),
         format!(
             "a trigger threshold that never exceeds {} (clamped at run time)",
             specs.nu
         ),
     ];
+    if let Some(shortest) = model.sampling_interval_min() {
+        out.push(format!(
+            "no two samples closer than {shortest} s, for the number of messages only"
+        ));
+    }
     if let (Mismatch::Kappa(kappa), true) = (model.file.mismatch, certificate.is_matched(model)) {
         out.push(format!(
             "memberships at the last sent state that differ from the present ones by at most kappa = \

@@ -261,7 +261,8 @@ pub struct Specs {
     /// Longest sampling interval, above 0 (s).
     #[serde(with = "As::<Positive>")]
     pub hbar_s: f64,
-    /// Shortest sampling interval, above 0 and at most `hbar_s` (s); a hundredth of it when left out.
+    /// Shortest sampling interval, above 0 and at most `hbar_s` (s); unknown when left out: the proof does not need
+    /// it, and nothing is then said of the number of messages.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<ShortestInterval>>")]
     pub hmin_s: Option<f64>,

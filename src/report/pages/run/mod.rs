@@ -35,6 +35,7 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     let page = Page {
         title: format!("{}: run report", summary.scenario),
         class: match summary.verdict {
+            RunVerdict::RequirementsMet if is_doubtful(summary) => "caution",
             RunVerdict::RequirementsMet => "good",
             RunVerdict::RequirementsMissed => "bad",
             RunVerdict::Diverged | RunVerdict::ProofBroken => "alarm",
@@ -44,7 +45,7 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
             (verdict, _) => verdict.sentence(),
         }
         .to_string(),
-        remark: proof(certificate).to_string(),
+        remark: remark(summary),
         heading: summary.scenario.clone(),
         introduction: paragraph(&summary.controller) + &source(&summary.source),
         sections,
@@ -57,6 +58,24 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
         ],
     };
     Ok(page.to_html())
+}
+
+/// Whether a run that meets its requirements still is none to be content with: the proof of its design does not cover
+/// it, or it did not settle.
+fn is_doubtful(summary: &Summary) -> bool {
+    let uncovered = summary.certificate.as_ref();
+    let uncovered = uncovered.is_some_and(|outcome| !outcome.covers_run);
+    uncovered || summary.unsettled().is_some()
+}
+
+/// What stands beside the verdict: what is proved, and that the run did not settle.
+fn remark(summary: &Summary) -> String {
+    let proof = proof(summary.certificate.as_ref()).to_string();
+    [Some(proof), summary.unsettled()]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// What is proved of a run, in a sentence.

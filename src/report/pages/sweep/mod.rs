@@ -4,6 +4,8 @@ mod figures;
 mod maps;
 mod reasons;
 
+use synth::model::Kind;
+
 use figures::{front, trade_off, View};
 use maps::{slices, verdict_colour};
 use reasons::{reasons, Reason};
@@ -11,6 +13,7 @@ use reasons::{reasons, Reason};
 use super::optional;
 use crate::base::number::label;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PARQUET_FILE};
+use crate::batch::sweep::outcome::PointOutcome;
 use crate::report::chart::{hexadecimal, FigureError};
 use crate::report::html::{
     captioned, cell, division, escape, heading, judged, paragraph, row, row_of_class, section,
@@ -52,14 +55,17 @@ pub fn page(sweep: &Finished) -> Result<String, FigureError> {
         true => "are proved",
         false => "meet every requirement",
     };
+    let uncovered = sweep.covered().is_some_and(|covered| covered < total);
     let page = Page {
         title: format!("Sweep of {}", sweep.file),
         class: match (alarm, good == total) {
             (true, _) => "alarm",
+            (_, true) if uncovered => "caution",
             (_, true) => "good",
             (_, false) => "bad",
         },
         verdict: format!("{good} of {total} points {answer}."),
+        remark: remark(sweep),
         heading: format!("Sweep of {}", sweep.file),
         introduction: introduction(&view),
         sections,
@@ -67,6 +73,35 @@ pub fn page(sweep: &Finished) -> Result<String, FigureError> {
         ..Page::default()
     };
     Ok(page.to_html())
+}
+
+/// Of how many points something is proved; empty for a model, whose verdicts say it.
+fn remark(sweep: &Finished) -> String {
+    let total = sweep.outcomes.len();
+    match (sweep.subject.kind(), sweep.covered()) {
+        (Kind::Model, _) => String::new(),
+        (_, None) => "Nothing is proved for this controller.".to_string(),
+        (_, Some(covered)) if covered == total => "The proof covers every point.".to_string(),
+        (_, Some(covered)) => format!(
+            "The proof covers {covered} of {total} points; what is shown of the others was simulated only."
+        ),
+    }
+}
+
+/// What is said of a point: its verdict, and that the proof does not cover it.
+fn answer(point: &PointOutcome) -> String {
+    match point.uncovered() {
+        true => format!("{}, not covered by the proof", words(&point.verdict)),
+        false => words(&point.verdict),
+    }
+}
+
+/// Why the answer is no, and why the proof does not cover the point.
+fn reason(point: &PointOutcome) -> String {
+    let uncovered = point.not_covered.as_ref();
+    let uncovered = uncovered.map(|reasons| format!("not covered: {reasons}"));
+    let parts = point.reason.iter().cloned().chain(uncovered);
+    parts.collect::<Vec<_>>().join("; ")
 }
 
 fn words(verdict: &str) -> String {
@@ -141,6 +176,9 @@ fn maps(view: &View, reasons: &[Reason]) -> Result<String, FigureError> {
         format!("<span><i style=\"background: {colour}\"></i>{verdict}</span>")
     });
     let mut html = format!("<p class=\"key\">{}</p>\n", key.collect::<String>());
+    if view.sweep.outcomes.iter().any(PointOutcome::uncovered) {
+        html += &paragraph("~ marks a point that the proof does not cover.");
+    }
     if !reasons.is_empty() {
         html += "<p>Letters stand for the <a href=\"#why\">reasons</a>.</p>\n";
     }
@@ -241,9 +279,9 @@ fn points(view: &View, front: &[usize]) -> String {
             let values = point.values.iter().copied().map(Some).map(number_cell);
             let shown = columns.iter().map(|name| view.shown(point, name));
             let cells = values
-                .chain([judged(point.good(), words(&point.verdict))])
+                .chain([judged(point.good() && !point.uncovered(), answer(point))])
                 .chain(shown.map(number_cell))
-                .chain([cell(point.reason.as_deref().unwrap_or_default())]);
+                .chain([cell(reason(point))]);
             row_of_class(class, cells)
         });
     let mut html = division("wide", &table("points", names, rows));
