@@ -9,7 +9,8 @@ use synth::model::Model;
 use synth::optimality::Optimality;
 use synth::synthesis::{reached, CrossCheck, Synthesized};
 
-use super::facts::{ProofReport, SolverReport, SolverStatus};
+use super::facts::{titled, ProofReport, SolverReport, SolverStatus};
+use crate::base::number::short;
 use crate::run::design::certified_angle_deg;
 use crate::sim::transmissions::TransmissionBound;
 use synth::claim::Claim;
@@ -59,6 +60,9 @@ pub struct SynthesisReport<'a> {
     vertices: usize,
     /// The search that chose the model's numbers; null without one.
     search: Option<&'a SearchRecord>,
+    /// The same in words.
+    #[serde(skip)]
+    found: Vec<String>,
     /// The smallest gamma from both solvers; null where they were not asked.
     cross_check: Option<CrossCheck>,
 }
@@ -84,6 +88,7 @@ impl<'a> SynthesisReport<'a> {
             form: &provenance.form,
             vertices: model.task().system.vertices.len(),
             search: provenance.search.as_ref(),
+            found: found_lines(model, provenance.search.as_ref()),
             cross_check,
         }
     }
@@ -93,12 +98,33 @@ impl<'a> SynthesisReport<'a> {
         let mut lines = vec![format!("model: {name} ({} vertices)", self.vertices)];
         lines.extend(self.solver.lines());
         lines.extend(self.cross_check.iter().flat_map(cross_check_lines));
+        lines.extend(self.found.iter().cloned());
         lines.extend(self.design.claims.gain_lines());
         lines.extend(self.design.claims.further_lines());
         let remark = self.optimality.and_then(|optimality| optimality.remark());
         lines.extend(self.design.proof.lines(remark.as_deref()));
         lines
     }
+}
+
+/// One line for each number that a search chose, beside the model's own.
+fn found_lines(model: &Model, search: Option<&SearchRecord>) -> Vec<String> {
+    // A model's types hold numbers, texts and lists only, so they can always be written.
+    let file = serde_json::to_value(&model.file).unwrap_or_default();
+    let varied = search.into_iter().flat_map(|search| &search.varied);
+    let lines = varied.map(|one| {
+        let place = one.field.replace(['.', '['], "/").replace(']', "");
+        let own = file
+            .pointer(&format!("/{place}"))
+            .and_then(|own| own.as_f64());
+        let own = own.map_or(String::new(), |own| format!("; the model has {own}"));
+        let [lowest, highest] = [one.lowest, one.highest].map(short);
+        format!(
+            "  {} = {} (from {lowest} to {highest}{own})",
+            one.field, one.value
+        )
+    });
+    titled("found by the search:", lines)
 }
 
 /// The smallest gamma from both solvers, in words.

@@ -385,8 +385,8 @@ pub struct OuterSpecs {
     pub containment_weight: Option<f64>,
 }
 
-/// Limits of a search: [lowest, highest] each. What is required of the closed loop (phi, nu) stays as it is
-/// where it is left out; what only the proof needs (the box, eps, xi up to xi_max) is then free.
+/// Limits of a search: [lowest, highest] each. What the model gives (phi, nu, the box) stays as it is where no
+/// range is given; the multiplier weights eps and xi up to xi_max, which only the proof needs, are then free.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchFile {
@@ -398,11 +398,11 @@ pub struct SearchFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub nu: Option<[f64; 2]>,
-    /// The box of a spacecraft: bound on the rate about each axis [rad/s].
+    /// The box of a spacecraft: bound on the rate about each axis [rad/s]; fixed when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub rate_rad_s: Option<[f64; 2]>,
-    /// The box of a spacecraft: smallest scalar part q0, in (0, 1).
+    /// The box of a spacecraft: smallest scalar part q0, in (0, 1); fixed when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub q0_min: Option<[f64; 2]>,

@@ -25,12 +25,6 @@ pub struct Plan {
 /// Relative allowance of the sets that must be contained, so that containment can be proved.
 const COVER_ROOM: f64 = 1e-3;
 
-/// The box may become this many times larger or smaller than the model's where no limits are given.
-const BOX_FACTOR: f64 = 100.0;
-
-/// Limits of q0 where none are given.
-const SCALAR_PART: [f64; 2] = [0.02, 0.9999];
-
 /// Limits of eps_1 and eps_3, relative to eps_2, where none are given.
 const WEIGHT_FACTOR: [f64; 2] = [0.01, 100.0];
 
@@ -153,12 +147,14 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     if let Some(range) = limits.nu {
         push(Parameter::Threshold, range);
     }
-    if let PlantFile::Exact(exact) = &model.file.plant {
-        for (axis, &rate) in exact.rate_rad_s.iter().enumerate() {
-            let usual = [rate / BOX_FACTOR, rate * BOX_FACTOR];
-            push(Parameter::Rate(axis), limits.rate_rad_s.unwrap_or(usual));
+    // Only an exact plant has these limits; its box stays as it is given where they are left out.
+    for axis in 0..3 {
+        if let Some(range) = limits.rate_rad_s {
+            push(Parameter::Rate(axis), range);
         }
-        push(Parameter::ScalarPart, limits.q0_min.unwrap_or(SCALAR_PART));
+    }
+    if let Some(range) = limits.q0_min {
+        push(Parameter::ScalarPart, range);
     }
     let weights = WEIGHT_FACTOR.map(|factor| factor * specs.eps[1]);
     push(Parameter::FirstWeight, limits.eps_1.unwrap_or(weights));
