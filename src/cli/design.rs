@@ -7,6 +7,7 @@ use super::answer::note;
 use super::error::CliError;
 use super::files;
 use crate::controllers::ControllerChoice;
+use crate::run::check_design;
 use crate::run::design::Design;
 use crate::run::outcome::SimulateError;
 use crate::scenario::Scenario;
@@ -27,6 +28,8 @@ pub(crate) fn design_of(
         return Err(CliError::unsuitable(scenario_path, error));
     }
     let design = read_design(&path)?;
+    check_design(scenario, Some(&design))
+        .map_err(|error| CliError::unsuitable(scenario_path, error))?;
     announce(&design);
     Ok(Some(design))
 }

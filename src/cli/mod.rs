@@ -5,6 +5,7 @@
 //! `--json`, and its wording. `answer` prints, once; whatever else is printed, such as progress, goes to standard error.
 
 mod answer;
+mod arguments;
 mod design;
 mod error;
 mod files;

@@ -45,7 +45,9 @@ pub struct TuneFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpacecraftFile {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// Largest torque of each axis, above 0 [N m].
     pub torque_limit_nm: [Positive; 3],

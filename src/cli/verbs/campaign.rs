@@ -16,6 +16,7 @@ use crate::batch::campaign::CampaignError;
 use crate::batch::engine::{Control, Interrupted};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{note, Answer};
+use crate::cli::arguments::whole;
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -26,7 +27,7 @@ use crate::cli::target::{Contents, Targets};
 use crate::scenario::Scenario;
 
 /// Most failed runs that are kept when the command line does not say.
-pub(crate) const KEPT: usize = 100;
+pub(crate) const KEPT: u64 = 100;
 
 /// Arguments of `campaign`.
 #[derive(clap::Args)]
@@ -35,10 +36,10 @@ pub struct CampaignArgs {
     /// Scenario file; its `dispersions` state what is sampled for every run
     scenario: PathBuf,
     /// Number of runs
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole)]
     runs: u64,
     /// Seed; that of the scenario when left out
-    #[arg(long)]
+    #[arg(long, value_parser = whole)]
     seed: Option<u64>,
     /// Threads; one for each processor when left out
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -47,8 +48,8 @@ pub struct CampaignArgs {
     #[arg(long, value_name = "i/n")]
     shard: Option<String>,
     /// Most failed runs that are kept with their trajectory
-    #[arg(long, value_name = "K", default_value_t = KEPT)]
-    keep: usize,
+    #[arg(long, value_name = "K", default_value_t = KEPT, value_parser = whole)]
+    keep: u64,
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
@@ -85,7 +86,7 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     let job = CampaignJob::new(&plan, shard, threads, &args.output).map_err(failed)?;
     let stop = interrupted();
     let open = job.prepare(&text, design_text.as_deref(), &stop);
-    let results = open.and_then(|open| make(&job, open.state, args.keep, stop));
+    let results = open.and_then(|open| make(&job, open.state, args.keep as usize, stop));
     let results = results.map_err(|error| stopped(&args.scenario, &job, error))?;
     Ok(answer(&results, &job.folder.inputs, &args.output))
 }

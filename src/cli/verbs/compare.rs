@@ -137,6 +137,8 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
 fn read(path: &Path) -> Result<Entry, CliError> {
     let text = files::text(path)?;
     let (file, sha256) = Scenario::read(&text).map_err(|error| CliError::file(path, error))?;
+    // What is wrong with a file comes before how it differs from others.
+    Scenario::from_file(&file, sha256.clone()).map_err(|error| CliError::value(path, error))?;
     Ok(Entry {
         path: path.to_path_buf(),
         file,

@@ -7,6 +7,7 @@ use crate::batch::campaign::merge::merge;
 use crate::batch::campaign::record::CampaignFile;
 use crate::batch::campaign::CampaignError;
 use crate::cli::answer::Answer;
+use crate::cli::arguments::whole;
 use crate::cli::error::CliError;
 use crate::cli::show::campaign::answer;
 
@@ -24,8 +25,8 @@ pub struct MergeArgs {
     #[arg(long)]
     force: bool,
     /// Most failed runs that are kept with their trajectory, of those that the shards have kept
-    #[arg(long, value_name = "K", default_value_t = KEPT)]
-    keep: usize,
+    #[arg(long, value_name = "K", default_value_t = KEPT, value_parser = whole)]
+    keep: u64,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -35,7 +36,7 @@ pub struct MergeArgs {
 pub fn run(args: &MergeArgs) -> Result<Answer, CliError> {
     check_folder(&args.output, args.force)?;
     let failed = |error: CampaignError| CliError::Campaign(error.to_string());
-    let results = merge(&args.folders, &args.output, args.keep).map_err(failed)?;
+    let results = merge(&args.folders, &args.output, args.keep as usize).map_err(failed)?;
     let record = CampaignFile::read(&args.output).map_err(failed)?;
     Ok(answer(&results, &record.inputs, &args.output))
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::campaign::check_runs;
 use crate::batch::campaign::plan::Plan;
 use crate::cli::answer::{Answer, Exit};
+use crate::cli::arguments::whole;
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -30,13 +31,13 @@ pub struct SimulateArgs {
     #[arg(long)]
     design: Option<PathBuf>,
     /// Make one run of the scenario's campaign, by its index from 0
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole)]
     run_index: Option<u64>,
     /// Seed of the campaign; that of the scenario when left out
-    #[arg(long, requires = "run_index")]
+    #[arg(long, requires = "run_index", value_parser = whole)]
     seed: Option<u64>,
     /// Number of runs of the campaign; needed with a Latin hypercube
-    #[arg(long, value_name = "N", requires = "run_index")]
+    #[arg(long, value_name = "N", requires = "run_index", value_parser = whole)]
     runs: Option<u64>,
     /// Folder for trajectory.csv, summary.json and report.html
     #[arg(short, long)]

@@ -50,7 +50,9 @@ pub enum PlantFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExactPlant {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     #[serde(with = "As::<[[Finite; 3]; 3]>")]
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// How far the true inertia may be from it; known exactly when left out. The design is then proved for
@@ -141,7 +143,9 @@ pub enum RulesSystem {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RulesSpacecraft {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     #[serde(with = "As::<[[Finite; 3]; 3]>")]
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// Torque limit of each axis, above 0 [N m].
