@@ -261,7 +261,10 @@ fn a_line_that_the_book_lacks_and_one_that_is_not_printed_are_found() {
     let whole = lines("solver: a\ngamma: 1.4\nverdict: PROVED");
     assert_eq!(differences(&whole, printed), Vec::<String>::new());
     let lacking = lines("solver: a\nverdict: PROVED");
-    assert_eq!(differences(&lacking, printed), ["printed, not shown: gamma: 1.5"]);
+    assert_eq!(
+        differences(&lacking, printed),
+        ["printed, not shown: gamma: 1.5"]
+    );
     let wrong = lines("solver: a\ngamma: 1.4\nxi: 3\nverdict: PROVED");
     assert_eq!(differences(&wrong, printed), ["shown, not printed: xi: 3"]);
     for open in ["verdict: PROVED\n...", ""] {
@@ -272,7 +275,11 @@ fn a_line_that_the_book_lacks_and_one_that_is_not_printed_are_found() {
 #[cfg(unix)]
 fn assert_prints(page: &str, shown: &Shown, printed: &str) {
     let found = differences(&shown.output, printed);
-    assert!(found.is_empty(), "{page}: `{}`: {found:#?}; it prints\n{printed}", shown.command);
+    assert!(
+        found.is_empty(),
+        "{page}: `{}`: {found:#?}; it prints\n{printed}",
+        shown.command
+    );
 }
 
 #[cfg(unix)]

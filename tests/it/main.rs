@@ -13,6 +13,7 @@ mod campaign_draws;
 mod check;
 mod claims;
 mod compare;
+mod conventions;
 mod coverage;
 mod exact;
 mod export;

@@ -70,6 +70,16 @@ fn a_start_is_covered_and_the_design_alone_proves_it() {
         .find(|one| one["field"] == "specs.phi_per_s")
         .expect("phi");
     assert_eq!(number(decay, "/value"), phi);
+    // It is printed beside the model's own number.
+    let words = synthesize(&model, &[]).ends_with(0).stdout;
+    let line = words
+        .lines()
+        .find(|line| line.starts_with("  specs.phi_per_s = "));
+    let line = line.expect("what was found");
+    assert!(
+        line.ends_with("(from 0.02 to 0.5; the model has 0.1)"),
+        "{line}"
+    );
     // The scale is that of U: x0'U x0 scale^2 is 1 up to rounding.
     let form = 0.09 * number(&file, "/certificate/lyapunov/0/0");
     assert_relative(form * scale * scale, 1.0, 1e-9);

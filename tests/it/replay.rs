@@ -174,7 +174,8 @@ fn settling_is_the_first_instant_inside_and_its_root_lies_before_it() {
                 .flat_map(|design| [Path::new("--design").to_path_buf(), design.to_path_buf()]),
         );
         arguments.push("--json".into());
-        let summary = steadfast(&arguments).ends_with(0).json();
+        let printed = steadfast(&arguments).ends_with(0).stdout;
+        let summary: Value = serde_json::from_str(&printed).expect("a summary");
         let seconds = number(&summary, "/settle_seconds");
         let crossing = number(&summary, "/settle_crossing_s");
         assert!((seconds - instant).abs() < 2e-5, "{name}: {seconds}");

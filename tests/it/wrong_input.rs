@@ -89,7 +89,8 @@ impl Desk {
         if let Some(part) = said.iter().find(|part| !run.stderr.contains(**part)) {
             return unmet(&format!("'{part}' is not said"));
         }
-        assert_plain(&run.stderr);
+        // The name of a solver is no word of the implementation's language.
+        assert_plain(&run.stderr.replace("structured", ""));
         (self.state() != before).then(|| format!("{arguments:?}: something was written"))
     }
 }

@@ -4,6 +4,7 @@ mod figures;
 mod maps;
 mod reasons;
 
+use synth::claim::Claim;
 use synth::model::Kind;
 
 use figures::{front, trade_off, View};
@@ -70,7 +71,6 @@ pub fn page(sweep: &Finished) -> Result<String, FigureError> {
         introduction: introduction(&view),
         sections,
         footer: vec![provenance(sweep)],
-        ..Page::default()
     };
     Ok(page.to_html())
 }
@@ -151,13 +151,23 @@ fn pareto(view: &View, front: &[usize]) -> Result<String, FigureError> {
     let rows = front.iter().map(|&index| {
         let point = &view.sweep.outcomes[index];
         let values = point.values.iter().copied().map(Some);
-        let shown = metrics.map(|metric| point.metric(metric));
-        row(values.chain(shown).map(number_cell))
+        let shown = metrics.map(|metric| metric_cell(metric, point.metric(metric)));
+        row(values.map(number_cell).chain(shown))
     });
     let best = table("front", names, rows);
     let title = "Points that no other beats: a larger proved angle costs a larger gamma";
     let best = captioned(title, &division("wide", &best));
     Ok(division("plots", &(trade_off.captioned()? + &best)))
+}
+
+/// What a design claims is rounded to the safe side.
+fn metric_cell(metric: &str, value: Option<f64>) -> String {
+    let claim = value.map(|value| match metric {
+        "gamma" | "guaranteed_gain" => format!("{:.4}", Claim::AtMost(value)),
+        "certified_angle_deg" | "worst_margin" => format!("{:.4}", Claim::AtLeast(value)),
+        _ => label(value),
+    });
+    cell(claim.unwrap_or_default())
 }
 
 fn number_cell(value: Option<f64>) -> String {
@@ -277,10 +287,12 @@ fn points(view: &View, front: &[usize]) -> String {
         .map(|(index, point)| {
             let class = if front.contains(&index) { "front" } else { "" };
             let values = point.values.iter().copied().map(Some).map(number_cell);
-            let shown = columns.iter().map(|name| view.shown(point, name));
+            let shown = columns
+                .iter()
+                .map(|name| metric_cell(name, view.shown(point, name)));
             let cells = values
                 .chain([judged(point.good() && !point.uncovered(), answer(point))])
-                .chain(shown.map(number_cell))
+                .chain(shown)
                 .chain([cell(reason(point))]);
             row_of_class(class, cells)
         });

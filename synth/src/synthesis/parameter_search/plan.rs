@@ -202,3 +202,37 @@ pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parameters that are searched for a shipped model whose search has these ranges.
+    fn varied(rates: Option<[f64; 2]>, scalar_part: Option<[f64; 2]>) -> (Vec<Parameter>, Plan) {
+        let text = include_str!("../../../../models/xu2020-gain.json");
+        let mut model = Model::from_json(text).expect("a model");
+        let search = model.file.specs.search.as_mut().expect("a search");
+        (search.rate_rad_s, search.q0_min) = (rates, scalar_part);
+        let plan = Plan::of(&model);
+        let ranges = plan.space.ranges.iter().map(|range| range.parameter);
+        (ranges.collect(), plan)
+    }
+
+    #[test]
+    fn the_box_that_the_model_gives_is_kept_unless_a_range_frees_it() {
+        let (kept, plan) = varied(None, None);
+        let of_box =
+            |parameter: &Parameter| matches!(parameter, Parameter::Rate(_) | Parameter::ScalarPart);
+        assert!(!kept.iter().any(of_box), "{kept:?}");
+        let PlantFile::Exact(exact) = plan.space.at(&plan.space.start()).plant else {
+            panic!("a spacecraft");
+        };
+        assert_eq!((exact.rate_rad_s, exact.q0_min), ([0.1; 3], 0.75));
+        let (freed, plan) = varied(Some([0.01, 1.0]), Some([0.5, 0.9]));
+        assert_eq!(freed.iter().filter(|one| of_box(one)).count(), 4);
+        assert_eq!(plan.space.limits(Parameter::Rate(2)), [0.01, 1.0]);
+        assert_eq!(plan.space.limits(Parameter::ScalarPart), [0.5, 0.9]);
+        let (half, _) = varied(None, Some([0.5, 0.9]));
+        assert!(half.contains(&Parameter::ScalarPart) && !half.contains(&Parameter::Rate(0)));
+    }
+}
