@@ -157,7 +157,7 @@ fn a_start_that_cannot_be_covered_is_told_how_far_one_gets_and_why() {
     let scale = number(&report, "/shortfall/scale");
     assert!(scale > 0.05 && scale < 1.0, "{scale}");
     let reason = report["shortfall"]["reason"].as_str().expect("a reason");
-    let percent = format!("{:.2} %", 100.0 * scale);
+    let percent = format!("{:.4} %", synth::claim::Claim::AtLeast(100.0 * scale));
     assert!(reason.contains(&percent), "{reason}");
     assert!(!report["shortfall"]["limits"].as_array().unwrap().is_empty());
     assert!(!report["blocking"].as_array().unwrap().is_empty());

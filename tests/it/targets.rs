@@ -243,7 +243,11 @@ fn an_interrupted_search_says_that_nothing_was_written() {
     // No candidate points so well, so that all are tried.
     let mut requirements = json(&shipped("requirements-large.json"));
     set(&mut requirements, "/limits/accuracy_deg", json!(0.0001));
-    set(&mut requirements, "/search", json!({ "candidates": 100_000 }));
+    set(
+        &mut requirements,
+        "/search",
+        json!({ "candidates": 100_000 }),
+    );
     let requirements = write(folder.path(), "requirements.json", requirements.to_string());
     let child = started(&["tune", &word(&requirements), "-o", &word(&out)]);
     let begun = Instant::now();
