@@ -5,7 +5,7 @@ use synth::model::Mismatch;
 
 use super::design::Design;
 use super::inner::InnerMonitor;
-use super::log::Log;
+use super::log::{has_every_sample, Log};
 use super::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
@@ -58,6 +58,12 @@ where
     let left = log.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
     let bound = TransmissionBound::of_instants(&scenario.instants);
     notes.extend(closer_samples(design, bound));
+    if !has_every_sample(scenario) {
+        notes.push(
+            "The run has too many samples for a row each: its trajectory has those at which a message was sent."
+                .to_string(),
+        );
+    }
     Summary {
         schema_version: SUMMARY_SCHEMA_VERSION,
         scenario: scenario.name.clone(),

@@ -22,6 +22,16 @@ use crate::sim::pointing::ErrorStatistics;
 use crate::sim::profile::Profile;
 use crate::sim::recorder::Recorder;
 
+/// Most samples of a run whose trajectory has a row for each.
+const MOST_SAMPLE_ROWS: f64 = 1e6;
+
+/// Whether the trajectory of a scenario has a row for each sample. One with more samples than a table should have rows
+/// has those at which a message was sent.
+pub(crate) fn has_every_sample(scenario: &Scenario) -> bool {
+    let expected = scenario.instants.expected_samples(scenario.duration_s);
+    expected.is_none_or(|samples| samples <= MOST_SAMPLE_ROWS)
+}
+
 /// Metrics, certificate, profile and trajectory of one run of a plant.
 #[derive(Debug, Clone)]
 pub(crate) struct Log<G, const N: usize, const M: usize, const D: usize, const L: usize>
@@ -56,6 +66,7 @@ where
     pub switches: Option<SwitchCount>,
     profile: Profile,
     recorder: Option<Recorder>,
+    every_sample: bool,
     row: Vec<f64>,
     link_steps: Option<[f64; M]>,
     input: SVector<f64, M>,
@@ -110,6 +121,7 @@ where
             switches: None,
             profile: Profile::new(recording.profile_times_s, G::QUANTITIES.len()),
             row: Vec::with_capacity(columns.len()),
+            every_sample: has_every_sample(scenario),
             link_steps: linked.then_some([0.0; M]),
             recorder: recording
                 .trajectory
@@ -230,17 +242,16 @@ where
             let seen = self.gauge.see(time_s, state);
             inner.sample(time_s, &self.gauge.certified(&seen), command.sent);
         }
-        if self.recorder.is_some() {
+        let row = self.recorder.as_mut();
+        if let Some(due) = row.map(|recorder| recorder.last_row_at(time_s).is_some()) {
             // Every sample has its row, so that the controller's columns are those after the sample, and what was
             // sampled when can be replayed.
             let transmitted = self.link_steps.iter().flatten().any(|&step| step != 0.0);
-            let seen = self.gauge.see(time_s, state);
-            self.write(
-                time_s,
-                &seen,
-                [true, command.sent || transmitted],
-                controller,
-            );
+            let sent = command.sent || transmitted;
+            if sent || due || self.every_sample {
+                let seen = self.gauge.see(time_s, state);
+                self.write(time_s, &seen, [true, sent], controller);
+            }
         }
     }
 
