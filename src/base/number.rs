@@ -18,6 +18,11 @@ const SHORT: Format = Format {
     least_power: -4,
     trims: false,
 };
+const PRECISE: Format = Format {
+    digits: 12,
+    trims: true,
+    ..SHORT
+};
 const LABEL: Format = Format {
     digits: 4,
     zero_below: 1e-300,
@@ -50,6 +55,11 @@ fn trimmed(text: &str) -> &str {
         true => text.trim_end_matches('0').trim_end_matches('.'),
         false => text,
     }
+}
+
+/// Twelve significant digits: what differs in more than rounding is told apart.
+pub fn precise(value: f64) -> String {
+    PRECISE.write(value)
 }
 
 /// Five significant digits.

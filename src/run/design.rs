@@ -5,11 +5,11 @@ use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
 use synth::certify::{Report, Verdict};
-use synth::claim::Claim;
 use synth::design::{prove, DesignFile, LargeSetCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
+use crate::base::number::precise;
 use crate::base::provenance::sha256_of;
 use crate::plants::rigid_body::RigidBodySystem;
 use crate::plants::takagi_sugeno::TakagiSugenoSystem;
@@ -67,7 +67,7 @@ pub enum FitError {
     #[error(
         "the scenario's moments of inertia are {} to {} times those of the design's model; a design is \
          run on plants from {allowed_smallest} to {allowed_largest} times",
-        Claim::AtLeast(*smallest), Claim::AtMost(*largest)
+        precise(*smallest), precise(*largest)
     )]
     Inertia {
         /// Smallest ratio over all axes.
@@ -355,8 +355,8 @@ fn another_inertia(inertia: &Matrix3<f64>, body: &RigidBody) -> Option<String> {
     other.then(|| {
         format!(
             "the plant's moments of inertia are {} to {} times the model's",
-            Claim::AtLeast(smallest),
-            Claim::AtMost(largest)
+            precise(smallest),
+            precise(largest)
         )
     })
 }
@@ -379,9 +379,9 @@ fn outside_inertia_set(craft: &ExactSpacecraft, body: &RigidBody) -> Option<Stri
              kg m^2, the set has {} to {}",
             worst.0 + 1,
             worst.1 + 1,
-            inertia[worst],
-            nominal[worst] - width,
-            nominal[worst] + width
+            precise(inertia[worst]),
+            precise(nominal[worst] - width),
+            precise(nominal[worst] + width)
         )
     })
 }

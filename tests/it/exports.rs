@@ -384,37 +384,6 @@ fn scipy_reads_a_trajectorys_mat_file() {
 }
 
 #[test]
-fn both_certificates_of_a_design_are_exported() {
-    // Made up of the numbers of another design, and not proved.
-    let source = json(xu2020_design());
-    let mut file = source.clone();
-    set(
-        &mut file,
-        "/model/specs/outer",
-        json!({
-            "phi_per_s": 0.01, "rate_rad_s": [0.1, 0.1, 0.1], "q0_min": 0.5, "xi_max": 1,
-            "must_contain": [[0, 0, 0, 0.1, 0, 0]]
-        }),
-    );
-    let outer = json!({ "trigger_multiple": 0.5, "certificate": source["certificate"] });
-    set(&mut file, "/outer", outer);
-    let folder = folder();
-    let design = write(folder.path(), "both.json", file.to_string());
-    let run = export(&design, "csv", None).ends_with(2);
-    let sum = |name: &str| -> f64 {
-        let rows = run.stdout.lines().filter(|line| line.starts_with(name));
-        rows.map(|row| row.split(',').nth(4).unwrap().parse::<f64>().unwrap())
-            .sum()
-    };
-    assert_eq!(sum("outer_trigger_multiple,"), 0.5);
-    assert_eq!(sum("outer_phi_per_s,"), 0.01);
-    for name in ["lyapunov", "multiplier", "sector_weight", "gamma"] {
-        assert_ne!(sum(&format!("{name},")), 0.0, "{name}");
-        assert_eq!(sum(&format!("outer_{name},")), sum(&format!("{name},")));
-    }
-}
-
-#[test]
 fn pandas_reads_a_trajectory_as_parquet() {
     let folder = folder();
     let path = folder.path().join("run.parquet");
@@ -471,7 +440,7 @@ fn the_same_file_gives_the_same_bytes() {
         (run_folder(), "parquet"),
     ] {
         let bytes = ["a", "b"].map(|name| {
-            let path = folder.path().join(name);
+            let path = folder.path().join(format!("{name}.{format}"));
             export(file, format, Some(&path)).ends_with(0);
             std::fs::read(path).expect("a file")
         });

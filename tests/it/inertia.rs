@@ -160,7 +160,7 @@ fn an_inertia_outside_of_the_set_is_not_covered_and_the_entry_is_named() {
     assert!(!outcome.covers_run);
     assert_eq!(
         outcome.not_covered,
-        ["the plant's inertia is outside of the set that the proof is for: entry (2, 2) is 299.700000 kg m^2, the set has 243.000000 to 297.000000"]
+        ["the plant's inertia is outside of the set that the proof is for: entry (2, 2) is 299.7 kg m^2, the set has 243 to 297"]
     );
 }
 

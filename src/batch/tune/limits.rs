@@ -9,7 +9,7 @@ pub enum Impossible {
     /// The torque or the rate limit does not turn the body in time.
     #[error(
         "field 'limits.settle_s': the value {settle_s} is not allowed; no controller turns this body by \
-         {angle_deg} deg from rest to rest in less than {:.5} s {}",
+         {angle_deg} deg from rest to rest in less than {} s {}",
         Claim::AtLeast(*least_s), means(*rate_rad_s)
     )]
     Time {
