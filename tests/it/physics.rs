@@ -48,8 +48,8 @@ fn an_inertia_that_no_rigid_body_has_is_refused_by_every_verb() {
         let message = steadfast(&arguments).refusal();
         let said = [
             "inertia_kg_m2'",
-            "350.000000 kg m^2",
-            "200.000000 kg m^2",
+            "is 350 kg m^2",
+            "the other two, 200 kg m^2",
             "no rigid body",
         ];
         assert_says(&message, &said);

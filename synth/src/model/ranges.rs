@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, Matrix3};
 
 use super::ModelError;
+use crate::claim::Claim;
 use crate::fuzzy::triangle_excess;
 
 /// Limits that keep a mistyped file from filling the memory.
@@ -169,8 +170,10 @@ pub fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, 
     Err(ModelError::choice(
         field,
         format!(
-            "no rigid body has this inertia: its largest principal moment is {largest:.6} kg m^2 and must be at most \
-             the sum of the other two, {others:.6} kg m^2"
+            "no rigid body has this inertia: its largest principal moment is {} kg m^2 and must be at most the sum of \
+             the other two, {} kg m^2",
+            Claim::AtMost(largest),
+            Claim::AtLeast(others)
         ),
     ))
 }
