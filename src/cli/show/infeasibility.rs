@@ -106,8 +106,8 @@ pub struct RefutationReport<'a> {
     verdict: RefutationVerdict,
     /// Always `infeasible`.
     statement: &'static str,
-    /// No design exists whose multiplier entries (SI units) are at most this.
-    bound: f64,
+    /// No design exists whose multiplier entries (SI units) are at most this; null where nothing is proved.
+    bound: Option<f64>,
     /// The designs that are not covered.
     limits: Vec<String>,
     /// The given gains, from 1, that it is about.
@@ -150,7 +150,7 @@ impl<'a> RefutationReport<'a> {
                 (false, _) => RefutationVerdict::NotProved,
             },
             statement: "infeasible",
-            bound: bounds.fold(f64::MAX, f64::min),
+            bound: is_proved(checked).then(|| bounds.fold(f64::MAX, f64::min)),
             limits: limits.iter().map(Limit::to_string).collect(),
             gains: file.blocking_gains(),
             worst: worst.min_by(|a, b| a.margin.total_cmp(&b.margin)),
@@ -180,7 +180,8 @@ impl<'a> RefutationReport<'a> {
         lines.extend(not_proved(self.conditions.iter().copied()));
         lines.push(match self.verdict {
             RefutationVerdict::Proved => {
-                format!("verdict: PROVED, {}", statement(file, self.bound))
+                let bound = self.bound.unwrap_or(0.0);
+                format!("verdict: PROVED, {}", statement(file, bound))
             }
             RefutationVerdict::Undecided => {
                 format!("verdict: UNDECIDED, {}", partial_statement(file, limits))
