@@ -183,3 +183,40 @@ fn settling_is_the_first_instant_inside_and_its_root_lies_before_it() {
         assert!(crossing <= seconds && seconds - crossing < 0.031_26);
     }
 }
+
+/// The controller of Yang et al. is told the fault that acts: the same one, whichever method integrates the plant.
+#[test]
+fn a_controller_that_is_told_its_fault_is_told_the_same_by_both_integrators() {
+    let folder = folder();
+    let mut scenario = json(&cut("yang2025.json", 50.0, folder.path()));
+    let mut ran = |integrator: Value| -> Value {
+        set(&mut scenario, "/integrator", integrator);
+        let path = write(folder.path(), "told.json", scenario.to_string());
+        let run = steadfast([Path::new("simulate"), &path, Path::new("--json")]);
+        serde_json::from_str(&run.stdout).expect("a summary")
+    };
+    let fixed = ran(json!({ "runge_kutta4": { "step_s": 0.01 } }));
+    let adaptive = ran(json!({ "dormand_prince853": { "tolerance": 1e-12 } }));
+    assert_eq!(fixed["triggers"], adaptive["triggers"]);
+    let error = |summary: &Value| number(summary, "/final_error_deg");
+    assert_relative(error(&adaptive), error(&fixed), 1e-6);
+}
+
+#[test]
+fn a_run_of_more_than_a_million_samples_keeps_rows_of_messages_and_says_so() {
+    let folder = folder();
+    let mut scenario = json(&cut("wu2018.json", 2.1, folder.path()));
+    set(
+        &mut scenario,
+        "/sampling/instants",
+        json!({ "periodic": { "interval_s": 2e-6 } }),
+    );
+    set(&mut scenario, "/output", json!({ "interval_s": 0.01 }));
+    let path = write(folder.path(), "fast.json", scenario.to_string());
+    let (summary, table) = simulated(&path, None, &folder.path().join("run"));
+    assert!(table.rows() < 100_000, "{}", table.rows());
+    let sent: f64 = column(&table, "sent").iter().sum();
+    assert_eq!(sent, number(&summary, "/triggers"));
+    let notes = summary["notes"].to_string();
+    assert!(notes.contains("too many samples for a row each"), "{notes}");
+}
