@@ -103,17 +103,13 @@ fn off_diagonal_entries_are_those_of_the_matrix() {
         -(20.0 * moment[0] + 140.0 * moment[1]) / determinant,
         -moment[2] / 150.0,
     ];
-    for axis in 0..3 {
-        let rates = table
-            .column(&format!("rate_{}_rad_s", axis + 1))
-            .expect("a column");
-        let times = table.column("time_s").expect("a column");
+    let times = table.column("time_s").expect("a column");
+    for (axis, slope) in (1..=3).zip(slope) {
+        let rates = table.column(&format!("rate_{axis}_rad_s"));
+        let rates = rates.expect("a column");
         let last = rates.len() - 1;
         let found = (rates[last] - rates[0]) / (times[last] - times[0]);
-        assert!(
-            (found - slope[axis]).abs() < 1e-4 * slope[axis].abs().max(1e-3),
-            "{found} {}",
-            slope[axis]
-        );
+        let error = (found - slope).abs();
+        assert!(error < 1e-4 * slope.abs().max(1e-3), "{found} {slope}");
     }
 }
