@@ -6,6 +6,7 @@ use serde::Serialize;
 use synth::claim::Claim;
 
 use super::facts::written;
+use crate::base::number::short;
 use crate::batch::campaign::record::{Inputs, Results};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{Answer, Exit};
@@ -69,14 +70,13 @@ fn lines(results: &Results, inputs: &Inputs, folder: &Path) -> Vec<String> {
     let title = ["metric", "runs", "min", "median", "p95", "max"];
     lines.push(row(title.map(str::to_string)));
     for (name, spread) in &results.metrics {
-        let number = |value: f64| format!("{value:.6}");
         lines.push(row([
             name.clone(),
             spread.count.to_string(),
-            number(spread.min),
-            number(spread.median),
-            number(spread.p95),
-            number(spread.max),
+            short(spread.min),
+            short(spread.median),
+            short(spread.p95),
+            short(spread.max),
         ]));
     }
     if results.failures > 0 {

@@ -1,6 +1,7 @@
 //! A run as text.
 use synth::claim::Claim;
 
+use crate::base::number::short;
 use crate::plants::SystemKind;
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
@@ -20,18 +21,20 @@ pub fn lines(summary: &Summary) -> Vec<String> {
     let interval = (summary.shortest_interval_s, summary.mean_interval_s);
     if let (Some(shortest), Some(mean)) = interval {
         lines.push(format!(
-            "between messages: {shortest:.4} s shortest, {mean:.3} s mean"
+            "between messages: {} s shortest, {} s mean",
+            short(shortest),
+            short(mean)
         ));
     }
     let bound = summary.max_transmissions_per_s;
     lines.push(match (summary.min_inter_event_s, bound) {
         (Some(shortest), Some(most)) => format!(
-            "messages per second: {:.4}; the sampling allows one every {} s, {} per second",
-            summary.triggers_per_s,
+            "messages per second: {}; the sampling allows one every {} s, {} per second",
+            short(summary.triggers_per_s),
             Claim::AtLeast(shortest),
             Claim::AtMost(most)
         ),
-        _ => format!("messages per second: {:.4}", summary.triggers_per_s),
+        _ => format!("messages per second: {}", short(summary.triggers_per_s)),
     });
     lines.push(match summary.settle_seconds.map(Claim::AtMost) {
         Some(seconds) => format!("settled: from {seconds} s on"),
@@ -40,7 +43,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
     let spacecraft = summary.system == SystemKind::RigidBody;
     for entry in listed(spacecraft).filter(|entry| entry.kind != MetricKind::Effort) {
         if let Some(value) = summary.metric(entry.metric) {
-            let line = format!("{}: {value:.5} {}", entry.label, entry.unit);
+            let line = format!("{}: {} {}", entry.label, short(value), entry.unit);
             lines.push(line.trim_end().to_string());
         }
     }
@@ -50,8 +53,9 @@ pub fn lines(summary: &Summary) -> Vec<String> {
         false => ("input", "", ""),
     };
     lines.push(format!(
-        "largest {input}: {:.4}{unit}; impulse: {:.4}{impulse_unit}",
-        summary.max_torque, summary.impulse
+        "largest {input}: {}{unit}; impulse: {}{impulse_unit}",
+        short(summary.max_torque),
+        short(summary.impulse)
     ));
     if let Some(link) = &summary.link {
         describe_link(link, &mut lines);
