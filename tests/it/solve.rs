@@ -185,7 +185,7 @@ fn ring(nodes: usize) -> String {
 #[cfg(target_os = "linux")]
 fn a_cone_that_clarabel_has_no_memory_for_is_refused_and_left_to_the_structured_solver() {
     let folder = folder();
-    let file = write(folder.path(), "ring.dat-s", &ring(120));
+    let file = write(folder.path(), "ring.dat-s", ring(120));
     let limited = |solver: &str| {
         let binary = env!("CARGO_BIN_EXE_steadfast");
         // 2 GB of address space; Clarabel needs about 3.2 GB.
@@ -210,7 +210,6 @@ fn a_cone_that_clarabel_has_no_memory_for_is_refused_and_left_to_the_structured_
     );
 }
 
-/// The largest l with [0, y, .; y, y^2 ...]: a weakly infeasible pair, whose optimum is not attained.
 #[test]
 fn an_optimum_that_is_not_attained_is_reported_with_its_residuals() {
     // min y1 with [y1, 1; 1, y2] >= 0: 0, and no point has it.

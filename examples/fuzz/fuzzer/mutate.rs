@@ -181,9 +181,10 @@ fn little(text: &str, seed: &Seed, dice: &mut Dice) -> Vec<u8> {
         return dice.one(&EXTREMES).as_bytes().to_vec();
     };
     let power = 2f64.powi(-(dice.below(53) as i32));
+    // The bits next to a number's are those of the next number.
     let changed = match dice.below(10) {
-        0 => value.next_up(),
-        1 => value.next_down(),
+        0 => f64::from_bits(value.to_bits().wrapping_add(1)),
+        1 => f64::from_bits(value.to_bits().wrapping_sub(1)),
         2 => -value,
         3 => 0.0,
         4 => value * (1.0 + power),
@@ -196,6 +197,9 @@ fn little(text: &str, seed: &Seed, dice: &mut Dice) -> Vec<u8> {
             return seed.text[node.span.clone()].as_bytes().to_vec();
         }
     };
+    if !changed.is_finite() {
+        return b"1e999".to_vec();
+    }
     // Whole numbers stay whole numbers, as counts are written.
     match text.contains(['.', 'e', 'E']) || changed.fract() != 0.0 {
         true => format!("{changed:e}").into_bytes(),

@@ -77,9 +77,10 @@ pub fn descent(problem: &Semidefinite, direction: &[f64]) -> Option<Descent> {
         let violation = -smallest_eigenvalue(&upper, cone.side);
         if size > 0.0 || violation.is_nan() {
             let relative = violation / size;
-            // NaN stays.
-            let worse = !(relative <= descent.residual);
-            descent.residual = if worse { relative } else { descent.residual };
+            // NaN stays: nothing is above it.
+            if relative.is_nan() || relative > descent.residual {
+                descent.residual = relative;
+            }
         }
         let entry = |i: usize, j: usize| sum[svec_index(i, j)];
         descent.proved &= violation < 0.0
