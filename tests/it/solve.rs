@@ -66,6 +66,16 @@ fn a_problem_without_a_lower_bound_is_proved_so() {
     assert_eq!(report["status"], "unbounded", "{report}");
 }
 
+#[test]
+fn a_problem_whose_points_are_very_large_is_not_called_infeasible() {
+    // 1e-15 y >= 3 and y >= 1: 3e15. Clarabel claims that there is no point.
+    let far = "1\n1\n-2\n5\n0 1 1 1 3\n0 1 2 2 1\n1 1 1 1 1e-15\n1 1 2 2 1\n";
+    for solver in ["auto", "structured", "clarabel"] {
+        let report = solve(far, &["--json", "--solver", solver]).json();
+        assert_ne!(report["status"], "infeasible", "{report}");
+    }
+}
+
 fn data(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/sdpa");
     folder.join(name)

@@ -10,8 +10,9 @@ use crate::lmi::{inner_product, svec_index, Cone, Entry, Semidefinite};
 /// Dual matrices as a certificate that no point satisfies the conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refutation {
-    /// Sum over the unknowns of `|<F_i, Z>| / max |F_i|`, relative to `-<F0, Z> / max |F0|`: no point has every
-    /// `|y_i| max |F_i|` below `max |F0|` over this. Infinite when `<F0, Z>` is not negative.
+    /// Sum over the unknowns of `|<F_i, Z>| / min |F_i|`, relative to `-<F0, Z> / max |F0|`: no point has every
+    /// `|y_i| min |F_i|` below `max |F0|` over this. The minimum is over the entries that are not zero: an unknown may
+    /// have to be as large as the smallest of them asks. Infinite when `<F0, Z>` is not negative.
     pub residual: f64,
     /// What they exclude, proved in interval arithmetic.
     pub exclusion: Exclusion,
@@ -20,17 +21,20 @@ pub struct Refutation {
 /// Measures dual matrices, given as in [`Solution::duals`](crate::solve::Solution::duals).
 pub fn refutation(problem: &Semidefinite, duals: &[Vec<f64>]) -> Refutation {
     let unknowns = problem.cost.len();
-    let (mut products, mut sizes) = (vec![0.0; unknowns], vec![0.0_f64; unknowns]);
+    let (mut products, mut sizes) = (vec![0.0; unknowns], vec![f64::INFINITY; unknowns]);
     let (mut strength, mut size) = (0.0, 0.0_f64);
     for (cone, dual) in problem.cones.iter().zip(duals) {
         strength -= inner_product(&cone.constant, dual);
         size = size.max(largest(&cone.constant));
         for (unknown, entries) in &cone.coefficients {
             products[*unknown] += inner_product(entries, dual);
-            sizes[*unknown] = sizes[*unknown].max(largest(entries));
+            sizes[*unknown] = sizes[*unknown].min(smallest(entries));
         }
     }
-    let relative = products.iter().zip(&sizes).filter(|(_, size)| **size > 0.0);
+    let relative = products
+        .iter()
+        .zip(&sizes)
+        .filter(|(_, size)| size.is_finite());
     let relative: f64 = relative.map(|(product, size)| product.abs() / size).sum();
     let residual = match strength > 0.0 && relative.is_finite() {
         true => relative / (strength / size),
@@ -116,4 +120,12 @@ fn free_direction(problem: &Semidefinite) -> Option<Vec<f64>> {
 fn largest(entries: &[Entry]) -> f64 {
     let sizes = entries.iter().map(|entry| entry.value.abs());
     sizes.fold(0.0, f64::max)
+}
+
+/// Of the entries that are not zero; infinite without one.
+fn smallest(entries: &[Entry]) -> f64 {
+    let sizes = entries.iter().map(|entry| entry.value.abs());
+    sizes
+        .filter(|size| *size > 0.0)
+        .fold(f64::INFINITY, f64::min)
 }

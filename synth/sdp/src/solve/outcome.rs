@@ -5,8 +5,11 @@ use super::residuals::{residuals, Residuals};
 use crate::backend::{Solution, Status};
 use crate::lmi::Semidefinite;
 
-/// Largest residual of a certificate that there is no solution, and of a direction without a lower bound.
-const CERTIFICATE: f64 = 1e-8;
+/// Largest residual of a certificate that there is no solution.
+const CERTIFICATE: f64 = 1e-7;
+
+/// Largest residual of a direction without a lower bound.
+const DIRECTION: f64 = 1e-8;
 
 /// What the numbers show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,7 +89,7 @@ impl Judgement {
                 let found = descent(problem, &solution.values);
                 if found
                     .as_ref()
-                    .is_some_and(|found| found.residual <= CERTIFICATE)
+                    .is_some_and(|found| found.residual <= DIRECTION)
                 {
                     judgement.outcome = Outcome::Unbounded;
                 }
