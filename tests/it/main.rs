@@ -20,6 +20,7 @@ mod export;
 mod exports;
 mod feasibility;
 mod fixtures;
+mod fuzz;
 mod inertia;
 mod lei2022;
 mod lei_conditions;
