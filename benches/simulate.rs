@@ -12,8 +12,8 @@ use steadfast::run::design::Design;
 use steadfast::run::simulate;
 use steadfast::scenario::Scenario;
 use synth::model::Model;
-use synth::solve::Clarabel;
-use synth::synthesis::{synthesize, Form, Outcome};
+use synth::solve::Solver;
+use synth::synthesis::{synthesize, Outcome, Solvers};
 
 const REPEATS: usize = 5;
 /// Long enough that the start of a run does not count, s.
@@ -59,7 +59,14 @@ fn scenario(name: &str) -> Scenario {
 fn design() -> Option<Design> {
     let text = std::fs::read_to_string(models().join("xu2020.json")).ok()?;
     let model = Model::from_json(&text).ok()?;
-    match synthesize(&model, &text, Form::Chordal, &Clarabel::default(), None).ok()? {
+    match synthesize(
+        &model,
+        &text,
+        &Solvers::both([Solver::Clarabel, Solver::Structured]),
+        None,
+    )
+    .ok()?
+    {
         Outcome::Solved(design) => Design::from_json(&design.file.to_json()).ok(),
         _ => None,
     }

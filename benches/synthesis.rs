@@ -60,7 +60,7 @@ fn problem(form: Form) -> (Semidefinite, Accuracy) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/xu2020.json");
     let text = std::fs::read_to_string(path).expect("the model file");
     let model = Model::from_json(&text).expect("a valid model");
-    let (_, task) = scaled_task(&model, FIRST_UNITS);
+    let (_, task) = scaled_task(&model, &FIRST_UNITS);
     let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
     (problem, Goal::SmallestGain.accuracy(&task))
 }

@@ -27,7 +27,7 @@ pub fn run(folder: &Path, quick: bool) {
     for parameters in [4, 8, 10] {
         let vertices = 1_u32 << parameters;
         let model = Model::new(model_file(parameters)).expect("a valid model");
-        let (_, task) = scaled_task(&model, FIRST_UNITS);
+        let (_, task) = scaled_task(&model, &FIRST_UNITS);
         let file = |form: Form| {
             let name = form.name();
             let path = folder.join(format!("{name}-{vertices}.dat-s"));

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use synth::model::{LinearBound, Model, ModelFile, PlantFile, VerticesPlant};
-use synth::solve::{Backend, Clarabel, Structured};
-use synth::synthesis::{synthesize, Form, Outcome};
+use synth::solve::{Clarabel, Structured};
+use synth::synthesis::{synthesize, Form, Outcome, Solvers};
 
 use super::external::peak_memory_mb;
 use super::{print_table, Row};
@@ -22,28 +22,27 @@ pub fn run_one(vertices: u32) {
 }
 
 fn print_rows(parameters: &[u32]) {
-    let solvers: [(&dyn Backend, Form); 2] = [
-        (&Structured::default(), Form::VertexRelaxed),
-        (&Clarabel::default(), Form::Chordal),
+    let solvers = [
+        Solvers::only(Structured::default(), Form::VertexRelaxed),
+        Solvers::only(Clarabel::default(), Form::Chordal),
     ];
-    for (backend, form) in solvers {
+    for solvers in &solvers {
         let rows: Vec<Row> = parameters
             .iter()
-            .map(|&count| synthesis_row(count, backend, form))
+            .map(|&count| synthesis_row(count, solvers))
             .collect();
         let title = format!(
-            "growth: whole synthesis, {}, {} form (peak memory so far)",
-            backend.name(),
-            form.name()
+            "growth: whole synthesis, {} (peak memory so far)",
+            solvers.names()
         );
         print_table(&title, &rows);
     }
 }
 
-fn synthesis_row(parameters: u32, backend: &dyn Backend, form: Form) -> Row {
+fn synthesis_row(parameters: u32, solvers: &Solvers) -> Row {
     let model = Model::new(model_file(parameters)).expect("a valid model");
     let start = Instant::now();
-    let outcome = synthesize(&model, "", form, backend, None);
+    let outcome = synthesize(&model, "", solvers, None);
     let seconds = start.elapsed().as_secs_f64();
     let what = format!("{} vertices", 1_u32 << parameters);
     match outcome {

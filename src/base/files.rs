@@ -1,6 +1,7 @@
 //! Folders and files of results.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use synth::model::{read_text, write_atomically, FileError};
 
@@ -75,5 +76,34 @@ pub fn read(path: &Path) -> Result<String, OutputError> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write(path: &Path, contents: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), OutputError> {
-    write_atomically(path, contents.as_ref()).map_err(|problem| OutputError::file(path, problem))
+    write_atomically(path, contents.as_ref())
+        .map_err(|problem| OutputError::file(path, problem))?;
+    note_written(path);
+    Ok(())
 }
+
+/// What this process has written so far, in order, for who interrupts it.
+static WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Notes that a file is on the disk.
+pub fn note_written(path: &Path) {
+    let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if !written.iter().any(|known| known == path) {
+        written.push(path.to_path_buf());
+    }
+}
+
+/// What is on the disk when the work ends here: `nothing was written`, or which files were.
+pub fn what_was_written() -> String {
+    let written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let (some, rest) = written.split_at(written.len().min(NAMED));
+    let names: Vec<String> = some.iter().map(|path| path.display().to_string()).collect();
+    match (names.as_slice(), rest.len()) {
+        ([], _) => "nothing was written".to_string(),
+        (names, 0) => format!("written before: {}", names.join(", ")),
+        (names, more) => format!("written before: {} and {more} more", names.join(", ")),
+    }
+}
+
+/// Files that are named one by one.
+const NAMED: usize = 8;

@@ -2,6 +2,7 @@
 //! text.
 
 pub mod bounded;
+pub mod compressed;
 pub mod condition;
 pub mod csv;
 pub mod files;

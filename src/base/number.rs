@@ -18,6 +18,11 @@ const SHORT: Format = Format {
     least_power: -4,
     trims: false,
 };
+const PRECISE: Format = Format {
+    digits: 12,
+    trims: true,
+    ..SHORT
+};
 const LABEL: Format = Format {
     digits: 4,
     zero_below: 1e-300,
@@ -52,6 +57,11 @@ fn trimmed(text: &str) -> &str {
     }
 }
 
+/// Twelve significant digits: what differs in more than rounding is told apart.
+pub fn precise(value: f64) -> String {
+    PRECISE.write(value)
+}
+
 /// Five significant digits.
 pub fn short(value: f64) -> String {
     SHORT.write(value)
@@ -67,16 +77,28 @@ pub fn label(value: f64) -> String {
     LABEL.write(value)
 }
 
-/// A tick's number without the rounding of its multiplication.
-pub fn tick(value: f64) -> String {
+/// A tick's number without the rounding of its multiplication, with as many digits as tell it from one that is
+/// `apart` away.
+pub fn tick(value: f64, apart: f64) -> String {
     let magnitude = value.abs();
-    if magnitude < 1e-12 {
+    if magnitude < 1e-6 * apart || magnitude < f64::MIN_POSITIVE {
         return "0".to_string();
     }
+    let last = if apart > 0.0 {
+        apart.log10().floor()
+    } else {
+        -6.0
+    };
     if !(1e-3..1e6).contains(&magnitude) {
-        return with_exponent(value);
+        let digits = (magnitude.log10().floor() - last + 1.0).clamp(1.0, 15.0);
+        let text = format!("{value:.*e}", digits as usize);
+        return match text.split_once('e') {
+            Some((digits, power)) => format!("{}e{power}", trimmed(digits)),
+            None => text,
+        };
     }
-    trimmed(&format!("{value:.6}")).to_string()
+    let places = (1.0 - last).clamp(0.0, 15.0) as usize;
+    trimmed(&format!("{value:.places$}")).to_string()
 }
 
 /// The number of a tick at its decimal logarithm, with two significant digits.
@@ -86,7 +108,7 @@ pub fn tick_of_logarithm(exponent: f64) -> String {
         return with_exponent(value);
     }
     let digits = (1 - (exponent + 1e-9).floor() as i32).clamp(0, 6) as usize;
-    tick(format!("{value:.digits$}").parse().unwrap_or(value))
+    trimmed(&format!("{value:.digits$}")).to_string()
 }
 
 fn with_exponent(value: f64) -> String {
@@ -110,10 +132,30 @@ mod tests {
 
     #[test]
     fn ticks_are_written_short() {
-        assert_eq!(tick(0.30000000000000004), "0.3");
-        assert_eq!(tick(-1.5e-4), "-1.5e-4");
-        assert_eq!(tick(1e-17), "0");
-        assert_eq!(tick(200.0), "200");
+        assert_eq!(tick(0.30000000000000004, 0.1), "0.3");
+        assert_eq!(tick(-1.5e-4, 5e-5), "-1.5e-4");
+        assert_eq!(tick(1e-17, 0.1), "0");
+        assert_eq!(tick(200.0, 50.0), "200");
+    }
+
+    #[test]
+    fn ticks_that_are_close_to_each_other_differ() {
+        let ticks = |first: f64, apart: f64| {
+            let ticks = (0..5).map(|index| tick(first + apart * f64::from(index), apart));
+            ticks.collect::<Vec<_>>()
+        };
+        assert_eq!(ticks(1.2e-4, 1e-7)[1], "1.201e-4");
+        assert_eq!(ticks(63.0, 1e-8)[3], "63.00000003");
+        assert_eq!(ticks(2.5e7, 1.0)[4], "2.5000004e7");
+        for (first, apart) in [(1.2e-4, 1e-7), (63.0, 1e-8), (2.5e7, 1.0), (1e-9, 2e-10)] {
+            let mut ticks = ticks(first, apart);
+            ticks.dedup();
+            assert_eq!(ticks.len(), 5, "{ticks:?}");
+        }
+    }
+
+    #[test]
+    fn ticks_at_equal_ratios_are_written_short() {
         assert_eq!(tick_of_logarithm(-1.0), "0.1");
         assert_eq!(tick_of_logarithm(-5.0), "1e-5");
         assert_eq!(tick_of_logarithm(2.0), "100");

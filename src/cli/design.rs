@@ -1,11 +1,13 @@
 //! The design that a scenario runs with.
 
 use std::path::{Path, PathBuf};
+use synth::claim::Claim;
 
 use super::answer::note;
 use super::error::CliError;
 use super::files;
 use crate::controllers::ControllerChoice;
+use crate::run::check_design;
 use crate::run::design::Design;
 use crate::run::outcome::SimulateError;
 use crate::scenario::Scenario;
@@ -26,6 +28,8 @@ pub(crate) fn design_of(
         return Err(CliError::unsuitable(scenario_path, error));
     }
     let design = read_design(&path)?;
+    check_design(scenario, Some(&design))
+        .map_err(|error| CliError::unsuitable(scenario_path, error))?;
     announce(&design);
     Ok(Some(design))
 }
@@ -57,7 +61,8 @@ fn announce(design: &Design) {
         false => "NOT PROVED",
     };
     let worst = design.report.worst().map_or(String::new(), |worst| {
-        format!(", smallest margin {:.3e} ({})", worst.margin, worst.name)
+        let margin = Claim::AtLeast(worst.margin);
+        format!(", smallest margin {margin:.4} ({})", worst.name)
     });
     note(&format!("design '{}': {verdict}{worst}", design.file.name));
 }

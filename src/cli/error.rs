@@ -7,7 +7,7 @@ use synth::solve::SolveError;
 use synth::synthesis::SynthesisError;
 
 use super::answer::Exit;
-use crate::base::files::OutputError;
+use crate::base::files::{what_was_written, OutputError};
 use crate::batch::campaign::CampaignError;
 
 /// One clear sentence; the exit status is 1.
@@ -44,8 +44,8 @@ pub enum CliError {
     /// Synthesis could not run.
     #[error(transparent)]
     Synthesis(#[from] SynthesisError),
-    /// Stopped by the user.
-    #[error("interrupted; nothing was written")]
+    /// Stopped by the user, with what is on the disk.
+    #[error("interrupted; {}", what_was_written())]
     Interrupted,
     /// A sweep stopped by the user, its points kept.
     #[error(

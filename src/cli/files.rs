@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use synth::model::{write_atomically, FileError};
+use synth::model::FileError;
 
 use super::error::CliError;
 use crate::base::files::read;
@@ -31,43 +31,7 @@ pub fn load<T>(
     Ok((text, content))
 }
 
-/// Refuses an output path that cannot be written or that is an input, before any long work.
-pub fn check_output(output: Option<&Path>, inputs: &[&Path]) -> Result<(), CliError> {
-    let Some(path) = output else {
-        return Ok(());
-    };
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let same = |input: &&Path| Some(path.canonicalize().ok()? == input.canonicalize().ok()?);
-    let reason = if path.is_dir() {
-        "this is a folder; a file name is needed"
-    } else if !folder.is_dir() {
-        "cannot be written: its folder does not exist"
-    } else if path.exists() && !path.is_file() {
-        "cannot be written: it is not an ordinary file"
-    } else if inputs.iter().any(|input| same(input) == Some(true)) {
-        "this is the input; it would be overwritten"
-    } else {
-        return Ok(());
-    };
-    Err(CliError::unsuitable(path, reason))
-}
-
-/// Refuses an output folder that is something else, before any long work.
-pub fn check_folder(path: Option<&Path>) -> Result<(), CliError> {
-    match path {
-        Some(path) if path.exists() && !path.is_dir() => Err(CliError::unsuitable(
-            path,
-            "this is a file; a folder is needed",
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// Writes a result file whole or not at all.
 pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), CliError> {
-    let written = write_atomically(path, contents.as_ref());
-    written.map_err(|problem| CliError::file(path, problem))
+    Ok(crate::base::files::write(path, &contents)?)
 }

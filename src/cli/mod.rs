@@ -5,12 +5,15 @@
 //! `--json`, and its wording. `answer` prints, once; whatever else is printed, such as progress, goes to standard error.
 
 mod answer;
+mod arguments;
 mod design;
 mod error;
 mod files;
+mod physics;
 mod progress;
 mod show;
 mod solver;
+mod target;
 mod verbs;
 
 pub use error::CliError;

@@ -9,7 +9,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use synth::solve::{Observer, Progress};
 use synth::synthesis::SynthesisError;
 
+use super::answer::complain;
 use super::error::CliError;
+use crate::base::files::what_was_written;
 use crate::batch::engine::{Control, Threads};
 
 /// Threads for `--jobs`; one for each processor when left out.
@@ -65,6 +67,11 @@ static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// Set by Ctrl-C, from the first call on.
 pub fn interrupted() -> Arc<AtomicBool> {
+    WATCHED.store(true, Ordering::Relaxed);
+    install()
+}
+
+fn install() -> Arc<AtomicBool> {
     let install = || {
         let flag = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&flag);
@@ -72,13 +79,22 @@ pub fn interrupted() -> Arc<AtomicBool> {
         let _ = ctrlc::set_handler(move || {
             // The second time the user does not want to wait for the part in work. Files are renamed
             // into place when they are whole, so none is left half written.
-            if seen.swap(true, Ordering::Relaxed) {
+            if seen.swap(true, Ordering::Relaxed) || !WATCHED.load(Ordering::Relaxed) {
+                complain(&format!("interrupted; {}", what_was_written()));
                 std::process::exit(1);
             }
         });
         flag
     };
     Arc::clone(INTERRUPTED.get_or_init(install))
+}
+
+/// Whether some work looks at the flag. Until then Ctrl-C ends the process at once.
+static WATCHED: AtomicBool = AtomicBool::new(false);
+
+/// Makes Ctrl-C say what is on the disk, in every verb.
+pub(super) fn watch_for_interruption() {
+    install();
 }
 
 /// A bar over the parts of long work on standard error when that is a terminal, nothing otherwise.

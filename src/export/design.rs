@@ -27,11 +27,11 @@ pub struct DesignData {
     pub law: Vec<String>,
     /// The conditions that are not proved, by name.
     pub failed: Vec<String>,
-    /// What the proof assumes.
+    /// What the proof assumes; none where nothing is proved.
     pub assumptions: Vec<String>,
     /// Keys and texts of the file's provenance, in order.
     pub provenance: Vec<(&'static str, String)>,
-    /// The numbers.
+    /// The numbers: those of the law, and those of the proof where there is one.
     pub quantities: Vec<Quantity>,
 }
 
@@ -51,7 +51,10 @@ impl DesignData {
             data.provenance.push(("gains_sha256", digest.clone()));
         }
         data.quantities = law_quantities(design);
-        data.quantities.extend(proof(design));
+        // What is not proved claims nothing.
+        if data.proved {
+            data.quantities.extend(proof(design));
+        }
         data
     }
 
@@ -64,10 +67,11 @@ impl DesignData {
     ) -> Self {
         let mut data = Self::new(&file.name, report, &sha256_of(text));
         let meaning = format!("the guaranteed number: {}", problem.task.guarantee());
-        data.law = vec![
-            "u = F x, saturated where the problem says so.".to_string(),
-            format!("Problem: {}; guarantee: {meaning}.", problem.task.name()),
-        ];
+        data.law = vec!["u = F x, saturated where the problem says so.".to_string()];
+        data.law.push(match data.proved {
+            true => format!("Problem: {}; guarantee: {meaning}.", problem.task.name()),
+            false => format!("Problem: {}.", problem.task.name()),
+        });
         data.provenance.extend([
             ("generator", file.provenance.generator.clone()),
             ("date", file.provenance.date.clone()),
@@ -76,11 +80,15 @@ impl DesignData {
             ("problem", problem.task.name().to_string()),
         ]);
         let proof = &file.certificate;
-        data.quantities = vec![
-            Quantity::new("gain", PER_STATE, &file.controller.gain).means("the feedback F"),
+        let gain = &file.controller.gain;
+        data.quantities = vec![Quantity::new("gain", PER_STATE, gain).means("the feedback F")];
+        if !data.proved {
+            return data;
+        }
+        data.quantities.extend([
             Quantity::new("lyapunov", WEIGHT, &proof.lyapunov).means("P of x'Px"),
             Quantity::new("guarantee", "1", &proof.guarantee).means(&meaning),
-        ];
+        ]);
         let further = proof.auxiliary.iter();
         data.quantities.extend(further.map(|(name, rows)| {
             Quantity::new(name, PER_STATE, rows).means("a further gain that the proof needs")
@@ -103,7 +111,10 @@ impl DesignData {
             proved: report.verdict == Verdict::Proved,
             law: Vec::new(),
             failed: failed.map(|one| one.name.clone()).collect(),
-            assumptions: report.not_covered.clone(),
+            assumptions: match report.verdict {
+                Verdict::Proved => report.not_covered.clone(),
+                Verdict::NotProved => Vec::new(),
+            },
             provenance,
             quantities: Vec::new(),
         }
@@ -186,7 +197,6 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
         ),
         None => (PER_STATE, "input_limit", "input"),
     };
-    let shortest = design.model.sampling_interval_min();
     let mut out = vec![
         Quantity::new("gains", per_state, &controller.gains)
             .means("the gains F_j, one for each rule"),
@@ -195,9 +205,12 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
         Quantity::new(limit_name, limit_unit, limit.as_slice())
             .means("saturation level of each input"),
         Quantity::new("hbar_s", "s", &specs.hbar_s).means("longest sampling interval"),
-        Quantity::new("hmin_s", "s", &shortest).means("shortest sampling interval"),
         Quantity::new("nu", "1", &specs.nu).means("largest trigger threshold"),
     ];
+    let shortest = design.model.sampling_interval_min();
+    out.extend(shortest.map(|shortest| {
+        Quantity::new("hmin_s", "s", &shortest).means("shortest sampling interval")
+    }));
     if let Some(update) = &specs.threshold_update {
         let least = specs.nu_min.unwrap_or(specs.nu);
         out.extend([

@@ -7,7 +7,7 @@ use crate::base::parquet::{self, Column, ParquetError};
 use crate::base::provenance::GENERATOR;
 use crate::base::table::Table;
 use crate::base::unit::unit_of_key;
-use crate::run::summary::Summary;
+use crate::run::summary::{CertificateOutcome, Summary};
 
 /// A trajectory and what is to be said of it.
 #[derive(Debug, Clone)]
@@ -82,12 +82,16 @@ fn unit(column: &str) -> &'static str {
 fn provenance(summary: &Summary) -> Vec<(&'static str, String)> {
     let made = &summary.provenance;
     let design = made.design_sha256.clone().unwrap_or("none".to_string());
+    let certificate = summary.certificate.as_ref();
+    let proof = certificate.map(CertificateOutcome::as_text);
+    let proof = proof.unwrap_or("nothing is proved for this controller".to_string());
     vec![
         ("scenario", summary.scenario.clone()),
         ("source", summary.source.clone()),
         ("system", summary.system.key().to_string()),
         ("controller", summary.controller.clone()),
         ("verdict", summary.verdict.name().to_string()),
+        ("proof", proof),
         ("generator", made.generator.clone()),
         ("integrator", made.integrator.clone()),
         ("random_generator", made.random_generator.clone()),

@@ -117,7 +117,8 @@ impl Scale<'_> {
     pub fn tick(&self, place: f64) -> String {
         match (self.names, self.logarithmic) {
             ([], true) => tick_of_logarithm(place),
-            ([], false) => tick(place),
+            // Ten ticks at most.
+            ([], false) => tick(place, 0.1 * (self.range.end - self.range.start)),
             (names, _) => {
                 let own = (place - place.round()).abs() < 1e-9 && place > -0.5;
                 let name = names.get(place.round() as usize).filter(|_| own);

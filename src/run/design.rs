@@ -9,6 +9,7 @@ use synth::design::{prove, DesignFile, LargeSetCertificate};
 use synth::fuzzy::{ExactSpacecraft, INERTIA_ENTRIES};
 use synth::model::{FileError, Model, Plant, Specs};
 
+use crate::base::number::precise;
 use crate::base::provenance::sha256_of;
 use crate::plants::rigid_body::RigidBodySystem;
 use crate::plants::takagi_sugeno::TakagiSugenoSystem;
@@ -64,8 +65,9 @@ pub enum FitError {
     },
     /// A body far from the model's.
     #[error(
-        "the scenario's moments of inertia are {smallest:.4} to {largest:.4} times those of the \
-         design's model; a design is run on plants from {allowed_smallest} to {allowed_largest} times"
+        "the scenario's moments of inertia are {} to {} times those of the design's model; a design is \
+         run on plants from {allowed_smallest} to {allowed_largest} times",
+        precise(*smallest), precise(*largest)
     )]
     Inertia {
         /// Smallest ratio over all axes.
@@ -352,7 +354,9 @@ fn another_inertia(inertia: &Matrix3<f64>, body: &RigidBody) -> Option<String> {
     let other = smallest < 1.0 - INERTIA_ROUNDING || largest > 1.0 + INERTIA_ROUNDING;
     other.then(|| {
         format!(
-            "the plant's moments of inertia are {smallest:.4} to {largest:.4} times the model's"
+            "the plant's moments of inertia are {} to {} times the model's",
+            precise(smallest),
+            precise(largest)
         )
     })
 }
@@ -371,13 +375,13 @@ fn outside_inertia_set(craft: &ExactSpacecraft, body: &RigidBody) -> Option<Stri
     outside.then(|| {
         let width = craft.inertia_uncertainty.half_width(nominal, worst);
         format!(
-            "the plant's inertia is outside of the set that the proof is for: entry ({}, {}) is {:.6} \
-             kg m^2, the set has {:.6} to {:.6}",
+            "the plant's inertia is outside of the set that the proof is for: entry ({}, {}) is {} \
+             kg m^2, the set has {} to {}",
             worst.0 + 1,
             worst.1 + 1,
-            inertia[worst],
-            nominal[worst] - width,
-            nominal[worst] + width
+            precise(inertia[worst]),
+            precise(nominal[worst] - width),
+            precise(nominal[worst] + width)
         )
     })
 }

@@ -56,7 +56,8 @@ where
         } = self;
         let breakpoints_s = bench.discontinuities_s(scenario.duration_s);
         let columns = (controller.signal_names(), link.is_some());
-        let mut log = Log::new(bench.gauge, scenario, design, recording, columns);
+        let jumps_s = bench.reference_jumps_s.clone();
+        let mut log = Log::new(bench.gauge, scenario, design, recording, columns, jumps_s);
         let closed_loop = ClosedLoop {
             plant: &bench.plant,
             disturbance: &bench.disturbance,

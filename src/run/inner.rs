@@ -79,9 +79,11 @@ impl<const N: usize> InnerMonitor<N> {
         [self.monitor.level, bound]
     }
 
-    /// What is to be said of the run; `covered` when the proof covers it but for its start.
-    pub fn outcome(&self, covered: bool, gamma: f64, guaranteed_gain: f64) -> InnerOutcome {
+    /// What is to be said of the run; `covered` when the proof covers it but for its start; `gains` are gamma and the
+    /// guaranteed gain, where they are proved.
+    pub fn outcome(&self, covered: bool, gains: [Option<f64>; 2]) -> InnerOutcome {
         let monitor = &self.monitor;
+        let [gamma, guaranteed_gain] = gains;
         InnerOutcome {
             entered_s: self.entered_s,
             covered,
@@ -146,10 +148,10 @@ mod tests {
         monitor.step(3.0, 1.0, &at(0.6), 0.0);
         let bound = 0.2 + 0.44 * (-0.5_f64).exp();
         assert!((monitor.columns()[1] - bound).abs() < 1e-12);
-        assert_eq!(monitor.outcome(true, 1.0, 1.0).violations(), 0);
+        assert_eq!(monitor.outcome(true, [Some(1.0); 2]).violations(), 0);
         monitor.step(3.1, 0.1, &at(0.8), 0.0);
-        assert_eq!(monitor.outcome(true, 1.0, 1.0).violations(), 1);
-        assert!(monitor.outcome(true, 1.0, 1.0).broken());
-        assert!(!monitor.outcome(false, 1.0, 1.0).broken());
+        assert_eq!(monitor.outcome(true, [Some(1.0); 2]).violations(), 1);
+        assert!(monitor.outcome(true, [Some(1.0); 2]).broken());
+        assert!(!monitor.outcome(false, [Some(1.0); 2]).broken());
     }
 }

@@ -1,10 +1,11 @@
 //! From what was watched to the summary and its verdict.
 
+use synth::claim::Claim;
 use synth::model::Mismatch;
 
 use super::design::Design;
 use super::inner::InnerMonitor;
-use super::log::Log;
+use super::log::{has_every_sample, Log};
 use super::summary::{
     CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
@@ -57,6 +58,12 @@ where
     let left = log.funnel.as_ref().map_or(0, |usage| usage.outside_steps);
     let bound = TransmissionBound::of_instants(&scenario.instants);
     notes.extend(closer_samples(design, bound));
+    if !has_every_sample(scenario) {
+        notes.push(
+            "The run has too many samples for a row each: its trajectory has those at which a message was sent."
+                .to_string(),
+        );
+    }
     Summary {
         schema_version: SUMMARY_SCHEMA_VERSION,
         scenario: scenario.name.clone(),
@@ -106,7 +113,7 @@ where
 
 /// What is to be said when the scenario samples faster than the design's model allows.
 fn closer_samples(design: Option<&Design>, bound: Option<TransmissionBound>) -> Option<String> {
-    let promised = TransmissionBound::of_model(&design?.model).min_inter_event_s;
+    let promised = TransmissionBound::of_model(&design?.model)?.min_inter_event_s;
     let shortest = bound?.min_inter_event_s;
     (shortest < promised * (1.0 - ROUNDING)).then(|| {
         format!(
@@ -139,25 +146,30 @@ pub(crate) fn certificate<const N: usize>(
     let peak_disturbance = monitor.disturbance_squared.sqrt();
     if exceeds(peak_disturbance, bound * (1.0 + ROUNDING)) {
         not_covered.push(format!(
-            "the disturbance reaches {peak_disturbance:.3e}; the proof is for at most {bound:.3e}"
+            "the disturbance reaches {}; the proof is for at most {bound}",
+            Claim::AtMost(peak_disturbance)
         ));
     }
     let seen = events.largest_mismatch.unwrap_or(0.0);
     match design.model.file.mismatch {
         Mismatch::Kappa(kappa) if design.certificate.is_matched(&design.model) && seen > kappa => {
             not_covered.push(format!(
-                "a membership differs by {seen:.4} from that at the sample sent last; the proof assumes \
-                 at most kappa = {kappa}"
+                "a membership differs by {} from that at the sample sent last; the proof assumes \
+                 at most kappa = {kappa}",
+                Claim::AtMost(seen)
             ));
         }
         _ => {}
     }
     let certificate = &design.certificate;
-    let gains = (certificate.gain_bound, certificate.guaranteed_gain);
-    let inner = inner.map(|inner| inner.outcome(not_covered.is_empty(), gains.0, gains.1));
+    // What is not proved claims nothing.
+    let gains = [certificate.gain_bound, certificate.guaranteed_gain];
+    let [gamma, guaranteed_gain] = gains.map(|gain| design.proved().then_some(gain));
+    let inner = inner.map(|inner| inner.outcome(not_covered.is_empty(), [gamma, guaranteed_gain]));
     if exceeds(start, 1.0 + ROUNDING) {
         not_covered.push(format!(
-            "the start is not in the certified set: x'Ux is {start:.4}, the set is x'Ux <= 1"
+            "the start is not in the certified set: x'Ux is {}, the set is x'Ux <= 1",
+            Claim::AtMost(start)
         ));
     }
     let worst = design.report.worst();
@@ -180,20 +192,37 @@ pub(crate) fn certificate<const N: usize>(
         peak_disturbance,
         peak_ratio: Some(ratio).filter(|ratio| ratio.is_finite()),
         from_rest_in_origin,
-        gamma: gains.0,
-        guaranteed_gain: gains.1,
+        gamma,
+        guaranteed_gain,
         ultimate_level: monitor.claims().ultimate_level(),
         inner,
     }
 }
 
 impl CertificateOutcome {
+    /// What is proved of the run.
+    pub fn as_text(&self) -> String {
+        match (self.proved, self.covers_run) {
+            (true, true) => "proved; the proof covers this run".to_string(),
+            (true, false) => format!(
+                "proved; the proof does not cover this run: {}",
+                self.not_covered.join("; ")
+            ),
+            (false, _) => "not proved".to_string(),
+        }
+    }
+
+    /// The guaranteed gain and gamma; `None` where they are not proved.
+    pub fn gains(&self) -> Option<[Claim; 2]> {
+        let gains = self.guaranteed_gain.zip(self.gamma);
+        gains.map(|(gain, gamma)| [gain, gamma].map(Claim::AtMost))
+    }
+
     /// True when the proof covers the run and the run broke it.
     pub fn broken(&self) -> bool {
+        let measured = self.peak_ratio.zip(self.guaranteed_gain);
         let gain = self.from_rest_in_origin
-            && self
-                .peak_ratio
-                .is_some_and(|ratio| ratio > self.guaranteed_gain * (1.0 + ROUNDING));
+            && measured.is_some_and(|(ratio, gain)| ratio > gain * (1.0 + ROUNDING));
         let inner = self.inner.as_ref().is_some_and(InnerOutcome::broken);
         inner || self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
     }

@@ -22,6 +22,16 @@ use crate::sim::pointing::ErrorStatistics;
 use crate::sim::profile::Profile;
 use crate::sim::recorder::Recorder;
 
+/// Most samples of a run whose trajectory has a row for each.
+const MOST_SAMPLE_ROWS: f64 = 1e6;
+
+/// Whether the trajectory of a scenario has a row for each sample. One with more samples than a table should have rows
+/// has those at which a message was sent.
+pub(crate) fn has_every_sample(scenario: &Scenario) -> bool {
+    let expected = scenario.instants.expected_samples(scenario.duration_s);
+    expected.is_none_or(|samples| samples <= MOST_SAMPLE_ROWS)
+}
+
 /// Metrics, certificate, profile and trajectory of one run of a plant.
 #[derive(Debug, Clone)]
 pub(crate) struct Log<G, const N: usize, const M: usize, const D: usize, const L: usize>
@@ -56,6 +66,7 @@ where
     pub switches: Option<SwitchCount>,
     profile: Profile,
     recorder: Option<Recorder>,
+    every_sample: bool,
     row: Vec<f64>,
     link_steps: Option<[f64; M]>,
     input: SVector<f64, M>,
@@ -67,20 +78,21 @@ where
     G: Gauge<N, M, D, L>,
 {
     /// Nothing yet. The controller's `signals` are columns of the trajectory, as are the steps on the link
-    /// where there is one.
+    /// where there is one. `reference_jumps_s`: when the error jumps.
     pub fn new(
         gauge: G,
         scenario: &Scenario,
         design: Option<&Design>,
         recording: &Recording,
         (signals, linked): (&[&str], bool),
+        reference_jumps_s: Vec<f64>,
     ) -> Self {
         let lyapunov = design.map(|design| LyapunovMonitor::new(design.claims()));
         let inner = design.and_then(|design| Some(InnerMonitor::new(design.inner_claims()?)));
         let mut columns = vec!["time_s".to_string()];
         columns.extend(gauge.columns());
         let mut add = |names: &[&str]| columns.extend(names.iter().map(|name| name.to_string()));
-        add(&["sent"]);
+        add(&["sample", "sent"]);
         if lyapunov.is_some() {
             add(&["lyapunov", "lyapunov_bound"]);
         }
@@ -93,7 +105,8 @@ where
         }
         let tail_from_s = scenario.duration_s - scenario.tail_s;
         Self {
-            error: ErrorStatistics::new(gauge.settle_tolerance(), tail_from_s),
+            error: ErrorStatistics::new(gauge.settle_tolerance(), tail_from_s)
+                .with_jumps(reference_jumps_s),
             gauge,
             events: EventCount::default(),
             effort: Effort::new(),
@@ -108,6 +121,7 @@ where
             switches: None,
             profile: Profile::new(recording.profile_times_s, G::QUANTITIES.len()),
             row: Vec::with_capacity(columns.len()),
+            every_sample: has_every_sample(scenario),
             link_steps: linked.then_some([0.0; M]),
             recorder: recording
                 .trajectory
@@ -121,6 +135,7 @@ where
     pub fn measured(&self, duration_s: f64) -> Measured {
         let mut measured = Measured {
             settle_seconds: self.error.settle_seconds(),
+            settle_crossing_s: self.error.settle_crossing_s(),
             turn_ons: self.switches.map(|count| u64::from(count.on)),
             turn_offs: self.switches.map(|count| u64::from(count.off)),
             ..Measured::of(&self.events, &self.effort, duration_s)
@@ -139,11 +154,12 @@ where
         (profile, self.recorder.map(Recorder::into_table))
     }
 
+    /// A row at `time_s`: whether a sample reached the controller there, and whether a message was sent.
     fn write<C: Controller<G::Seen, M>>(
         &mut self,
         time_s: f64,
         seen: &G::Seen,
-        sent: bool,
+        [sample, sent]: [bool; 2],
         controller: &C,
     ) {
         let Some(recorder) = &mut self.recorder else {
@@ -153,7 +169,7 @@ where
         row.clear();
         row.push(time_s);
         self.gauge.write(seen, &self.input, &self.disturbance, row);
-        row.push(f64::from(u8::from(sent)));
+        row.extend([sample, sent].map(|flag| f64::from(u8::from(flag))));
         if let Some(monitor) = &self.lyapunov {
             row.extend([monitor.level, monitor.bound()]);
         }
@@ -208,7 +224,7 @@ where
             inner.start(&self.gauge.certified(&seen), square);
         }
         self.watch(0.0, state, &seen, controller);
-        self.write(0.0, &seen, false, controller);
+        self.write(0.0, &seen, [false; 2], controller);
     }
 
     #[inline]
@@ -226,10 +242,16 @@ where
             let seen = self.gauge.see(time_s, state);
             inner.sample(time_s, &self.gauge.certified(&seen), command.sent);
         }
-        let transmitted = self.link_steps.iter().flatten().any(|&step| step != 0.0);
-        if (command.sent || transmitted) && self.recorder.is_some() {
-            let seen = self.gauge.see(time_s, state);
-            self.write(time_s, &seen, true, controller);
+        let row = self.recorder.as_mut();
+        if let Some(due) = row.map(|recorder| recorder.last_row_at(time_s).is_some()) {
+            // Every sample has its row, so that the controller's columns are those after the sample, and what was
+            // sampled when can be replayed.
+            let transmitted = self.link_steps.iter().flatten().any(|&step| step != 0.0);
+            let sent = command.sent || transmitted;
+            if sent || due || self.every_sample {
+                let seen = self.gauge.see(time_s, state);
+                self.write(time_s, &seen, [true, sent], controller);
+            }
         }
     }
 
@@ -238,14 +260,33 @@ where
     }
 
     #[inline]
-    fn hold(&mut self, time_s: f64, input: &SVector<f64, M>) {
+    fn hold(
+        &mut self,
+        time_s: f64,
+        input: &SVector<f64, M>,
+        disturbance: &SVector<f64, D>,
+        controller: &C,
+    ) {
         self.effort.begin(input);
-        self.input = *input;
-        if let Some(row) = self.recorder.as_mut().and_then(|r| r.last_row_at(time_s)) {
+        let jumps = (self.input, self.disturbance) != (*input, *disturbance);
+        (self.input, self.disturbance) = (*input, *disturbance);
+        let Some(recorder) = &mut self.recorder else {
+            return;
+        };
+        match (recorder.last_row_at(time_s), self.last) {
             // The time is in front of the plant's columns.
-            let inputs = self.gauge.inputs();
-            let count = inputs.len();
-            row[1 + inputs.start..1 + inputs.end].copy_from_slice(&input.as_slice()[..count]);
+            (Some(row), _) => {
+                let columns = [
+                    (self.gauge.inputs(), input.as_slice()),
+                    (self.gauge.disturbances(), disturbance.as_slice()),
+                ];
+                for (range, values) in columns {
+                    let count = range.len();
+                    row[1 + range.start..1 + range.end].copy_from_slice(&values[..count]);
+                }
+            }
+            (None, Some(seen)) if jumps => self.write(time_s, &seen, [false; 2], controller),
+            (None, _) => {}
         }
     }
 
@@ -285,7 +326,7 @@ where
             .as_ref()
             .is_some_and(|recorder| recorder.due(time_s))
         {
-            self.write(time_s, &seen, false, controller);
+            self.write(time_s, &seen, [false; 2], controller);
         }
     }
 }

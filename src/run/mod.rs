@@ -61,14 +61,18 @@ pub fn simulate_recording(
     }
 }
 
-/// Checks that the scenario has the design that it needs, and none that it does not use.
+/// Checks that the scenario has the design that it needs, and none that it does not use, and that this design's law is
+/// the one that was proved.
 ///
 /// # Errors
-/// A design that is missing, not requested or does not fit.
+/// A design that is missing, not requested, does not fit, or is no law that can be run.
 pub fn check_design(scenario: &Scenario, design: Option<&Design>) -> Result<(), SimulateError> {
     match (&scenario.controller, design) {
         (ControllerChoice::Design(_), None) => Err(SimulateError::NoDesign),
-        (ControllerChoice::Design(_), Some(design)) => Ok(design.check_fit(&scenario.system)?),
+        (ControllerChoice::Design(_), Some(design)) => {
+            design.law_gains()?;
+            Ok(design.check_fit(&scenario.system)?)
+        }
         (_, Some(_)) => Err(SimulateError::UnusedDesign),
         (_, None) => Ok(()),
     }

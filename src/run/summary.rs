@@ -3,7 +3,9 @@
 use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
+use synth::claim::Claim;
 
+use crate::base::number::short;
 use crate::plants::SystemKind;
 use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
@@ -151,13 +153,18 @@ pub struct RequirementOutcome {
 }
 
 impl RequirementOutcome {
-    /// The requirement and the value, with so many decimal places or as it is.
-    pub fn as_text(&self, places: Option<usize>) -> String {
-        let value = self.value.map_or("none".to_string(), |value| match places {
-            Some(places) => format!("{value:.places$}"),
-            None => value.to_string(),
+    /// The requirement and the value.
+    pub fn as_text(&self) -> String {
+        format!("{} {}: {}", self.name, self.limit, self.value_as_text())
+    }
+
+    /// The value, or `none`. Rounding never puts it on the limit or on its other side.
+    pub fn value_as_text(&self) -> String {
+        let value = self.value.map(|value| match value > self.limit {
+            true => Claim::AtMost(value).to_string(),
+            false => Claim::AtLeast(value).to_string(),
         });
-        format!("{} {}: {value}", self.name, self.limit)
+        value.unwrap_or("none".to_string())
     }
 }
 
@@ -196,10 +203,10 @@ pub struct CertificateOutcome {
     pub peak_ratio: Option<f64>,
     /// Whether the run starts in the origin, so that the ratio must stay below the gain bounds.
     pub from_rest_in_origin: bool,
-    /// gamma of the design.
-    pub gamma: f64,
-    /// The design's sharper bound.
-    pub guaranteed_gain: f64,
+    /// gamma of the design; null where it is not proved.
+    pub gamma: Option<f64>,
+    /// The design's sharper bound; null where it is not proved.
+    pub guaranteed_gain: Option<f64>,
     /// xi taubar^2 / phi.
     pub ultimate_level: f64,
     /// What became of the inner certificate, for a design with two. The claims above are then those of
@@ -230,10 +237,10 @@ pub struct InnerOutcome {
     pub peak_output: f64,
     /// xi taubar^2 / phi.
     pub ultimate_level: f64,
-    /// gamma of the inner certificate.
-    pub gamma: f64,
-    /// Its sharper bound.
-    pub guaranteed_gain: f64,
+    /// gamma of the inner certificate; null where it is not proved.
+    pub gamma: Option<f64>,
+    /// Its sharper bound; null where it is not proved.
+    pub guaranteed_gain: Option<f64>,
 }
 
 /// Numbers the figures need.
@@ -290,6 +297,31 @@ impl Summary {
             threshold: self.threshold.as_ref(),
             link: self.link.as_ref(),
         })
+    }
+
+    /// That the run did not settle although no requirement is missed for it, in a sentence; `None` where it did or
+    /// where a requirement says so.
+    pub fn unsettled(&self) -> Option<String> {
+        if self.settle_seconds.is_some() || self.verdict != RunVerdict::RequirementsMet {
+            return None;
+        }
+        let tolerance = match self.scales.settle_tolerance_component {
+            Some(tolerance) => format!("{tolerance} in every component"),
+            None if self.system == SystemKind::RigidBody => {
+                format!("{} deg", short(self.scales.settle_tolerance))
+            }
+            None => short(self.scales.settle_tolerance),
+        };
+        let largest = self.tail_error_deg.map(Claim::AtMost);
+        let largest = largest.map_or(String::new(), |error| {
+            format!(
+                ", the largest error of its last {} s is {error} deg",
+                self.scales.tail_s
+            )
+        });
+        Some(format!(
+            "The run did not settle within {tolerance}{largest}; no requirement asks for it."
+        ))
     }
 
     /// Judges the requirements and then the run. `broken`: a proved bound was broken.

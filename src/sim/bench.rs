@@ -45,6 +45,11 @@ pub trait Gauge<const N: usize, const M: usize, const D: usize, const L: usize> 
     /// Which of them are the inputs.
     fn inputs(&self) -> Range<usize>;
 
+    /// Which of them are the disturbance's; none by default.
+    fn disturbances(&self) -> Range<usize> {
+        0..0
+    }
+
     /// Appends the values of the columns.
     fn write(
         &self,

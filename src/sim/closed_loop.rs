@@ -32,8 +32,15 @@ pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
     /// At the sample that is reported next the link carried these steps (see [`Link::steps`]).
     fn transmitted(&mut self, _steps: &[f64; M]) {}
 
-    /// From `time_s` on this torque acts.
-    fn hold(&mut self, time_s: f64, torque: &SVector<f64, M>);
+    /// From `time_s` on this torque acts, beside a disturbance that begins with this value: where either jumps, both
+    /// are those after the jump. Comes after what else happens at that time.
+    fn hold(
+        &mut self,
+        time_s: f64,
+        torque: &SVector<f64, M>,
+        disturbance: &SVector<f64, D>,
+        controller: &C,
+    );
 
     /// The torque acted for `span_s`.
     fn held(&mut self, span_s: f64, torque: &SVector<f64, M>);
@@ -135,7 +142,7 @@ where
                 next_breakpoint += 1;
             }
             let from = at.time;
-            observer.hold(from, &torque);
+            observer.hold(from, &torque, at.cursor.now(), &self.controller);
             match &mut reference {
                 None => self.advance(&mut at, event, &torque, observer),
                 Some(reference) => {
@@ -145,6 +152,7 @@ where
                         observer.step(time, time - at.time, &state, &disturbance, &self.controller);
                         (at.time, at.state) = (time, state);
                     }
+                    at.cursor.move_to(at.time);
                 }
             }
             actuators.acted(at.time - from);

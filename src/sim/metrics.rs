@@ -22,8 +22,12 @@ pub struct Measured {
     pub bits: u64,
     /// Bytes sent, each message rounded up to whole bytes.
     pub bytes: u64,
-    /// Time from which on the error stays within the tolerance, s.
+    /// First instant of the integration from which on the error stays within the tolerance, s: never before it does.
     pub settle_seconds: Option<f64>,
+    /// When the error came within the tolerance for good, s: between two instants of the integration, as the root of the
+    /// error's interpolation there; at the jump where the reference jumps.
+    #[serde(default)]
+    pub settle_crossing_s: Option<f64>,
     /// Attitude error at the end, deg.
     pub final_error_deg: Option<f64>,
     /// Root mean square of the attitude error over the tail, deg.

@@ -38,6 +38,19 @@ pub enum Instants {
 }
 
 impl Instants {
+    /// Number of samples expected in `duration_s` seconds; `None` when the trigger is watched continuously.
+    pub fn expected_samples(&self, duration_s: f64) -> Option<f64> {
+        let mean_s = match *self {
+            Instants::Periodic { interval_s, .. } => interval_s,
+            Instants::Aperiodic {
+                shortest_s,
+                longest_s,
+            } => 0.5 * (shortest_s + longest_s),
+            Instants::Continuous { .. } => return None,
+        };
+        Some(duration_s / mean_s)
+    }
+
     /// Longest interval between two samples that are not lost; `None` when there is no bound.
     pub fn longest_interval_s(&self) -> Option<f64> {
         match *self {

@@ -5,6 +5,7 @@
 //! vanishes with it, and a disturbance can make every sample trigger.
 
 use serde::Serialize;
+use synth::claim::Claim;
 use synth::model::Model;
 
 use super::sampling::Instants;
@@ -28,9 +29,9 @@ impl TransmissionBound {
         }
     }
 
-    /// The bound of a model's sampling.
-    pub fn of_model(model: &Model) -> Self {
-        Self::new(model.sampling_interval_min())
+    /// The bound of a model's sampling; `None` when the model gives no shortest interval.
+    pub fn of_model(model: &Model) -> Option<Self> {
+        model.sampling_interval_min().map(Self::new)
     }
 
     /// The bound of a scenario's sampling; `None` when the trigger is watched continuously.
@@ -50,14 +51,8 @@ impl TransmissionBound {
     pub fn describe(&self) -> String {
         format!(
             "transmissions: at least {} s apart, so at most {} per second (the shortest sampling interval)",
-            self.min_inter_event_s,
-            significant(self.max_transmissions_per_s)
+            Claim::AtLeast(self.min_inter_event_s),
+            Claim::AtMost(self.max_transmissions_per_s)
         )
     }
-}
-
-/// Six significant digits without trailing zeros.
-fn significant(value: f64) -> String {
-    let text = format!("{value:.5e}");
-    text.parse::<f64>().unwrap_or(value).to_string()
 }

@@ -23,6 +23,7 @@
 //! | [`feasibility`] | decides, with a proof, whether there is any design |
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
 //! | [`problem`] | takes other design problems the same way |
+//! | [`claim`] | writes what is claimed, rounded to the safe side |
 //!
 //! # Example
 //!
@@ -65,6 +66,7 @@
 
 mod balancing;
 pub mod certify;
+pub mod claim;
 pub mod conditions;
 pub mod design;
 pub mod feasibility;

@@ -400,3 +400,31 @@ fn the_coupled_problem_is_exported_with_the_conditions_of_both() {
         .unwrap()
         .contains("two certificates"));
 }
+
+#[test]
+fn both_certificates_are_exported() {
+    let (_, path, _) = synthesized();
+    let file = json(path);
+    let run = steadfast(["export", path.to_str().unwrap(), "--format", "csv"]).ends_with(0);
+    let sum = |name: &str| -> f64 {
+        let rows = run.stdout.lines().filter(|line| line.starts_with(name));
+        rows.map(|row| row.split(',').nth(4).unwrap().parse::<f64>().unwrap())
+            .sum()
+    };
+    let multiple = number(&file, "/outer/trigger_multiple");
+    assert_eq!(sum("outer_trigger_multiple,"), multiple);
+    let rate = number(&file, "/model/specs/outer/phi_per_s");
+    assert_eq!(sum("outer_phi_per_s,"), rate);
+    for (prefix, parent) in [("", "/certificate"), ("outer_", "/outer/certificate")] {
+        for name in ["gamma", "guaranteed_gain", "xi"] {
+            let expected = number(&file, &format!("{parent}/{name}"));
+            assert_eq!(sum(&format!("{prefix}{name},")), expected, "{prefix}{name}");
+        }
+        let rows = file
+            .pointer(&format!("{parent}/lyapunov"))
+            .expect("a matrix");
+        let rows: Vec<Vec<f64>> = serde_json::from_value(rows.clone()).expect("numbers");
+        let expected: f64 = rows.iter().flatten().sum();
+        assert_relative(sum(&format!("{prefix}lyapunov,")), expected, 1e-9);
+    }
+}

@@ -122,7 +122,7 @@ fn a_certificate_of_another_model_is_not_accepted() {
     let path = write(folder.path(), "certificate.json", file.to_string());
     let report = verify(&path, &["--json"]).ends_with(2).json();
     assert_eq!(report["verdict"], "not_proved");
-    assert_eq!(number(&report, "/bound"), 0.0);
+    assert_eq!(report["bound"], Value::Null);
 }
 
 #[test]

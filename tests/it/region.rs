@@ -70,6 +70,16 @@ fn a_start_is_covered_and_the_design_alone_proves_it() {
         .find(|one| one["field"] == "specs.phi_per_s")
         .expect("phi");
     assert_eq!(number(decay, "/value"), phi);
+    // It is printed beside the model's own number.
+    let words = synthesize(&model, &[]).ends_with(0).stdout;
+    let line = words
+        .lines()
+        .find(|line| line.starts_with("  specs.phi_per_s = "));
+    let line = line.expect("what was found");
+    assert!(
+        line.ends_with("(from 0.02 to 0.5; the model has 0.1)"),
+        "{line}"
+    );
     // The scale is that of U: x0'U x0 scale^2 is 1 up to rounding.
     let form = 0.09 * number(&file, "/certificate/lyapunov/0/0");
     assert_relative(form * scale * scale, 1.0, 1e-9);
@@ -147,7 +157,7 @@ fn a_start_that_cannot_be_covered_is_told_how_far_one_gets_and_why() {
     let scale = number(&report, "/shortfall/scale");
     assert!(scale > 0.05 && scale < 1.0, "{scale}");
     let reason = report["shortfall"]["reason"].as_str().expect("a reason");
-    let percent = format!("{:.2} %", 100.0 * scale);
+    let percent = format!("{:.4} %", synth::claim::Claim::AtLeast(100.0 * scale));
     assert!(reason.contains(&percent), "{reason}");
     assert!(!report["shortfall"]["limits"].as_array().unwrap().is_empty());
     assert!(!report["blocking"].as_array().unwrap().is_empty());

@@ -292,3 +292,46 @@ fn the_papers_seven_rules_are_proved_with_constant_and_with_scheduled_gains() {
     let (_, matched) = design(folder.path(), "scheduled", &scheduled);
     assert!(matched < 0.6 * gamma, "{matched} against {gamma}");
 }
+
+/// Linear rules of two states, whose actuator is far too weak: every verb answers.
+#[test]
+fn a_rule_plant_of_two_states_without_a_design_is_answered_by_every_verb() {
+    let folder = folder();
+    let mut model = json(&shipped("two-rules.json"));
+    set(
+        &mut model,
+        "/plant/rules/system/linear/input_limit",
+        json!([0.001]),
+    );
+    let model = write(folder.path(), "weak.json", model.to_string());
+    let gains = json!({ "schema_version": 1, "name": "bad", "gains": [[[1.0, 1.0]]] });
+    let gains = write(folder.path(), "gains.json", gains.to_string());
+    let proof = folder.path().join("proof.json");
+    let out = ["-o".as_ref(), proof.as_os_str()];
+    let commands: [&[&std::ffi::OsStr]; 3] = [
+        &["synthesize".as_ref(), model.as_os_str()],
+        &[
+            "feasibility".as_ref(),
+            model.as_os_str(),
+            "--no-relaxations".as_ref(),
+        ],
+        &[
+            "analyse".as_ref(),
+            gains.as_os_str(),
+            "--model".as_ref(),
+            model.as_os_str(),
+        ],
+    ];
+    for command in commands {
+        let run = steadfast([command, &out].concat()).ends_with(2);
+        let answered = ["INFEASIBLE", "UNDECIDED"]
+            .iter()
+            .any(|word| run.stdout.contains(word));
+        assert!(answered && run.stderr.is_empty(), "{run:#?}");
+        if proof.exists() {
+            let checked = steadfast(["verify".as_ref(), proof.as_os_str()]);
+            assert!(matches!(checked.status, Some(0 | 2)), "{checked:#?}");
+            std::fs::remove_file(&proof).expect("it is there");
+        }
+    }
+}

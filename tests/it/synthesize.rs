@@ -129,7 +129,7 @@ fn both_forms_reach_the_same_gain() {
 fn an_infeasible_model_names_what_blocks_and_writes_nothing() {
     let folder = folder();
     let model = weak_spacecraft(folder.path());
-    let output = write(folder.path(), "design.json", "an older design");
+    let output = write(folder.path(), "design.json", text(xu2020_design()));
     let run = synthesize(&model, &["--json", "-o", output.to_str().unwrap()]).ends_with(2);
     let report = run.json();
     assert_has_keys(&report, &PROMISED_KEYS);
@@ -143,7 +143,7 @@ fn an_infeasible_model_names_what_blocks_and_writes_nothing() {
         assert!(!condition["name"].as_str().expect("a name").is_empty());
         assert!((0.0..=1.0).contains(&number(condition, "/share")));
     }
-    assert_eq!(text(&output), "an older design");
+    assert_eq!(text(&output), text(xu2020_design()));
     assert_eq!(names_in(folder.path()), ["design.json", "weak.json"]);
 }
 
@@ -257,7 +257,7 @@ fn what_is_not_proved_is_not_written() {
 #[cfg(unix)]
 fn an_interrupted_run_leaves_nothing_half_written() {
     let folder = folder();
-    let output = write(folder.path(), "design.json", "an older design");
+    let output = write(folder.path(), "design.json", text(xu2020_design()));
     let child = command()
         .arg("synthesize")
         .arg(shipped("xu2020.json"))
@@ -279,7 +279,7 @@ fn an_interrupted_run_leaves_nothing_half_written() {
     if run.status.is_some() {
         assert_eq!(run.refusal(), "interrupted; nothing was written");
     }
-    assert_eq!(text(&output), "an older design");
+    assert_eq!(text(&output), text(xu2020_design()));
     assert_eq!(names_in(folder.path()), ["design.json"]);
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::support::*;
 use serde_json::{json, Value};
+use synth::claim::Claim;
 
 fn tune(file: &Path, output: &Path) -> Run {
     steadfast([
@@ -231,7 +232,10 @@ fn a_turn_that_the_torque_cannot_make_in_time_is_refused_with_the_time_it_needs(
     let angle = 60f64.to_radians() - 2.0 * (3f64.sqrt() * 1e-3).asin();
     let least = 2.0 * (angle * 400.0 / (0.03 * 3f64.sqrt())).sqrt();
     assert!(least > 150.0);
-    let part = format!("in less than {least:.4} s with these torques");
+    let part = format!(
+        "in less than {} s with these torques",
+        Claim::AtLeast(least)
+    );
     assert!(message.contains(&part), "{message}");
 }
 
@@ -246,12 +250,18 @@ fn the_shortest_times_are_those_of_full_torque_and_of_the_rate_limit() {
         ("/limits/rate_rad_s", json!(1)),
     ]);
     assert!(
-        message.contains(&format!("in less than {fast:.4} s with these torques")),
+        message.contains(&format!(
+            "in less than {} s with these torques",
+            Claim::AtLeast(fast)
+        )),
         "{message}"
     );
     let slow = angle / 0.02 + 0.02 / acceleration;
     let message = refusal(&[("/limits/settle_s", json!(40))]);
-    let part = format!("in less than {slow:.4} s at 0.02 rad/s or less");
+    let part = format!(
+        "in less than {} s at 0.02 rad/s or less",
+        Claim::AtLeast(slow)
+    );
     assert!(message.contains(&part), "{message}");
 }
 

@@ -395,3 +395,31 @@ fn parameters_of_the_envelope_out_of_range_are_refused() {
         .to_string()
         .contains("rate_per_s * appointed_time_s is 10000"));
 }
+
+/// As the book has it: the drive of the last sample, the decay at the end of the interval, and (11) for the slope.
+#[test]
+fn the_correction_is_stepped_as_documented() {
+    let envelope = Envelope::new(parameters()).unwrap();
+    let mut correction = Correction::default();
+    let mut expected = 0.0_f64;
+    // A fault of 0.5 N m where 0.2 N m are available, then none; the error moves by 0.03 1/s.
+    for (fault, seconds) in [(0.5, 0.01), (0.5, 2.0), (-0.7, 0.3), (0.1, 5.0)] {
+        envelope.drive(&mut correction, fault, 0.2, 0.03);
+        let excess = f64::max(f64::abs(fault) - 0.2, 0.0);
+        let drive = if excess > 0.0 {
+            f64::signum(fault) * excess + 0.5 * 0.03
+        } else {
+            0.0
+        };
+        let size = expected.abs() + 4.0;
+        assert_relative_eq!(
+            correction.slope,
+            drive - 0.17 * expected / size,
+            max_relative = 1e-13
+        );
+        correction = envelope.advance(&correction, seconds);
+        expected = (expected + seconds * drive) / (1.0 + seconds * 0.17 / size);
+        assert_relative_eq!(correction.value, expected, max_relative = 1e-13);
+    }
+    assert!(expected != 0.0);
+}

@@ -21,7 +21,7 @@ use super::table::{
     VERDICT_COLUMN,
 };
 use super::CampaignError;
-use crate::base::files::{create_folder, write, OutputError};
+use crate::base::files::{create_folder, note_written, write, OutputError};
 use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
@@ -149,6 +149,7 @@ impl CampaignFolder {
         to.sync_all().map_err(failed)?;
         make_readable(file.path()).map_err(failed)?;
         file.persist(path).map_err(|error| failed(error.error))?;
+        note_written(path);
         Ok(())
     }
 

@@ -88,14 +88,23 @@ impl Rank {
     }
 }
 
-/// The requirement with the smallest margin relative to its limit.
+/// The requirement with the smallest margin relative to its limit. Nothing can be close to a limit of 0 that is met,
+/// such as that of a count that must be 0: such a requirement counts where there is no other only.
 fn worst(summary: &Summary, requirements: &[RequirementFile]) -> Option<(String, f64)> {
     let outcomes = summary.requirements.iter().zip(requirements);
-    let margins = outcomes.filter_map(|(outcome, requirement)| {
-        Some((&outcome.name, requirement.limit()?.margin(outcome.value)))
-    });
-    let worst = margins.min_by(|a, b| a.1.total_cmp(&b.1));
-    worst.map(|(name, margin)| (name.clone(), margin))
+    let margins: Vec<(bool, &String, f64)> = outcomes
+        .filter_map(|(outcome, requirement)| {
+            let margin = requirement.limit()?.margin(outcome.value);
+            let counts = outcome.limit != 0.0 || !outcome.met;
+            Some((counts, &outcome.name, margin))
+        })
+        .collect();
+    let smallest = |counted: bool| {
+        let margins = margins.iter().filter(|(counts, ..)| *counts == counted);
+        margins.min_by(|a, b| a.2.total_cmp(&b.2))
+    };
+    let worst = smallest(true).or_else(|| smallest(false));
+    worst.map(|(_, name, margin)| ((*name).clone(), *margin))
 }
 
 #[cfg(test)]

@@ -141,7 +141,14 @@ impl<'a> ComparisonJob<'a> {
             controller: summary.controller.clone(),
             sampling: sampling(&candidate.scenario.instants),
             verdict: summary.verdict,
-            proof: summary.certificate.as_ref().map(proof),
+            proof: summary
+                .certificate
+                .as_ref()
+                .map(CertificateOutcome::as_text),
+            proof_covers: summary
+                .certificate
+                .as_ref()
+                .map(|outcome| outcome.covers_run),
             metrics: compared_metrics(summary),
             link: summary.link.clone(),
             faults_survived: faults.iter().filter(|outcome| outcome.survived).count(),
@@ -215,17 +222,6 @@ fn with_fault(candidate: &Candidate, fault: &StandardFault) -> Result<Scenario, 
         body.faults.extend(fault.faults.iter().cloned());
     }
     Scenario::from_file(&file, candidate.entry.sha256.clone())
-}
-
-fn proof(outcome: &CertificateOutcome) -> String {
-    match (outcome.proved, outcome.covers_run) {
-        (true, true) => "proved; the proof covers this run".to_string(),
-        (true, false) => format!(
-            "proved; the proof does not cover this run: {}",
-            outcome.not_covered.join("; ")
-        ),
-        (false, _) => "not proved".to_string(),
-    }
 }
 
 fn sampling(instants: &Instants) -> String {

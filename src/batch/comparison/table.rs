@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::base::csv::quoted;
 use crate::base::number::short_or_none;
-use crate::run::summary::{RunVerdict, Summary};
+use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{by_key, compared, Metric, MetricValue};
@@ -57,6 +57,8 @@ pub struct ControllerRow {
     pub verdict: RunVerdict,
     /// What a certificate says of the run without a standard fault; null without a design.
     pub proof: Option<String>,
+    /// Whether the proof covers that run; null without a design.
+    pub proof_covers: Option<bool>,
     /// The compared metrics, each under its key.
     #[serde(flatten, serialize_with = "by_key")]
     pub metrics: Vec<MetricValue>,
@@ -92,6 +94,8 @@ pub struct FaultOutcome {
     pub rms_error_deg: Option<f64>,
     /// First time outside of the prescribed bounds, s.
     pub left_bounds_s: Option<f64>,
+    /// What a certificate says of this run; null without a design.
+    pub proof: Option<String>,
 }
 
 impl FaultOutcome {
@@ -107,6 +111,10 @@ impl FaultOutcome {
             final_error_deg: summary.final_error_deg,
             rms_error_deg: summary.rms_error_deg,
             left_bounds_s,
+            proof: summary
+                .certificate
+                .as_ref()
+                .map(CertificateOutcome::as_text),
         }
     }
 }
@@ -125,7 +133,7 @@ fn reason(summary: &Summary, left_bounds_s: Option<f64>) -> Option<String> {
         return Some("did not settle".to_string());
     }
     let missed = summary.requirements.iter().find(|outcome| !outcome.met)?;
-    Some(missed.as_text(Some(4)))
+    Some(missed.as_text())
 }
 
 /// The compared metrics of a run, then the steps outside of a bound, which no table shows.
@@ -147,13 +155,17 @@ impl Comparison {
     /// Comma-separated values: one row for each controller, one column for each metric and fault.
     pub fn to_csv(&self) -> String {
         let text = |value: Option<String>| value.unwrap_or_default();
-        let mut header = vec!["label".to_string(), "verdict".to_string()];
+        let mut header = ["label", "verdict", "proof_covers"]
+            .map(str::to_string)
+            .to_vec();
         header.extend(compared().iter().map(|entry| entry.key.to_string()));
         header.extend(["faults_survived", "link_bits", "link_bytes"].map(str::to_string));
         header.extend(self.faults.iter().map(|(name, _)| format!("fault_{name}")));
         let mut csv = header.join(",") + "\n";
         for row in &self.runs {
-            let mut cells = vec![quoted(&row.label), row.verdict.name().to_string()];
+            let covers = row.proof_covers.map(|covers| covers.to_string());
+            let verdict = row.verdict.name().to_string();
+            let mut cells = vec![quoted(&row.label), verdict, text(covers)];
             let shown = row.shown().iter().map(|(_, value)| *value);
             cells.extend(shown.map(|value| text(value.map(|value| value.to_string()))));
             cells.push(row.faults_survived.to_string());
@@ -184,6 +196,12 @@ impl Comparison {
             }));
         }
         let total = self.faults.len();
+        lines.push(line("proof_covers", &|row| {
+            let words = row
+                .proof_covers
+                .map(|covers| if covers { "yes" } else { "no" });
+            words.unwrap_or("nothing proved").to_string()
+        }));
         if total > 0 {
             let survived = |row: &ControllerRow| format!("{} of {total}", row.faults_survived);
             lines.push(line("faults_survived", &survived));

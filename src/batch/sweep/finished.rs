@@ -42,6 +42,13 @@ impl Finished<'_> {
         verdicts
     }
 
+    /// How many points the proof of the scenario's design covers; `None` without a design.
+    pub fn covered(&self) -> Option<usize> {
+        let known = self.outcomes.iter().filter_map(|point| point.proof_covers);
+        let design = self.subject.design_sha256();
+        design.map(|_| known.filter(|covers| *covers).count())
+    }
+
     /// What the table says of itself.
     pub fn about(&self) -> Vec<(&'static str, String)> {
         let identity = self.identity.clone();

@@ -23,6 +23,12 @@ pub struct PointOutcome {
     pub metrics: Vec<(String, Option<Number>)>,
     /// The condition with the smallest margin, of a design.
     pub worst_condition: Option<String>,
+    /// Whether the proof of the scenario's design covers the point; `None` without a design.
+    #[serde(default)]
+    pub proof_covers: Option<bool>,
+    /// Why it does not.
+    #[serde(default)]
+    pub not_covered: Option<String>,
 }
 
 /// Verdict of a point whose file is not valid or cannot be run.
@@ -60,6 +66,11 @@ impl PointOutcome {
     pub fn number(&self, name: &str) -> Option<&Number> {
         let found = self.metrics.iter().find(|(own, _)| own == name);
         found.and_then(|(_, value)| value.as_ref())
+    }
+
+    /// Whether there is a proof and it does not cover the point: what is shown was simulated only.
+    pub fn uncovered(&self) -> bool {
+        self.proof_covers == Some(false)
     }
 
     /// Whether the answer is yes.

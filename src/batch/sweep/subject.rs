@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use serde::Serialize;
 use serde_json::{Number, Value};
 use synth::certify::{Report, Verdict};
+use synth::claim::Claim;
 use synth::feasibility::Decision;
 use synth::model::{kind_of, parse, FileError, Kind, Model, Objective};
 use synth::solve::{Observer, Solver, Structured};
@@ -169,7 +170,11 @@ fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, S
     let scenario = scenario_of(file).map_err(|error| error.to_string())?;
     let outcome = simulate(&scenario, design, false).map_err(|error| error.to_string())?;
     let summary = outcome.summary;
+    let certificate = summary.certificate.as_ref();
+    let reasons = certificate.map(|outcome| outcome.not_covered.join("; "));
     Ok(PointOutcome {
+        proof_covers: certificate.map(|outcome| outcome.covers_run),
+        not_covered: reasons.filter(|reasons| !reasons.is_empty()),
         verdict: summary.verdict.name().to_string(),
         reason: why_not(&summary),
         metrics: numbers_of(&value_of(&summary)),
@@ -179,7 +184,7 @@ fn run_scenario(file: &Value, design: Option<&Design>) -> Result<PointOutcome, S
 
 fn why_not(summary: &Summary) -> Option<String> {
     let missed = summary.requirements.iter().filter(|outcome| !outcome.met);
-    let missed = missed.map(|outcome| outcome.as_text(None));
+    let missed = missed.map(|outcome| outcome.as_text());
     match summary.verdict {
         RunVerdict::RequirementsMet => None,
         RunVerdict::RequirementsMissed => Some(missed.collect::<Vec<_>>().join("; ")),
@@ -231,14 +236,16 @@ fn designed(design: &Synthesized) -> PointOutcome {
     let (part, report) = (&design.file.certificate, &design.report);
     let proved = report.verdict == Verdict::Proved;
     let worst = report.worst();
+    // What is not proved claims nothing.
+    let claimed = |value: Option<f64>| value.filter(|_| proved);
     PointOutcome {
         verdict: if proved { "proved" } else { "not_proved" }.to_string(),
         reason: (!proved).then(|| not_proved(report)),
         metrics: model_metrics([
-            Some(part.gamma),
-            Some(part.guaranteed_gain),
-            Some(part.xi),
-            certified_angle_deg(part.certified_vector_part),
+            claimed(Some(part.gamma)),
+            claimed(Some(part.guaranteed_gain)),
+            claimed(Some(part.xi)),
+            claimed(certified_angle_deg(part.certified_vector_part)),
             worst.map(|condition| condition.margin),
             gain_norm(&design.file.controller.gains),
             None,
@@ -261,7 +268,10 @@ fn gain_norm(gains: &[Vec<Vec<f64>>]) -> Option<f64> {
 
 fn not_proved(report: &Report) -> String {
     match report.worst() {
-        Some(worst) => format!("not proved: {}, margin {:.3e}", worst.name, worst.margin),
+        Some(worst) => {
+            let margin = Claim::AtLeast(worst.margin);
+            format!("not proved: {}, margin {margin:.4}", worst.name)
+        }
         None => "not proved".to_string(),
     }
 }

@@ -20,7 +20,8 @@ pub fn metric_names(outcomes: &[PointOutcome]) -> Vec<String> {
     names
 }
 
-/// The columns: the numbers that are varied, `verdict`, `reason`, the metrics, and for a model
+/// The columns: the numbers that are varied, `verdict`, `reason`, for a scenario with a design `proof_covers` and
+/// `not_covered`, the metrics, and for a model
 /// `worst_condition`. A row is a point; the rows are in the order of the grid.
 pub fn columns(subject: &Subject, grid: &Grid, outcomes: &[PointOutcome]) -> Vec<Column> {
     let numbers = |name: &str, whole: bool, of: &dyn Fn(&PointOutcome) -> Option<Number>| {
@@ -51,6 +52,17 @@ pub fn columns(subject: &Subject, grid: &Grid, outcomes: &[PointOutcome]) -> Vec
     }
     columns.push(texts("verdict", |outcome| Some(&outcome.verdict)));
     columns.push(texts("reason", |outcome| outcome.reason.as_deref()));
+    if subject.design_sha256().is_some() {
+        columns.push(texts("proof_covers", |outcome| {
+            outcome.proof_covers.map(|covers| match covers {
+                true => "yes",
+                false => "no",
+            })
+        }));
+        columns.push(texts("not_covered", |outcome| {
+            outcome.not_covered.as_deref()
+        }));
+    }
     for name in metric_names(outcomes) {
         let number = |outcome: &PointOutcome| outcome.number(&name).cloned();
         let mut known = outcomes.iter().filter_map(number).peekable();

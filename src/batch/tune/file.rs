@@ -5,10 +5,7 @@ use std::ops::RangeInclusive;
 use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use synth::model::{
-    check_matrix, check_positive, check_positive_definite, finite, parse, FileError, Kind,
-    ModelError,
-};
+use synth::model::{check_inertia, check_positive, finite, parse, FileError, Kind, ModelError};
 
 use crate::base::bounded::{plain, NonNegative, Positive};
 use crate::base::ranges::{each, require};
@@ -48,7 +45,9 @@ pub struct TuneFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpacecraftFile {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// Largest torque of each axis, above 0 [N m].
     pub torque_limit_nm: [Positive; 3],
@@ -164,10 +163,8 @@ impl Requirements {
                 expected: TUNE_SCHEMA_VERSION,
             });
         }
-        let rows: Vec<Vec<f64>> = file.spacecraft.inertia_kg_m2.map(|row| row.to_vec()).into();
-        let field = "spacecraft.inertia_kg_m2";
-        check_positive_definite(field, &check_matrix(field, &rows, (Some(3), Some(3)))?)?;
-        let inertia = Matrix3::from_fn(|row, column| rows[row][column]);
+        let rows = &file.spacecraft.inertia_kg_m2;
+        let inertia = check_inertia("spacecraft.inertia_kg_m2", rows)?;
         let moments = inertia.symmetric_eigenvalues();
         let limits = &file.limits;
         let (turn, settle_s) = (&file.manoeuvre, limits.settle_s.get());

@@ -1,4 +1,5 @@
 //! What no controller can do.
+use synth::claim::Claim;
 
 use super::file::Requirements;
 
@@ -8,7 +9,8 @@ pub enum Impossible {
     /// The torque or the rate limit does not turn the body in time.
     #[error(
         "field 'limits.settle_s': the value {settle_s} is not allowed; no controller turns this body by \
-         {angle_deg} deg from rest to rest in less than {least_s:.4} s {}", means(*rate_rad_s)
+         {angle_deg} deg from rest to rest in less than {} s {}",
+        Claim::AtLeast(*least_s), means(*rate_rad_s)
     )]
     Time {
         /// Demanded, s.

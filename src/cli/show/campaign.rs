@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use serde::Serialize;
+use synth::claim::Claim;
 
 use super::facts::written;
+use crate::base::number::short;
 use crate::batch::campaign::record::{Inputs, Results};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{Answer, Exit};
@@ -45,11 +47,11 @@ fn lines(results: &Results, inputs: &Inputs, folder: &Path) -> Vec<String> {
         format!("scenario: {}", inputs.scenario),
         format!("runs: {}; failures: {}", results.runs, results.failures),
         format!(
-            "pass rate: {:.4} %, {} % confidence: {:.4} % to {:.4} % ({})",
-            percent(results.pass_rate),
+            "pass rate: {} %, {} % confidence: {} % to {} % ({})",
+            Claim::AtLeast(percent(results.pass_rate)),
             percent(interval.confidence),
-            percent(interval.lower),
-            percent(interval.upper),
+            Claim::AtLeast(percent(interval.lower)),
+            Claim::AtMost(percent(interval.upper)),
             interval.method
         ),
     ];
@@ -68,14 +70,13 @@ fn lines(results: &Results, inputs: &Inputs, folder: &Path) -> Vec<String> {
     let title = ["metric", "runs", "min", "median", "p95", "max"];
     lines.push(row(title.map(str::to_string)));
     for (name, spread) in &results.metrics {
-        let number = |value: f64| format!("{value:.6}");
         lines.push(row([
             name.clone(),
             spread.count.to_string(),
-            number(spread.min),
-            number(spread.median),
-            number(spread.p95),
-            number(spread.max),
+            short(spread.min),
+            short(spread.median),
+            short(spread.p95),
+            short(spread.max),
         ]));
     }
     if results.failures > 0 {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use synth::claim::Claim;
 use synth::fuzzy::triangle_excess;
 use synth::model::{GainsFile, Kind, Model, Plant};
 use synth::problem::Problem;
@@ -20,6 +21,8 @@ pub struct CheckReport<'a> {
     kind: String,
     /// What it holds, in short.
     summary: String,
+    /// What is allowed and yet hardly meant, with its numbers.
+    warnings: Vec<String>,
     /// The conditions of a paper on the parameters of its controller; left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     design_check: Option<&'a DesignCheck>,
@@ -27,11 +30,17 @@ pub struct CheckReport<'a> {
 
 impl<'a> CheckReport<'a> {
     /// Of a valid file.
-    pub fn new(kind: Kind, summary: String, check: Option<&'a DesignCheck>) -> Self {
+    pub fn new(
+        kind: Kind,
+        summary: String,
+        warnings: Vec<String>,
+        check: Option<&'a DesignCheck>,
+    ) -> Self {
         CheckReport {
             valid: true,
             kind: kind.to_string(),
             summary,
+            warnings,
             design_check: check,
         }
     }
@@ -41,7 +50,9 @@ impl<'a> CheckReport<'a> {
         let (kind, summary) = (&self.kind, &self.summary);
         let title = format!("{}: valid {kind} file: {summary}", path.display());
         let check = self.design_check.into_iter().flat_map(condition_lines);
-        [title].into_iter().chain(check).collect()
+        let warnings = self.warnings.iter();
+        let warnings = warnings.map(|text| format!("warning: {text}"));
+        [title].into_iter().chain(warnings).chain(check).collect()
     }
 }
 
@@ -134,7 +145,10 @@ pub fn of_gains(gains: &GainsFile) -> String {
 pub fn of_requirements(requirements: &Requirements) -> String {
     let (file, least) = (&requirements.file, least_time_s(requirements));
     format!(
-        "{}, {} deg within {} s; any controller needs {least:.3} s",
-        file.name, file.manoeuvre.angle_deg, file.limits.settle_s
+        "{}, {} deg within {} s; any controller needs {:.5} s",
+        file.name,
+        file.manoeuvre.angle_deg,
+        file.limits.settle_s,
+        Claim::AtLeast(least)
     )
 }

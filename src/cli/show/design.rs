@@ -9,9 +9,11 @@ use synth::model::Model;
 use synth::optimality::Optimality;
 use synth::synthesis::{reached, CrossCheck, Synthesized};
 
-use super::facts::{ProofReport, SolverReport, SolverStatus};
+use super::facts::{titled, ProofReport, SolverReport, SolverStatus};
+use crate::base::number::short;
 use crate::run::design::certified_angle_deg;
 use crate::sim::transmissions::TransmissionBound;
+use synth::claim::Claim;
 
 /// What is proved of a design.
 #[derive(Debug, Serialize)]
@@ -35,10 +37,9 @@ impl<'a> DesignReport<'a> {
 
     /// In words.
     pub fn lines(&self) -> Vec<String> {
-        let mut lines = self.proof.lines(None);
-        lines.extend(self.claims.gamma.map(|gamma| format!("gamma: {gamma}")));
-        lines.extend(self.claims.further_lines());
-        lines
+        let claims = self.claims.gain_lines().into_iter();
+        let claims = claims.chain(self.claims.further_lines());
+        claims.chain(self.proof.lines(None)).collect()
     }
 }
 
@@ -59,6 +60,9 @@ pub struct SynthesisReport<'a> {
     vertices: usize,
     /// The search that chose the model's numbers; null without one.
     search: Option<&'a SearchRecord>,
+    /// The same in words.
+    #[serde(skip)]
+    found: Vec<String>,
     /// The smallest gamma from both solvers; null where they were not asked.
     cross_check: Option<CrossCheck>,
 }
@@ -84,6 +88,7 @@ impl<'a> SynthesisReport<'a> {
             form: &provenance.form,
             vertices: model.task().system.vertices.len(),
             search: provenance.search.as_ref(),
+            found: found_lines(model, provenance.search.as_ref()),
             cross_check,
         }
     }
@@ -93,12 +98,33 @@ impl<'a> SynthesisReport<'a> {
         let mut lines = vec![format!("model: {name} ({} vertices)", self.vertices)];
         lines.extend(self.solver.lines());
         lines.extend(self.cross_check.iter().flat_map(cross_check_lines));
+        lines.extend(self.found.iter().cloned());
         lines.extend(self.design.claims.gain_lines());
         lines.extend(self.design.claims.further_lines());
         let remark = self.optimality.and_then(|optimality| optimality.remark());
         lines.extend(self.design.proof.lines(remark.as_deref()));
         lines
     }
+}
+
+/// One line for each number that a search chose, beside the model's own.
+fn found_lines(model: &Model, search: Option<&SearchRecord>) -> Vec<String> {
+    // A model's types hold numbers, texts and lists only, so they can always be written.
+    let file = serde_json::to_value(&model.file).unwrap_or_default();
+    let varied = search.into_iter().flat_map(|search| &search.varied);
+    let lines = varied.map(|one| {
+        let place = one.field.replace(['.', '['], "/").replace(']', "");
+        let own = file
+            .pointer(&format!("/{place}"))
+            .and_then(|own| own.as_f64());
+        let own = own.map_or(String::new(), |own| format!("; the model has {own}"));
+        let [lowest, highest] = [one.lowest, one.highest].map(short);
+        format!(
+            "  {} = {} (from {lowest} to {highest}{own})",
+            one.field, one.value
+        )
+    });
+    titled("found by the search:", lines)
 }
 
 /// The smallest gamma from both solvers, in words.
@@ -135,7 +161,7 @@ pub struct DesignClaims {
     certified_angle_along_deg: Option<f64>,
     /// How far the set goes along each must-contain state.
     must_contain: Vec<Along>,
-    /// No two messages are closer than this (s).
+    /// No two messages are closer than this (s); null where the model gives no shortest sampling interval.
     min_inter_event_s: Option<f64>,
     /// Its inverse.
     max_transmissions_per_s: Option<f64>,
@@ -184,22 +210,23 @@ impl DesignClaims {
             certified_angle_any_axis_deg: part.certified_vector_part.map(angle_of_vector_part_deg),
             certified_angle_along_deg: smallest,
             must_contain: along,
-            min_inter_event_s: Some(transmissions.min_inter_event_s),
-            max_transmissions_per_s: Some(transmissions.max_transmissions_per_s),
+            min_inter_event_s: transmissions.map(|bound| bound.min_inter_event_s),
+            max_transmissions_per_s: transmissions.map(|bound| bound.max_transmissions_per_s),
             outer: outer.as_ref().map(OuterClaims::of),
-            transmissions: Some(transmissions),
+            transmissions,
         }
     }
 
     /// The gain and the certified angle, rounded.
     pub fn gain_lines(&self) -> Vec<String> {
-        let gamma = self.gamma.map(|gamma| format!("gamma: {gamma:.6}"));
-        let gain = self.guaranteed_gain;
+        let gamma = self.gamma.map(Claim::AtMost);
+        let gamma = gamma.map(|gamma| format!("gamma: {gamma}"));
+        let gain = self.guaranteed_gain.map(Claim::AtMost);
         let gain =
-            gain.map(|gain| format!("guaranteed gain: {gain:.6} (sup|y| / sup|tau| from rest)"));
-        let angle = self.certified_angle_deg;
-        let angle = angle
-            .map(|angle| format!("certified set: every attitude at rest up to {angle:.3} deg"));
+            gain.map(|gain| format!("guaranteed gain: {gain} (sup|y| / sup|tau| from rest)"));
+        let angle = self.certified_angle_deg.map(Claim::AtLeast);
+        let angle =
+            angle.map(|angle| format!("certified set: every attitude at rest up to {angle} deg"));
         [gamma, gain, angle].into_iter().flatten().collect()
     }
 
@@ -207,13 +234,12 @@ impl DesignClaims {
     pub fn further_lines(&self) -> Vec<String> {
         let mut lines = self.outer.as_ref().map_or(Vec::new(), OuterClaims::lines);
         lines.extend(self.must_contain.iter().enumerate().map(|(index, state)| {
-            let angle = state.angle_deg.map_or(String::new(), |angle| {
-                format!(", up to {angle:.3} deg at rest")
+            let angle = state.angle_deg.map(Claim::AtLeast);
+            let angle = angle.map_or(String::new(), |angle| {
+                format!(", up to {angle} deg at rest")
             });
-            let (number, scale) = (index + 1, state.scale);
-            format!(
-                "must-contain state {number}: contained up to {scale:.4} times the state{angle}"
-            )
+            let (number, scale) = (index + 1, Claim::AtLeast(state.scale));
+            format!("must-contain state {number}: contained up to {scale} times the state{angle}")
         }));
         lines.extend(self.transmissions.iter().map(TransmissionBound::describe));
         lines
@@ -240,17 +266,21 @@ impl OuterClaims {
 
     fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!(
-            "large-set certificate: gamma {:.6}, guaranteed gain {:.6}",
-            self.gamma, self.guaranteed_gain
+            "large-set certificate: gamma {}, guaranteed gain {}",
+            Claim::AtMost(self.gamma),
+            Claim::AtMost(self.guaranteed_gain)
         )];
-        let angle = self.certified_angle_deg;
-        lines.extend(angle.map(|angle| {
-            format!("large certified set: every attitude at rest up to {angle:.3} deg")
-        }));
+        let angle = self.certified_angle_deg.map(Claim::AtLeast);
+        lines.extend(
+            angle.map(|angle| {
+                format!("large certified set: every attitude at rest up to {angle} deg")
+            }),
+        );
         lines.extend(self.start_levels.iter().enumerate().map(|(index, level)| {
             format!(
-                "start {} in the large set: x'Ux = {level:.6} (the set: at most 1)",
-                index + 1
+                "start {} in the large set: x'Ux = {} (the set: at most 1)",
+                index + 1,
+                Claim::AtMost(*level)
             )
         }));
         lines

@@ -8,6 +8,7 @@ use synth::design::SolverRun;
 use synth::programs::Blocking;
 
 use crate::cli::answer::Exit;
+use synth::claim::Claim;
 
 /// What a synthesis or an analysis came to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -74,46 +75,48 @@ impl SolverReport<'_> {
 /// What was proved of a design, and under which assumptions.
 #[derive(Debug, Serialize)]
 pub struct ProofReport<'a> {
+    /// Proved or not.
+    verdict: Verdict,
     /// The condition with the smallest margin.
     worst: Option<&'a ConditionMargin>,
-    /// The verdict, every condition, and the assumptions.
-    #[serde(flatten)]
-    report: &'a Report,
+    /// Every condition.
+    conditions: &'a [ConditionMargin],
+    /// What the proof assumes; none where nothing is proved.
+    not_covered: &'a [String],
 }
 
 impl<'a> ProofReport<'a> {
     /// From the outcome of the check.
     pub fn new(report: &'a Report) -> Self {
         ProofReport {
+            verdict: report.verdict,
             worst: report.worst(),
-            report,
+            conditions: &report.conditions,
+            not_covered: match report.verdict {
+                Verdict::Proved => &report.not_covered,
+                Verdict::NotProved => &[],
+            },
         }
     }
 
-    /// In words, with a remark on the line of the verdict where there is one. What is not proved claims nothing
-    /// and ends with its verdict.
+    /// In words, with a remark on the line of the verdict where there is one. The verdict comes last; what is not
+    /// proved claims and assumes nothing.
     pub fn lines(&self, remark: Option<&str>) -> Vec<String> {
-        let Report {
-            verdict,
-            conditions,
-            not_covered,
-        } = self.report;
         let mut lines = Vec::new();
-        if *verdict == Verdict::Proved {
-            let remark = remark.map_or(String::new(), |remark| format!(", {remark}"));
-            lines.push(format!("verdict: PROVED{remark}"));
-        }
         let worst = self.worst;
         lines.extend(worst.map(|worst| format!("worst condition: {}", margin(worst))));
-        lines.extend(not_proved(conditions));
-        lines.push(format!("{} conditions checked", conditions.len()));
-        match verdict {
+        lines.extend(not_proved(self.conditions));
+        lines.push(format!("{} conditions checked", self.conditions.len()));
+        let assumed = self.not_covered.iter();
+        let assumed = assumed.map(|item| format!("  - {item}"));
+        lines.extend(titled("the proof assumes:", assumed));
+        lines.push(match self.verdict {
             Verdict::Proved => {
-                lines.push("the proof assumes:".to_string());
-                lines.extend(not_covered.iter().map(|item| format!("  - {item}")));
+                let remark = remark.map_or(String::new(), |remark| format!(", {remark}"));
+                format!("verdict: PROVED{remark}")
             }
-            Verdict::NotProved => lines.push("verdict: NOT PROVED".to_string()),
-        }
+            Verdict::NotProved => "verdict: NOT PROVED".to_string(),
+        });
         lines
     }
 }
@@ -127,7 +130,8 @@ pub fn not_proved<'a>(conditions: impl IntoIterator<Item = &'a ConditionMargin>)
 }
 
 fn margin(condition: &ConditionMargin) -> String {
-    format!("{}, margin {:.3e}", condition.name, condition.margin)
+    let margin = Claim::AtLeast(condition.margin);
+    format!("{}, margin {margin:.4}", condition.name)
 }
 
 /// The conditions that block, as many as are named where nothing is feasible.

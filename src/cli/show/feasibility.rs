@@ -84,7 +84,7 @@ fn relaxation_line(relaxation: &Relaxation) -> String {
     let factors = relaxation.factor.zip(relaxation.not_at_factor);
     match relaxation.value.zip(factors) {
         Some((value, (factor, not_at))) => format!(
-            "  {symbol}: feasible (proved) at {value:.5}, {factor:.4} times the model's; not found at {not_at:.4} times"
+            "  {symbol}: feasible (proved) at {value}, {factor:.4} times the model's; not found at {not_at:.4} times"
         ),
         None => format!("  {symbol}: does not help alone"),
     }

@@ -9,6 +9,7 @@ use synth::feasibility::{Answer, InfeasibilityFile};
 
 use super::facts::not_proved;
 use crate::cli::answer::Exit;
+use synth::claim::Claim;
 
 /// What is proved about the existence of a design.
 #[derive(Debug, Serialize)]
@@ -41,8 +42,8 @@ impl<'a> Existence<'a> {
         };
         let (verdict, headline) = match answer {
             Answer::Feasible(design) => {
-                let gamma = design.file.certificate.gamma;
-                let how = format!("proved by a design with gamma {gamma:.6} (not the smallest)");
+                let gamma = Claim::AtMost(design.file.certificate.gamma);
+                let how = format!("proved by a design with gamma {gamma} (not the smallest)");
                 ("feasible", format!("FEASIBLE, {how}"))
             }
             Answer::Infeasible(proof) => {
@@ -81,7 +82,10 @@ fn statement(file: &InfeasibilityFile, bound: f64) -> String {
     let unbounded = bound == f64::MAX;
     let within = match unbounded {
         true => String::new(),
-        false => format!(" with multiplier entries up to R = {bound:.3e} (SI units)"),
+        false => {
+            let bound = Claim::AtLeast(bound);
+            format!(" with multiplier entries up to R = {bound:.4} (SI units)")
+        }
     };
     if file.gains.is_empty() {
         return format!("no design{within} satisfies the conditions");
@@ -102,8 +106,8 @@ pub struct RefutationReport<'a> {
     verdict: RefutationVerdict,
     /// Always `infeasible`.
     statement: &'static str,
-    /// No design exists whose multiplier entries (SI units) are at most this.
-    bound: f64,
+    /// No design exists whose multiplier entries (SI units) are at most this; null where nothing is proved.
+    bound: Option<f64>,
     /// The designs that are not covered.
     limits: Vec<String>,
     /// The given gains, from 1, that it is about.
@@ -146,7 +150,7 @@ impl<'a> RefutationReport<'a> {
                 (false, _) => RefutationVerdict::NotProved,
             },
             statement: "infeasible",
-            bound: bounds.fold(f64::MAX, f64::min),
+            bound: is_proved(checked).then(|| bounds.fold(f64::MAX, f64::min)),
             limits: limits.iter().map(Limit::to_string).collect(),
             gains: file.blocking_gains(),
             worst: worst.min_by(|a, b| a.margin.total_cmp(&b.margin)),
@@ -176,7 +180,8 @@ impl<'a> RefutationReport<'a> {
         lines.extend(not_proved(self.conditions.iter().copied()));
         lines.push(match self.verdict {
             RefutationVerdict::Proved => {
-                format!("verdict: PROVED, {}", statement(file, self.bound))
+                let bound = self.bound.unwrap_or(0.0);
+                format!("verdict: PROVED, {}", statement(file, bound))
             }
             RefutationVerdict::Undecided => {
                 format!("verdict: UNDECIDED, {}", partial_statement(file, limits))

@@ -4,12 +4,13 @@ use serde::Serialize;
 use synth::certify::{Report, Verdict};
 use synth::optimality::Optimality;
 use synth::problem::{
-    InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized,
+    DesignTask, InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized,
     UnreachableMode,
 };
 
 use super::facts::{blocking_lines, slack_or_none, ProofReport, SolverReport, SolverStatus};
 use super::no_design::FailureReport;
+use synth::claim::Claim;
 
 /// A problem, and what a feedback guarantees for it.
 #[derive(Debug, Serialize)]
@@ -24,6 +25,9 @@ struct ProblemClaims<'a> {
     gain: Option<&'a [Vec<f64>]>,
     /// Vertices of the plant.
     vertices: usize,
+    /// Whether the guaranteed number is a lower bound.
+    #[serde(skip)]
+    at_least: bool,
 }
 
 impl<'a> ProblemClaims<'a> {
@@ -35,13 +39,17 @@ impl<'a> ProblemClaims<'a> {
             guarantee_meaning: problem.task.guarantee(),
             gain: design.map(|design| design.controller.gain.as_slice()),
             vertices: problem.plant.vertices.len(),
+            at_least: matches!(problem.task, DesignTask::SaturatedRegion(_)),
         }
     }
 
     fn line(&self) -> Option<String> {
-        let guarantee = self.guarantee?;
+        let guarantee = match self.at_least {
+            true => Claim::AtLeast(self.guarantee?),
+            false => Claim::AtMost(self.guarantee?),
+        };
         let meaning = self.guarantee_meaning;
-        Some(format!("guarantee: {guarantee:.6} ({meaning})"))
+        Some(format!("guarantee: {guarantee} ({meaning})"))
     }
 }
 
@@ -103,13 +111,11 @@ impl<'a> ProblemReport<'a> {
     /// In words.
     pub fn lines(&self) -> Vec<String> {
         let guarantee = self.claims.line();
-        let Some(synthesis) = &self.synthesis else {
-            let lines = self.proof.lines(None).into_iter();
-            return lines.chain(guarantee).collect();
-        };
-        let remark = synthesis.optimality.and_then(|own| own.remark());
-        let lines = synthesis.solver.lines().chain(guarantee);
-        lines.chain(self.proof.lines(remark.as_deref())).collect()
+        let synthesis = self.synthesis.as_ref();
+        let remark = synthesis.and_then(|own| own.optimality?.remark());
+        let solver = synthesis.into_iter().flat_map(|own| own.solver.lines());
+        let proof = self.proof.lines(remark.as_deref());
+        solver.chain(guarantee).chain(proof).collect()
     }
 }
 
@@ -215,7 +221,10 @@ fn mode_in_words(mode: UnreachableMode, decay_rate: f64) -> String {
 fn no_solution(excluded: InfeasibilityProof) -> String {
     let within = match excluded.radius == f64::INFINITY {
         true => String::new(),
-        false => format!(" with every scalar unknown below {:.3e}", excluded.radius),
+        false => {
+            let radius = Claim::AtLeast(excluded.radius);
+            format!(" with every scalar unknown below {radius:.4}")
+        }
     };
     let margin = match excluded.margin == 0.0 {
         true => String::new(),

@@ -1,5 +1,7 @@
 //! A run as text.
+use synth::claim::Claim;
 
+use crate::base::number::short;
 use crate::plants::SystemKind;
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
@@ -19,25 +21,29 @@ pub fn lines(summary: &Summary) -> Vec<String> {
     let interval = (summary.shortest_interval_s, summary.mean_interval_s);
     if let (Some(shortest), Some(mean)) = interval {
         lines.push(format!(
-            "between messages: {shortest:.4} s shortest, {mean:.3} s mean"
+            "between messages: {} s shortest, {} s mean",
+            short(shortest),
+            short(mean)
         ));
     }
     let bound = summary.max_transmissions_per_s;
     lines.push(match (summary.min_inter_event_s, bound) {
         (Some(shortest), Some(most)) => format!(
-            "messages per second: {:.4}; the sampling allows one every {shortest} s, {most:.6} per second",
-            summary.triggers_per_s
+            "messages per second: {}; the sampling allows one every {} s, {} per second",
+            short(summary.triggers_per_s),
+            Claim::AtLeast(shortest),
+            Claim::AtMost(most)
         ),
-        _ => format!("messages per second: {:.4}", summary.triggers_per_s),
+        _ => format!("messages per second: {}", short(summary.triggers_per_s)),
     });
-    lines.push(match summary.settle_seconds {
-        Some(seconds) => format!("settled: from {seconds:.3} s on"),
+    lines.push(match summary.settle_seconds.map(Claim::AtMost) {
+        Some(seconds) => format!("settled: from {seconds} s on"),
         None => "settled: no".to_string(),
     });
     let spacecraft = summary.system == SystemKind::RigidBody;
     for entry in listed(spacecraft).filter(|entry| entry.kind != MetricKind::Effort) {
         if let Some(value) = summary.metric(entry.metric) {
-            let line = format!("{}: {value:.5} {}", entry.label, entry.unit);
+            let line = format!("{}: {} {}", entry.label, short(value), entry.unit);
             lines.push(line.trim_end().to_string());
         }
     }
@@ -47,8 +53,9 @@ pub fn lines(summary: &Summary) -> Vec<String> {
         false => ("input", "", ""),
     };
     lines.push(format!(
-        "largest {input}: {:.4}{unit}; impulse: {:.4}{impulse_unit}",
-        summary.max_torque, summary.impulse
+        "largest {input}: {}{unit}; impulse: {}{impulse_unit}",
+        short(summary.max_torque),
+        short(summary.impulse)
     ));
     if let Some(link) = &summary.link {
         describe_link(link, &mut lines);
@@ -67,6 +74,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
             requirement.name, requirement.limit
         ));
     }
+    lines.extend(summary.unsettled());
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines
 }
@@ -114,25 +122,28 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
         "NOT proved"
     };
     lines.push(format!(
-        "design: {proved}; x'Ux at the start {:.4}",
-        outcome.start_level
+        "design: {proved}; x'Ux at the start {}",
+        Claim::AtMost(outcome.start_level)
     ));
     lines.push(format!(
-        "largest x'Ux over its bound: {:.6} at {:.3} s",
-        outcome.largest_lyapunov_ratio, outcome.largest_lyapunov_ratio_at_s
+        "largest x'Ux over its bound: {} at {:.3} s",
+        Claim::AtMost(outcome.largest_lyapunov_ratio),
+        outcome.largest_lyapunov_ratio_at_s
     ));
-    if let Some(ratio) = outcome.peak_ratio.filter(|_| outcome.from_rest_in_origin) {
+    let ratio = outcome.peak_ratio.filter(|_| outcome.from_rest_in_origin);
+    if let (Some(ratio), Some([gain, gamma])) = (ratio, outcome.gains()) {
+        let ratio = Claim::AtMost(ratio);
         lines.push(format!(
-            "sup|y| / sup|tau| from rest: {ratio:.5}; guaranteed: {:.5}; gamma: {:.5}",
-            outcome.guaranteed_gain, outcome.gamma
+            "sup|y| / sup|tau| from rest: {ratio}; guaranteed: {gain}; gamma: {gamma}"
         ));
     }
     if let Some(inner) = &outcome.inner {
         lines.push(match inner.entered_s {
             None => "inner certificate: its set was not entered".to_string(),
             Some(time) => format!(
-                "inner certificate: holds from {time:.3} s on; largest x'Ux over its bound {:.6} at {:.3} s",
-                inner.largest_lyapunov_ratio, inner.largest_lyapunov_ratio_at_s
+                "inner certificate: holds from {time:.3} s on; largest x'Ux over its bound {} at {:.3} s",
+                Claim::AtMost(inner.largest_lyapunov_ratio),
+                inner.largest_lyapunov_ratio_at_s
             ),
         });
     }

@@ -20,6 +20,8 @@ struct SweepReport<'a> {
     varied: Vec<String>,
     /// How many points have each verdict.
     verdicts: BTreeMap<&'a str, usize>,
+    /// How many points the proof of the scenario's design covers; null without a design.
+    covered: Option<usize>,
     /// The table.
     table: String,
     /// The same for other programs.
@@ -36,6 +38,7 @@ pub fn answer(finished: &Finished, resumed: usize, folder: &Path) -> Answer {
         resumed,
         varied: finished.grid.names(),
         verdicts: finished.verdicts(),
+        covered: finished.covered(),
         table: path(CSV_FILE),
         parquet: path(PARQUET_FILE),
         page: path(PAGE_FILE),
@@ -47,6 +50,12 @@ pub fn answer(finished: &Finished, resumed: usize, folder: &Path) -> Answer {
     let mut lines = vec![format!("points: {}{before}", report.points)];
     let verdicts = report.verdicts.iter();
     lines.extend(verdicts.map(|(verdict, count)| format!("  {verdict}: {count}")));
+    lines.extend(report.covered.map(|covered| {
+        format!(
+            "points that the proof covers: {covered} of {}",
+            report.points
+        )
+    }));
     let others = [PARQUET_FILE, PAGE_FILE, PROVENANCE_FILE].join(", ");
     lines.push(format!("{}, {others}", written(&folder.join(CSV_FILE))));
     Answer::new(Exit::Yes, &report, &lines)

@@ -1,4 +1,5 @@
 //! A parameter search.
+use synth::claim::Claim;
 
 use crate::batch::tune::report::{RunReport, TuneReport};
 
@@ -11,8 +12,8 @@ pub fn lines(report: &TuneReport) -> Vec<String> {
     let mut lines = vec![
         format!("requirements: {}", report.name),
         format!(
-            "shortest turn that any controller could make: {:.3} s",
-            report.least_time_s
+            "shortest turn that any controller could make: {:.5} s",
+            Claim::AtLeast(report.least_time_s)
         ),
         format!("candidates tried: {}; {training}", report.candidates),
         format!(
@@ -27,7 +28,7 @@ pub fn lines(report: &TuneReport) -> Vec<String> {
 fn missed(run: &RunReport) -> String {
     let [x, y, z] = run.axis;
     let disturbance = if run.disturbed { "with" } else { "without" };
-    let what = run.missed.iter().map(|one| one.as_text(Some(5)));
+    let what = run.missed.iter().map(|one| one.as_text());
     let what = match what.collect::<Vec<_>>() {
         none if none.is_empty() => "the run diverged or could not be made".to_string(),
         all => all.join("; "),

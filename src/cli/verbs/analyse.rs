@@ -9,8 +9,10 @@ use super::synthesize::conclude::Conclusion;
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::SolverArg;
+use crate::cli::target::{Targets, DECISION};
 
 /// Arguments of `analyse`.
 #[derive(clap::Args)]
@@ -23,6 +25,9 @@ pub struct AnalyseArgs {
     /// File to write: the gains with their proof (a design), or the proof that there is none
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Which solvers may be asked
     #[arg(long, default_value = "auto")]
     solver: SolverArg,
@@ -39,7 +44,12 @@ pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
     gains
         .check_size(inputs, states)
         .map_err(|problem| CliError::value(&args.gains, problem))?;
-    files::check_output(args.output.as_deref(), &[&args.model, &args.gains])?;
+    let targets = Targets {
+        inputs: &[&args.model, &args.gains],
+        force: args.force,
+    };
+    targets.check_file(args.output.as_deref(), DECISION)?;
+    warn(&of_model(&model, &text));
     let solvers = args.solver.solvers(solver_order(&model), None);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
         synthesis::analyse(&model, &text, &gains.gains, &gains_text, &solvers, observer)

@@ -4,7 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
 
+use crate::base::files::what_was_written;
 use crate::batch::campaign::finish::finish;
+use crate::batch::campaign::folder::{
+    CAMPAIGN_FILE, DESIGN_FILE, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
+};
 use crate::batch::campaign::job::CampaignJob;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
 use crate::batch::campaign::record::{Results, State};
@@ -12,15 +16,18 @@ use crate::batch::campaign::CampaignError;
 use crate::batch::engine::{Control, Interrupted};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{note, Answer};
+use crate::cli::arguments::whole;
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_scenario, warn};
 use crate::cli::progress::{interrupted, threads, PartsProgress};
 use crate::cli::show::campaign::answer;
+use crate::cli::target::{Contents, Targets};
 use crate::scenario::Scenario;
 
 /// Most failed runs that are kept when the command line does not say.
-pub(crate) const KEPT: usize = 100;
+pub(crate) const KEPT: u64 = 100;
 
 /// Arguments of `campaign`.
 #[derive(clap::Args)]
@@ -29,10 +36,10 @@ pub struct CampaignArgs {
     /// Scenario file; its `dispersions` state what is sampled for every run
     scenario: PathBuf,
     /// Number of runs
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole)]
     runs: u64,
     /// Seed; that of the scenario when left out
-    #[arg(long)]
+    #[arg(long, value_parser = whole)]
     seed: Option<u64>,
     /// Threads; one for each processor when left out
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -41,14 +48,17 @@ pub struct CampaignArgs {
     #[arg(long, value_name = "i/n")]
     shard: Option<String>,
     /// Most failed runs that are kept with their trajectory
-    #[arg(long, value_name = "K", default_value_t = KEPT)]
-    keep: usize,
+    #[arg(long, value_name = "K", default_value_t = KEPT, value_parser = whole)]
+    keep: u64,
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
     /// Folder for the results; the same command goes on with what is there
     #[arg(short, long)]
     output: PathBuf,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -57,7 +67,7 @@ pub struct CampaignArgs {
 /// Makes the runs. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     check_runs(args.runs)?;
-    files::check_folder(Some(&args.output))?;
+    check_folder(&args.output, args.force)?;
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
     let (text, scenario) = files::load(&args.scenario, Scenario::from_json)?;
     let given = args.design.as_deref();
@@ -66,6 +76,7 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
         Some(path) => Some(files::text(&path)?),
         None => None,
     };
+    warn(&of_scenario(&scenario, &text));
     let failed = |error| CliError::campaign(&args.scenario, error);
     let plan = Plan::new(&text, design.as_ref(), args.seed, args.runs).map_err(failed)?;
     if plan.columns.drawn.is_empty() {
@@ -75,7 +86,7 @@ pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     let job = CampaignJob::new(&plan, shard, threads, &args.output).map_err(failed)?;
     let stop = interrupted();
     let open = job.prepare(&text, design_text.as_deref(), &stop);
-    let results = open.and_then(|open| make(&job, open.state, args.keep, stop));
+    let results = open.and_then(|open| make(&job, open.state, args.keep as usize, stop));
     let results = results.map_err(|error| stopped(&args.scenario, &job, error))?;
     Ok(answer(&results, &job.folder.inputs, &args.output))
 }
@@ -100,6 +111,24 @@ fn make(
         job.run(&control)?;
     }
     finish(job, state, keep, &control.stop)
+}
+
+/// The files of a campaign beside its record.
+const FILES: [(&str, Contents); 4] = [
+    (RUNS_FILE, Contents::Parquet),
+    (PROFILES_FILE, Contents::Parquet),
+    (
+        SCENARIO_FILE,
+        Contents::Part("copy of the campaign's scenario"),
+    ),
+    (DESIGN_FILE, Contents::Part("copy of the campaign's design")),
+];
+
+/// Tries the folder of a campaign. Where one has begun, its record says what is in the folder.
+pub(crate) fn check_folder(folder: &Path, force: bool) -> Result<(), CliError> {
+    let begun = folder.join(CAMPAIGN_FILE).exists();
+    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
+    Targets { inputs: &[], force }.check_folder(Some(folder), files)
 }
 
 /// Refuses numbers of runs that are no campaign.
@@ -130,7 +159,7 @@ fn parse_shard(text: &str) -> Result<Shard, CliError> {
 fn stopped(scenario: &Path, job: &CampaignJob, error: CampaignError) -> CliError {
     let (done, all) = (job.runs_done(), job.runs());
     let kept = match done {
-        0 => "; nothing is done".to_string(),
+        0 => format!("; no run is done; {}", what_was_written()),
         _ => format!(
             "; {done} of {all} runs are done and kept in {}; the same command goes on with the rest",
             job.folder.path.display()

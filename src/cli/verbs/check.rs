@@ -11,6 +11,7 @@ use crate::batch::tune::file::Requirements;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics;
 use crate::cli::show::check::{of_gains, of_model, of_problem, of_requirements, CheckReport};
 use crate::scenario::{design_check, Scenario};
 
@@ -29,11 +30,14 @@ pub struct CheckArgs {
 /// is valid, and the status is 0.
 pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
-    let mut conditions = None;
+    let (mut conditions, mut warnings) = (None, Vec::new());
     // A model is the default: its errors name the missing fields.
     let kind = kind_of(&text).unwrap_or(Kind::Model);
     let summary = match kind {
-        Kind::Model => Model::from_json(&text).map(|model| of_model(&model.file.name, &model)),
+        Kind::Model => Model::from_json(&text).map(|model| {
+            warnings = physics::of_model(&model, &text);
+            of_model(&model.file.name, &model)
+        }),
         Kind::Design => {
             DesignFile::from_json(&text).map(|(file, model)| of_model(&file.name, &model))
         }
@@ -42,9 +46,13 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
         }
         Kind::Scenario => Scenario::from_json(&text).map(|scenario| {
             conditions = design_check(&scenario);
+            warnings = physics::of_scenario(&scenario, &text);
             format!("{}, {} s", scenario.name, scenario.duration_s)
         }),
-        Kind::Requirements => Requirements::from_json(&text).map(|own| of_requirements(&own)),
+        Kind::Requirements => Requirements::from_json(&text).map(|own| {
+            warnings = physics::of_requirements(&own, &text);
+            of_requirements(&own)
+        }),
         Kind::Problem => Problem::from_json(&text).map(|problem| of_problem(&problem)),
         Kind::ProblemDesign => {
             ProblemDesignFile::from_json(&text).map(|(_, problem)| of_problem(&problem))
@@ -52,7 +60,7 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
         Kind::Gains => GainsFile::from_json(&text).map(|gains| of_gains(&gains)),
     };
     let summary = summary.map_err(|problem| CliError::file(&args.file, problem))?;
-    let report = CheckReport::new(kind, summary, conditions.as_ref());
+    let report = CheckReport::new(kind, summary, warnings, conditions.as_ref());
     let lines = report.lines(&args.file);
     Ok(Answer::new(Exit::Yes, &report, &lines))
 }

@@ -9,10 +9,15 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::design::read_design;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_scenario, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
+use crate::cli::target::{Contents, Targets, COMPARISON, COMPARISON_TABLE};
 use crate::controllers::ControllerChoice;
-use crate::report::pages::files::{write_comparison, COMPARISON_PAGE};
+use crate::report::pages::files::{
+    write_comparison, COMPARISON_CSV, COMPARISON_FILE, COMPARISON_PAGE,
+};
+use crate::run::check_design;
 use crate::run::design::Design;
 use crate::run::summary::RunVerdict;
 use crate::scenario::Scenario;
@@ -37,14 +42,30 @@ pub struct CompareArgs {
     /// Folder for comparison.json, comparison.csv and comparison.html
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
+/// The files of a comparison.
+const FILES: [(&str, Contents); 3] = [
+    (COMPARISON_FILE, COMPARISON),
+    (COMPARISON_CSV, COMPARISON_TABLE),
+    (COMPARISON_PAGE, Contents::Page),
+];
+
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
 pub fn run(args: &CompareArgs) -> Result<Answer, CliError> {
-    files::check_folder(args.output.as_deref())?;
+    let inputs = args.scenarios.iter().chain(&args.design);
+    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+    let targets = Targets {
+        inputs: &inputs,
+        force: args.force,
+    };
+    targets.check_folder(args.output.as_deref(), &FILES)?;
     let candidates = candidates(args)?;
     let taken_from = args.take_system_from.as_ref();
     let taken_from = taken_from.map(|path| path.display().to_string());
@@ -102,6 +123,13 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
             return Err(CliError::unsuitable(path, reason));
         }
     }
+    for candidate in &candidates {
+        // The types of a file hold numbers, texts and lists only, so they can always be written.
+        let text = serde_json::to_string(&candidate.entry.file).unwrap_or_default();
+        let warnings = of_scenario(&candidate.scenario, &text).into_iter();
+        let named = warnings.map(|text| format!("{}: {text}", candidate.entry.path.display()));
+        warn(&named.collect::<Vec<_>>());
+    }
     name_apart(&mut candidates);
     Ok(candidates)
 }
@@ -109,6 +137,8 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
 fn read(path: &Path) -> Result<Entry, CliError> {
     let text = files::text(path)?;
     let (file, sha256) = Scenario::read(&text).map_err(|error| CliError::file(path, error))?;
+    // What is wrong with a file comes before how it differs from others.
+    Scenario::from_file(&file, sha256.clone()).map_err(|error| CliError::value(path, error))?;
     Ok(Entry {
         path: path.to_path_buf(),
         file,
@@ -129,6 +159,8 @@ fn candidate(entry: Entry, design: Option<&Design>) -> Result<Candidate, CliErro
         }
         _ => None,
     };
+    check_design(&scenario, design.as_ref())
+        .map_err(|error| CliError::unsuitable(&entry.path, error))?;
     Ok(Candidate {
         label: scenario.name.clone(),
         entry,

@@ -10,11 +10,13 @@ use synth::synthesis::solver_order;
 use crate::cli::answer::{note, Answer};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{ahead, solve, ASSEMBLING};
 use crate::cli::show::facts::written_or_nothing;
 use crate::cli::show::feasibility::FeasibilityReport;
 use crate::cli::show::infeasibility::Existence;
 use crate::cli::solver::SolverArg;
+use crate::cli::target::{Targets, DECISION};
 
 /// Arguments of `feasibility`.
 #[derive(clap::Args)]
@@ -24,6 +26,9 @@ pub struct FeasibilityArgs {
     /// File to write: a design when one exists, an infeasibility certificate when none does
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Do not search for the requirement whose relaxation makes an infeasible model feasible
     #[arg(long)]
     no_relaxations: bool,
@@ -38,10 +43,15 @@ pub struct FeasibilityArgs {
 /// Says whether a design exists. 0: proved that one does; 2: proved that none does, or unknown.
 pub fn run(args: &FeasibilityArgs) -> Result<Answer, CliError> {
     let (text, model) = files::load(&args.model, Model::from_json)?;
-    files::check_output(args.output.as_deref(), &[&args.model])?;
+    let targets = Targets {
+        inputs: &[&args.model],
+        force: args.force,
+    };
+    targets.check_file(args.output.as_deref(), DECISION)?;
     if model.file.specs.outer.is_some() {
         note("note: the answer is about the model's own box and requirements; specs.outer is not part of it");
     }
+    warn(&of_model(&model, &text));
     let solvers = args.solver.solvers(solver_order(&model), None);
     let start = Instant::now();
     let decision = solve(&args.model, ASSEMBLING, |observer| {

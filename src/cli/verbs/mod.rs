@@ -23,6 +23,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use super::answer::{complain, Exit};
+use super::progress::watch_for_interruption;
 
 #[derive(Parser)]
 #[command(
@@ -76,6 +77,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
+    watch_for_interruption();
     let (answer, json) = match &cli.verb {
         Verb::Synthesize(args) => (synthesize::run(args), args.json),
         Verb::Feasibility(args) => (feasibility::run(args), args.json),

@@ -9,8 +9,8 @@ use crate::batch::campaign::folder::{
 use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
-use crate::cli::files;
 use crate::cli::show::facts::written;
+use crate::cli::target::{Contents, Targets};
 use crate::report::pages::campaign;
 use crate::report::pages::files::{rebuild_report, ReportError};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
@@ -23,13 +23,16 @@ pub struct ReportArgs {
     /// The page; report.html in the folder when left out
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
 }
 
 /// Builds the report page of a run or of a campaign from its files.
 pub fn run(args: &ReportArgs) -> Result<Answer, CliError> {
     let default = args.folder.join(REPORT_FILE);
     let path = args.output.as_ref().unwrap_or(&default);
-    check_paths(&args.folder, path)?;
+    check_paths(&args.folder, path, args.force)?;
     let page = if args.folder.join(CAMPAIGN_FILE).exists() {
         pages_of_kept_runs(&args.folder)?;
         campaign::page(&args.folder, &link(path, &args.folder)).map_err(|error| match error {
@@ -55,7 +58,7 @@ const KEPT_FILES: [&str; 7] = [
 ];
 
 /// Refuses what is no folder, and a page that would replace what it is made of.
-fn check_paths(folder: &Path, page: &Path) -> Result<(), CliError> {
+fn check_paths(folder: &Path, page: &Path, force: bool) -> Result<(), CliError> {
     if !folder.is_dir() {
         let reason = match folder.exists() {
             true => "this is a file; the folder of a run or of a campaign is expected here",
@@ -65,7 +68,11 @@ fn check_paths(folder: &Path, page: &Path) -> Result<(), CliError> {
     }
     let kept = KEPT_FILES.map(|name| folder.join(name));
     let kept: Vec<&Path> = kept.iter().map(PathBuf::as_path).collect();
-    files::check_output(Some(page), &kept)
+    let targets = Targets {
+        inputs: &kept,
+        force,
+    };
+    targets.check_file(Some(page), Contents::Page)
 }
 
 /// Kept runs that get a page of their own: the worst.

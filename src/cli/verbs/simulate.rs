@@ -1,18 +1,21 @@
 //! `steadfast simulate SCENARIO.json`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::campaign::check_runs;
 use crate::batch::campaign::plan::Plan;
 use crate::cli::answer::{Answer, Exit};
-use crate::cli::design::design_of;
+use crate::cli::arguments::whole;
+use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_scenario, warn};
 use crate::cli::show::facts::written;
 use crate::cli::show::run::lines;
+use crate::cli::target::{Contents, Targets, SUMMARY, TRAJECTORY};
 use crate::report::pages::files::write_run;
 use crate::run::design::Design;
-use crate::run::files::{summary_text, REPORT_FILE};
+use crate::run::files::{summary_text, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::outcome::RunOutcome;
 use crate::run::simulate;
 use crate::run::summary::RunVerdict;
@@ -28,28 +31,48 @@ pub struct SimulateArgs {
     #[arg(long)]
     design: Option<PathBuf>,
     /// Make one run of the scenario's campaign, by its index from 0
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole)]
     run_index: Option<u64>,
     /// Seed of the campaign; that of the scenario when left out
-    #[arg(long, requires = "run_index")]
+    #[arg(long, requires = "run_index", value_parser = whole)]
     seed: Option<u64>,
     /// Number of runs of the campaign; needed with a Latin hypercube
-    #[arg(long, value_name = "N", requires = "run_index")]
+    #[arg(long, value_name = "N", requires = "run_index", value_parser = whole)]
     runs: Option<u64>,
     /// Folder for trajectory.csv, summary.json and report.html
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
+/// The files of a run.
+const FILES: [(&str, Contents); 3] = [
+    (TRAJECTORY_FILE, TRAJECTORY),
+    (SUMMARY_FILE, SUMMARY),
+    (REPORT_FILE, Contents::Page),
+];
+
 /// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
 /// was broken.
 pub fn run(args: &SimulateArgs) -> Result<Answer, CliError> {
     let (text, scenario) = files::load(&args.scenario, Scenario::from_json)?;
-    files::check_folder(args.output.as_deref())?;
+    let path = design_path(&scenario, &args.scenario, args.design.as_deref());
+    let inputs: Vec<&Path> = [Some(args.scenario.as_path()), path.as_deref()]
+        .into_iter()
+        .flatten()
+        .collect();
+    let targets = Targets {
+        inputs: &inputs,
+        force: args.force,
+    };
+    targets.check_folder(args.output.as_deref(), &FILES)?;
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
+    warn(&of_scenario(&scenario, &text));
     let outcome = match args.run_index {
         Some(run) => run_of_campaign(args, &text, &scenario, design.as_ref(), run)?,
         None => simulate(&scenario, design.as_ref(), args.output.is_some())

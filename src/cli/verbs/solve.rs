@@ -1,71 +1,107 @@
 //! `steadfast solve FILE.dat-s`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use synth::certify::exclusion::exclude;
-use synth::lmi::Semidefinite;
-use synth::model::read_text_up_to;
-use synth::solve::{Accuracy, SolveError, Solver, Status, Structured};
+use clap::ValueEnum;
+use synth::lmi::{SdpaForm, Semidefinite};
+use synth::solve::{attempts, best, Accuracy, Attempt, Outcome, Solver};
 
+use crate::base::compressed::read_text;
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::progress::watched;
 use crate::cli::show::solution::{exit, SolutionReport};
-use crate::cli::solver::SolverArg;
 
-/// Largest file read (bytes): semidefinite programs are longer than models.
+/// Largest file read, and largest text of a compressed one (bytes): semidefinite programs are longer than models.
 const MAX_FILE_BYTES: u64 = 512 << 20;
 
 /// Relative gap asked for.
-const RELATIVE_GAP: f64 = 1e-7;
+const RELATIVE_GAP: f64 = 1e-8;
+
+/// Which solvers are asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Choice {
+    /// The structured solver, then Clarabel where its numbers do not decide
+    Auto,
+    /// Clarabel alone
+    Clarabel,
+    /// The structured solver alone
+    Structured,
+}
+
+impl Choice {
+    fn named(self) -> Option<Solver> {
+        match self {
+            Choice::Auto => None,
+            Choice::Clarabel => Some(Solver::Clarabel),
+            Choice::Structured => Some(Solver::Structured),
+        }
+    }
+}
 
 /// Arguments of `solve`.
 #[derive(clap::Args)]
 pub struct SolveArgs {
-    /// SDPA sparse file (.dat-s)
+    /// SDPA file: sparse (.dat-s) or dense (.dat), also compressed (.gz)
     file: PathBuf,
     /// Solver
-    #[arg(long, default_value = "structured")]
-    solver: SolverArg,
+    #[arg(long, default_value = "auto")]
+    solver: Choice,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
-/// Reads and solves. 0: solved; 2: infeasible or unbounded; 3: the solver failed.
+/// Reads and solves. 0: solved or inaccurate; 2: infeasible or unbounded; 3: the solvers failed.
 pub fn run(args: &SolveArgs) -> Result<Answer, CliError> {
     let begin = Instant::now();
-    let text = read_text_up_to(&args.file, MAX_FILE_BYTES)
+    let text = read_text(&args.file, MAX_FILE_BYTES)
         .map_err(|problem| CliError::file(&args.file, problem))?;
-    let problem =
-        Semidefinite::from_sdpa(&text).map_err(|error| CliError::unsuitable(&args.file, error))?;
+    let problem = Semidefinite::from_sdpa_form(&text, form(&args.file))
+        .map_err(|error| CliError::unsuitable(&args.file, error))?;
     let read_seconds = begin.elapsed().as_secs_f64();
     let accuracy = Accuracy {
         relative_gap: RELATIVE_GAP,
         objective_unit: 1.0,
     };
-    let solvers = args
-        .solver
-        .solvers([Solver::Structured, Solver::Clarabel], None);
-    let (backend, _) = solvers.first();
-    let solved: Result<_, SolveError> = watched("starting", |observer| match args.solver {
-        SolverArg::Auto | SolverArg::Structured => Structured::default()
-            .solve_timed(&problem, accuracy, Some(observer))
-            .map(|(solution, timings)| (solution, Some(timings))),
-        SolverArg::Clarabel => {
-            let solved = backend.solve(&problem, accuracy, Some(observer));
-            solved.map(|solution| (solution, None))
-        }
+    let tried = watched("starting", |observer| match args.solver.named() {
+        Some(solver) => vec![Attempt::run(solver, &problem, accuracy, Some(observer))],
+        None => attempts(&problem, accuracy, Some(observer)),
     });
-    let (solution, timings) = solved.map_err(|error| CliError::unsuitable(&args.file, error))?;
-    if solution.status == Status::Cancelled {
+    let Some((attempt, found)) = best(&tried) else {
+        return Err(refused(&args.file, &tried));
+    };
+    if found.judgement.outcome == Outcome::Cancelled {
         return Err(CliError::Interrupted);
     }
-    let infeasible = solution.status == Status::Infeasible;
-    let excluded = infeasible.then(|| exclude(&problem, &solution.duals));
-    let found = (&solution, timings);
-    let name = backend.name();
-    let report = SolutionReport::new(name, &problem, found, excluded.as_ref(), read_seconds);
-    Ok(Answer::new(exit(solution.status), &report, &report.lines()))
+    let report = SolutionReport::new(&problem, &tried, (attempt, found), read_seconds);
+    let mut lines = report.lines();
+    if args.solver != Choice::Auto && !attempt.decides() {
+        lines.push(format!(
+            "only {} was asked, as --solver says; --solver auto asks the other one too",
+            attempt.name
+        ));
+    }
+    Ok(Answer::new(exit(found.judgement.outcome), &report, &lines))
+}
+
+/// As the name says: `.dat` (also `.dat.gz`) is dense, anything else sparse.
+fn form(file: &Path) -> SdpaForm {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_lowercase();
+    match name.strip_suffix(".gz").unwrap_or(&name).ends_with(".dat") {
+        true => SdpaForm::Dense,
+        false => SdpaForm::Sparse,
+    }
+}
+
+/// Why no solver could start.
+fn refused(file: &Path, tried: &[Attempt]) -> CliError {
+    let errors = tried
+        .iter()
+        .filter_map(|attempt| attempt.found.as_ref().err());
+    let mut reasons: Vec<String> = errors.map(ToString::to_string).collect();
+    reasons.dedup();
+    CliError::unsuitable(file, reasons.join("; "))
 }

@@ -1,6 +1,6 @@
 //! `steadfast sweep FILE.json --vary key=lo:hi:n`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use synth::model::Model;
 use synth::synthesis::solver_order;
@@ -8,9 +8,9 @@ use synth::synthesis::solver_order;
 use crate::base::files::create_folder;
 use crate::batch::engine::Interrupted;
 use crate::batch::sweep;
-use crate::batch::sweep::finished::Finished;
+use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::outcome::PointOutcome;
-use crate::batch::sweep::points::{PointStore, SweepIdentity};
+use crate::batch::sweep::points::{PointStore, SweepIdentity, JOURNAL_FILE};
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::SweepError;
 use crate::batch::variation::axis::Axis;
@@ -19,9 +19,11 @@ use crate::cli::answer::Answer;
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, of_scenario, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show;
 use crate::cli::solver::SolverArg;
+use crate::cli::target::{Contents, Targets, SWEEP, SWEEP_TABLE};
 use crate::report::pages::files::write_sweep;
 use crate::run::check_design;
 use crate::scenario::Scenario;
@@ -43,6 +45,9 @@ pub struct SweepArgs {
     /// Folder for the results; a sweep that was ended goes on where its points are
     #[arg(short, long)]
     output: PathBuf,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Design file, for scenarios whose controller is a design
     #[arg(long)]
     design: Option<PathBuf>,
@@ -60,10 +65,27 @@ pub struct SweepArgs {
     pub(super) json: bool,
 }
 
+/// The files of a sweep beside its points.
+const FILES: [(&str, Contents); 4] = [
+    (CSV_FILE, SWEEP_TABLE),
+    (PARQUET_FILE, Contents::Parquet),
+    (PAGE_FILE, Contents::Page),
+    (PROVENANCE_FILE, SWEEP),
+];
+
 /// Runs every point and writes the table. 0: done, whatever the points' verdicts.
 pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.file)?;
-    files::check_folder(Some(&args.output))?;
+    let inputs = std::iter::once(&args.file).chain(&args.design);
+    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+    let targets = Targets {
+        inputs: &inputs,
+        force: args.force,
+    };
+    // Where points are kept, they say what the folder is.
+    let begun = args.output.join(JOURNAL_FILE).exists();
+    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
+    targets.check_folder(Some(&args.output), files)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {
@@ -104,6 +126,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         let scenario = Scenario::from_file(&file, sha256);
         let scenario = scenario.map_err(|error| CliError::value(&args.file, error))?;
         let design = design_of(&scenario, &args.file, args.design.as_deref())?;
+        warn(&of_scenario(&scenario, text));
         check_design(&scenario, design.as_ref())
             .map_err(|error| CliError::unsuitable(&args.file, error))?;
         return Ok(Subject::scenario(&file, design.map(Box::new)));
@@ -112,6 +135,7 @@ fn subject(args: &SweepArgs, text: &str) -> Result<Subject, CliError> {
         None => {
             let solver = args.solver.unwrap_or(SolverArg::Auto);
             let model = files::parse(&args.file, text, Model::from_json)?;
+            warn(&of_model(&model, text));
             let solvers = solver.solvers(solver_order(&model), None);
             Ok(Subject::model(&model, solvers))
         }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use synth::model::Kind;
+
 use crate::batch::engine::Threads;
 use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::check_possible;
@@ -9,9 +11,11 @@ use crate::batch::tune::{tune, Tuned};
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_requirements, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
 use crate::cli::show::tune::lines;
+use crate::cli::target::{Contents, Targets};
 
 /// Arguments of `tune`.
 #[derive(clap::Args)]
@@ -22,6 +26,9 @@ pub struct TuneArgs {
     /// Scenario file to write
     #[arg(short, long)]
     output: PathBuf,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// Threads; one for each processor when left out
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -33,10 +40,16 @@ pub struct TuneArgs {
 /// Searches, validates and writes the scenario. 0: every requirement is met on every axis tried; 2: one
 /// is missed.
 pub fn run(args: &TuneArgs) -> Result<Answer, CliError> {
-    let (_, requirements) = files::load(&args.requirements, Requirements::from_json)?;
+    let (text, requirements) = files::load(&args.requirements, Requirements::from_json)?;
     check_possible(&requirements)
         .map_err(|error| CliError::unsuitable(&args.requirements, error))?;
-    files::check_output(Some(&args.output), &[&args.requirements])?;
+    let targets = Targets {
+        inputs: &[&args.requirements],
+        force: args.force,
+    };
+    let contents = Contents::Document(&[Kind::Scenario]);
+    targets.check_file(Some(&args.output), contents)?;
+    warn(&of_requirements(&requirements, &text));
     let tuned = tuned(&requirements, &threads(args.jobs)?)?;
     // A file's types hold numbers, texts and lists only, so they can always be written.
     let scenario = serde_json::to_string_pretty(&tuned.scenario).unwrap_or_default() + "\n";

@@ -11,7 +11,9 @@ use crate::sim::actuator::ActuatorsFile;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidBodyFile {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// The inertia is drawn from this set about `inertia_kg_m2` with the scenario's seed, every entry
     /// uniform and independent of the others; it is `inertia_kg_m2` itself when left out.
@@ -39,7 +41,9 @@ pub struct RigidBodyFile {
     pub faults: Vec<FaultFile>,
 }
 
-/// An attitude. A quaternion's norm may differ from 1 by 0.01; it is normalised.
+/// An attitude: the rotation that turns the axes of the reference frame into those of the body. A quaternion is
+/// Hamilton's, cos(angle / 2) and the axis times sin(angle / 2); its key says where the scalar part stands. The error
+/// quaternion is conj(desired) * actual. A norm may differ from 1 by 0.01; it is normalised.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AttitudeFile {

@@ -140,6 +140,10 @@ impl Gauge<7, 3, 3, 6> for AttitudeGauge {
         7..10
     }
 
+    fn disturbances(&self) -> Range<usize> {
+        10..13
+    }
+
     fn write(
         &self,
         seen: &AttitudeMeasurement,

@@ -38,7 +38,7 @@ fn metric_lines(runs: &[ControllerRow]) -> Vec<MetricLine> {
     lines.insert(bounds, link);
     lines.push(line("Sampling", &|row| row.sampling.clone()));
     lines.push(line("Proof", &|row| {
-        row.proof.clone().unwrap_or("none".to_string())
+        row.proof.clone().unwrap_or("nothing is proved".to_string())
     }));
     lines
 }
@@ -150,12 +150,16 @@ fn faults(comparison: &Comparison) -> String {
         let fault = html_cell(&format!("<strong>{name}</strong>: {description}"));
         let outcomes = comparison.runs.iter();
         let outcomes = outcomes.filter_map(|row| row.faults.get(index));
-        let outcomes = outcomes.map(|outcome| match outcome.survived {
-            true => {
-                let error = short_or_none(outcome.rms_error_deg);
-                judged(true, format!("passed; rms error {error} deg"))
+        let outcomes = outcomes.map(|outcome| {
+            let proof = outcome.proof.as_ref();
+            let proof = proof.map_or(String::new(), |proof| format!("; {proof}"));
+            match outcome.survived {
+                true => {
+                    let error = short_or_none(outcome.rms_error_deg);
+                    judged(true, format!("passed; rms error {error} deg{proof}"))
+                }
+                false => judged(false, format!("{}{proof}", outcome.reason)),
             }
-            false => judged(false, &outcome.reason),
         });
         rows.push(row([fault].into_iter().chain(outcomes)));
     }

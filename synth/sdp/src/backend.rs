@@ -66,6 +66,23 @@ pub enum SolveError {
         /// Its message.
         reason: String,
     },
+    /// There is not enough memory.
+    #[error(
+        "{backend} needs about {} ({needed} bytes) for this problem, whose widest cone has side {widest}, and {} \
+         ({available} bytes) are free",
+        bytes(*needed),
+        bytes(*available)
+    )]
+    Memory {
+        /// Name of the backend.
+        backend: &'static str,
+        /// Estimate of what it needs [bytes].
+        needed: u64,
+        /// What is free [bytes].
+        available: u64,
+        /// Side of the widest cone.
+        widest: usize,
+    },
     /// A number of the problem is not finite.
     #[error("the problem given to {backend} holds a number that is not finite, in condition '{condition}'")]
     NotFinite {
@@ -74,6 +91,24 @@ pub enum SolveError {
         /// Name of the condition.
         condition: String,
     },
+}
+
+/// Bytes in words: three digits and a unit of 1000.
+pub(crate) fn bytes(count: u64) -> String {
+    let units = ["bytes", "kB", "MB", "GB", "TB", "PB", "EB"];
+    let mut size = count as f64;
+    let mut unit = 0;
+    while size >= 999.5 && unit + 1 < units.len() {
+        size /= 1000.0;
+        unit += 1;
+    }
+    let digits = match size {
+        _ if unit == 0 => 0,
+        size if size < 9.995 => 2,
+        size if size < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{size:.digits$} {}", units[unit])
 }
 
 /// When a solver may stop.

@@ -35,4 +35,5 @@ mod backend;
 pub mod centre;
 pub mod exclusion;
 pub mod lmi;
+mod memory;
 pub mod solve;

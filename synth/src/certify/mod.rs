@@ -19,6 +19,7 @@ use verified::definite::{prove_positive_definite, IntervalMatrix};
 use verified::interval::Interval;
 use verified::matrix::Matrix;
 
+use crate::claim::Claim;
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
 pub use certificate::{Certificate, MismatchSlack, RuleGains};
@@ -121,11 +122,17 @@ fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
             "no gap between samples longer than {} s, dropouts included",
             specs.hbar_s
         ),
+        "a first sample at the start, t = 0, that is sent".to_string(),
         format!(
             "a trigger threshold that never exceeds {} (clamped at run time)",
             specs.nu
         ),
     ];
+    if let Some(shortest) = model.sampling_interval_min() {
+        out.push(format!(
+            "no two samples closer than {shortest} s, for the number of messages only"
+        ));
+    }
     if let (Mismatch::Kappa(kappa), true) = (model.file.mismatch, certificate.is_matched(model)) {
         out.push(format!(
             "memberships at the last sent state that differ from the present ones by at most kappa = \
@@ -174,8 +181,9 @@ fn rules_not_covered(rules: &RuleModel, out: &mut Vec<String>) {
     if let Some(error) = rules.worst_model_error() {
         out.push(format!(
             "no difference between the blend and the rigid spacecraft; over the box it reaches at least \
-             {:.3} N m in torque and {:.3} 1/s in q'",
-            error.torque_nm, error.attitude_rate_per_s
+             {:.4} N m in torque and {:.4} 1/s in q'",
+            Claim::AtLeast(error.torque_nm),
+            Claim::AtLeast(error.attitude_rate_per_s)
         ));
     }
     out.push(format!(

@@ -50,7 +50,9 @@ pub enum PlantFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExactPlant {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     #[serde(with = "As::<[[Finite; 3]; 3]>")]
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// How far the true inertia may be from it; known exactly when left out. The design is then proved for
@@ -141,7 +143,9 @@ pub enum RulesSystem {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RulesSpacecraft {
-    /// Inertia matrix, symmetric positive definite [kg m^2].
+    /// Inertia matrix of a rigid body about its centre of mass, in body axes [kg m^2]: symmetric positive definite,
+    /// no principal moment above the sum of the other two. Entries off the diagonal are those of the matrix, J_12 =
+    /// - integral of x y dm: products of inertia with their signs reversed.
     #[serde(with = "As::<[[Finite; 3]; 3]>")]
     pub inertia_kg_m2: [[f64; 3]; 3],
     /// Torque limit of each axis, above 0 [N m].
@@ -261,7 +265,8 @@ pub struct Specs {
     /// Longest sampling interval, above 0 (s).
     #[serde(with = "As::<Positive>")]
     pub hbar_s: f64,
-    /// Shortest sampling interval, above 0 and at most `hbar_s` (s); a hundredth of it when left out.
+    /// Shortest sampling interval, above 0 and at most `hbar_s` (s); unknown when left out: the proof does not need
+    /// it, and nothing is then said of the number of messages.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<ShortestInterval>>")]
     pub hmin_s: Option<f64>,
@@ -409,8 +414,8 @@ pub struct OuterSpecs {
     pub containment_weight: Option<f64>,
 }
 
-/// Limits of a search: [lowest, highest] each. What is required of the closed loop (phi, nu) stays as it is
-/// where it is left out; what only the proof needs (the box, eps, xi up to xi_max) is then free.
+/// Limits of a search: [lowest, highest] each. What the model gives (phi, nu, the box) stays as it is where no
+/// range is given; the multiplier weights eps and xi up to xi_max, which only the proof needs, are then free.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchFile {
@@ -422,11 +427,11 @@ pub struct SearchFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub nu: Option<[f64; 2]>,
-    /// The box of a spacecraft: bound on the rate about each axis [rad/s].
+    /// The box of a spacecraft: bound on the rate about each axis [rad/s]; fixed when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[Positive; 2]>>")]
     pub rate_rad_s: Option<[f64; 2]>,
-    /// The box of a spacecraft: smallest scalar part q0, in (0, 1).
+    /// The box of a spacecraft: smallest scalar part q0, in (0, 1); fixed when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[InsideUnit; 2]>>")]
     pub q0_min: Option<[f64; 2]>,

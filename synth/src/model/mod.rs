@@ -27,7 +27,8 @@ pub use ranges::{
     MAX_COLUMNS,
 };
 pub use read::{
-    make_readable, parse, read_text, read_text_up_to, write_atomically, MAX_FILE_BYTES,
+    make_readable, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
+    MAX_FILE_BYTES,
 };
 pub use validate::{
     check_bounds, check_state_matrices, spacecraft, vertex_system, Model, MAX_SCHEDULED_RULES,

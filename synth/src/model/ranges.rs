@@ -3,6 +3,8 @@
 use nalgebra::{DMatrix, Matrix3};
 
 use super::ModelError;
+use crate::claim::Claim;
+use crate::fuzzy::triangle_excess;
 
 /// Limits that keep a mistyped file from filling the memory.
 pub(super) const MAX_STATES: usize = 24;
@@ -150,12 +152,30 @@ pub fn check_positive_definite(field: &str, matrix: &DMatrix<f64>) -> Result<(),
     Ok(())
 }
 
-/// An inertia matrix [kg m^2]: 3 x 3, symmetric positive definite.
+/// Fraction of the sum of the principal moments by which rounding may break the triangle inequality.
+const TRIANGLE_ROUNDING: f64 = 1e-9;
+
+/// An inertia matrix [kg m^2]: 3 x 3, symmetric positive definite, and that of a rigid body: no principal moment is
+/// above the sum of the other two.
 pub fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, ModelError> {
     let rows_as_lists: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
     let inertia = check_matrix(field, &rows_as_lists, (Some(3), Some(3)))?;
     check_positive_definite(field, &inertia)?;
-    Ok(Matrix3::from_fn(|r, c| rows[r][c]))
+    let inertia = Matrix3::from_fn(|r, c| rows[r][c]);
+    if triangle_excess(&inertia) <= TRIANGLE_ROUNDING * inertia.trace() {
+        return Ok(inertia);
+    }
+    let moments = inertia.symmetric_eigenvalues();
+    let (largest, others) = (moments.max(), moments.sum() - moments.max());
+    Err(ModelError::choice(
+        field,
+        format!(
+            "no rigid body has this inertia: its largest principal moment is {} kg m^2 and must be at most the sum of \
+             the other two, {} kg m^2",
+            Claim::AtMost(largest),
+            Claim::AtLeast(others)
+        ),
+    ))
 }
 
 /// What all vertices, or all rules, have in common.

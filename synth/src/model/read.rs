@@ -20,6 +20,14 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 
 /// Reads a whole text file of at most `limit` bytes.
 pub fn read_text_up_to(path: &Path, limit: u64) -> Result<String, FileError> {
+    let bytes = read_bytes_up_to(path, limit)?;
+    String::from_utf8(bytes).map_err(|error| FileError::NotText {
+        position: error.utf8_error().valid_up_to(),
+    })
+}
+
+/// Reads a file of at most `limit` bytes.
+pub fn read_bytes_up_to(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let failed = |source| FileError::Io {
         action: "cannot be read",
         source,
@@ -41,9 +49,7 @@ pub fn read_text_up_to(path: &Path, limit: u64) -> Result<String, FileError> {
     if bytes.len() as u64 > limit {
         return Err(too_large(limit + 1));
     }
-    String::from_utf8(bytes).map_err(|error| FileError::NotText {
-        position: error.utf8_error().valid_up_to(),
-    })
+    Ok(bytes)
 }
 
 /// Writes a file under a temporary name beside it and renames it, so that it is either the old one

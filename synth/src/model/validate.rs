@@ -53,10 +53,9 @@ impl Model {
         Ok(Model { file, plant })
     }
 
-    /// Shortest sampling interval (s).
-    pub fn sampling_interval_min(&self) -> f64 {
-        let specs = &self.file.specs;
-        specs.hmin_s.unwrap_or(specs.hbar_s / 100.0)
+    /// Shortest sampling interval (s), where the file gives one.
+    pub fn sampling_interval_min(&self) -> Option<f64> {
+        self.file.specs.hmin_s
     }
 
     /// The synthesis task in SI units.

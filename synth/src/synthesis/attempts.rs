@@ -168,8 +168,6 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
                         self.keep::<S>(Some(design));
                     }
                     Some(design) => {
-                            eprintln!("unproved {:?}", design.report.worst());
-                        }
                         self.unproved = Some(design);
                         if attempt == Attempt::Failed {
                             attempt = Attempt::Unproved;

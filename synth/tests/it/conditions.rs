@@ -20,7 +20,7 @@ use synth::design::recover;
 use synth::model::Model;
 use synth::scaling::Scaling;
 use synth::solve::Solver;
-use synth::synthesis::{synthesize, Form, Outcome, Solvers};
+use synth::synthesis::{synthesize, Outcome, Solvers};
 
 const XU2020: &str = include_str!("../../../models/xu2020.json");
 const DOUBLE_INTEGRATOR: &str = include_str!("../../../models/double-integrator.json");

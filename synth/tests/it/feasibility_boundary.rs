@@ -37,7 +37,7 @@ fn decided(model: &Model) -> Decision {
 
 /// The smallest slack without any proof; `None` when the solver fails.
 fn smallest_slack(model: &Model) -> Option<f64> {
-    let (_, task) = scaled_task(model, FIRST_UNITS);
+    let (_, task) = scaled_task(model, &FIRST_UNITS);
     let goal = Goal::SmallestSlack;
     let problem = assemble(&task, Form::Chordal, goal).problem.lower();
     let solution = Clarabel::default().solve(&problem, goal.accuracy(&task), None);
@@ -118,7 +118,7 @@ fn without_idle_unknowns(mut problem: Semidefinite) -> Semidefinite {
 
 /// The smallest slack that CSDP finds in the units tried first.
 fn slack_of_csdp(model: &Model) -> Option<f64> {
-    let (_, task) = scaled_task(model, FIRST_UNITS);
+    let (_, task) = scaled_task(model, &FIRST_UNITS);
     let problem = assemble(&task, Form::Chordal, Goal::SmallestSlack)
         .problem
         .lower();

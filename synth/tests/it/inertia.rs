@@ -227,7 +227,7 @@ fn the_triangle_inequality_says_which_inertias_no_rigid_body_has() {
 fn cart(percent: f64) -> Task {
     let model = Model::from_json(include_str!("../../../models/double-integrator.json"))
         .expect("a valid model");
-    let (_, mut task) = scaled_task(&model, FIRST_UNITS);
+    let (_, mut task) = scaled_task(&model, &FIRST_UNITS);
     let known = task.system.vertices.clone();
     task.system.vertices.clear();
     for mass in [1.0 - percent / 100.0, 1.0 + percent / 100.0] {

@@ -430,7 +430,7 @@ fn solvable_models(stream: &mut Stream, count: usize) -> Vec<Model> {
 fn every_point_of_the_full_condition_extends_to_one_of_the_reduced_condition() {
     let mut stream = Stream(1988);
     for model in solvable_models(&mut stream, 3) {
-        let (_, task) = scaled_task(&model, FIRST_UNITS);
+        let (_, task) = scaled_task(&model, &FIRST_UNITS);
         let (_, smallest) = solve(&task, Form::Full, Goal::SmallestGain);
         let gain_bound = 1.05 * smallest.objective;
         let (point, _) = solve(&task, Form::Full, Goal::LargestMargin { gain_bound });
@@ -463,7 +463,7 @@ fn both_forms_have_the_same_smallest_gain_bound() {
     let mut stream = Stream(77);
     let mut compared = 0;
     for model in solvable_models(&mut stream, 7) {
-        let (_, task) = scaled_task(&model, FIRST_UNITS);
+        let (_, task) = scaled_task(&model, &FIRST_UNITS);
         let results =
             [Form::Chordal, Form::Full].map(|form| solve(&task, form, Goal::SmallestGain).1);
         let [small, full] = &results;

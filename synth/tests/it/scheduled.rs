@@ -13,6 +13,7 @@ use synth::synthesis::{assemble, scaled_task, synthesize, Form, Goal, Outcome, S
 const UNITS: ProblemUnits = ProblemUnits {
     state_fraction: 2.0,
     containment_weight: 1.0,
+    state_units: Vec::new(),
 };
 
 fn model(kappa: f64) -> Model {
@@ -114,7 +115,7 @@ fn a_certificate_without_its_slack_is_not_proved() {
 #[test]
 fn full_and_reduced_form_have_the_same_optimum() {
     for kappa in [0.0, 0.2] {
-        let (_, task) = scaled_task(&model(kappa), UNITS);
+        let (_, task) = scaled_task(&model(kappa), &UNITS);
         let smallest = |form, dense_columns| {
             let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
             let backend = Clarabel { dense_columns };

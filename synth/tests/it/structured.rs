@@ -331,7 +331,7 @@ fn model(name: &str) -> Model {
 }
 
 fn gain_problem(model: &Model, form: Form) -> (Semidefinite, Accuracy) {
-    let (_, task) = scaled_task(model, FIRST_UNITS);
+    let (_, task) = scaled_task(model, &FIRST_UNITS);
     let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
     (problem, Goal::SmallestGain.accuracy(&task))
 }

@@ -9,6 +9,7 @@ use synth::problem::ProblemDesignFile;
 use crate::base::provenance::sha256_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::target::{Contents, DESIGN_TABLE, TRAJECTORY};
 use crate::export::design::DesignData;
 use crate::export::trajectory::TrajectoryData;
 use crate::export::{c_header, csv, mat};
@@ -36,6 +37,20 @@ impl FormatArg {
     pub fn name(self) -> String {
         let value = self.to_possible_value();
         value.map_or(String::new(), |value| value.get_name().to_string())
+    }
+}
+
+impl FormatArg {
+    /// What a file of this format holds, of a trajectory or of something else.
+    pub fn contents(self, of_trajectory: bool) -> Contents {
+        match self {
+            FormatArg::Sdpa => Contents::Sdpa,
+            FormatArg::Csv if of_trajectory => TRAJECTORY,
+            FormatArg::Csv => DESIGN_TABLE,
+            FormatArg::Parquet => Contents::Parquet,
+            FormatArg::Mat => Contents::Mat,
+            FormatArg::C => Contents::Header,
+        }
     }
 }
 

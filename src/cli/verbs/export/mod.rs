@@ -13,6 +13,7 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::solver::FormArg;
+use crate::cli::target::Targets;
 use crate::run::files::TRAJECTORY_FILE;
 
 /// Arguments of `export`.
@@ -30,13 +31,21 @@ pub struct ExportArgs {
     /// File to write; standard output when left out, for text
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
 }
 
 /// Writes a file in the format of another program. 2: a design was written that is not proved.
 pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     let source = trajectory_of(&args.file);
     let input = source.as_deref().unwrap_or(&args.file);
-    files::check_output(args.output.as_deref(), &[input])?;
+    let targets = Targets {
+        inputs: &[input],
+        force: args.force,
+    };
+    let contents = args.format.contents(source.is_some());
+    targets.check_file(args.output.as_deref(), contents)?;
     let name = args.format.name();
     let wrong = |argument, reason| Err(CliError::Argument { argument, reason });
     if args.form.is_some() && args.format != FormatArg::Sdpa {

@@ -7,7 +7,7 @@ use synth::design::DesignFile;
 use synth::feasibility::Decision;
 use synth::model::{FileError, Model};
 use synth::solve::Solver;
-use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, SynthesisError, Synthesized};
+use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, Synthesized};
 
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
@@ -72,7 +72,7 @@ impl Conclusion<'_> {
         let checked = watched("cross-check", |observer| {
             cross_check(self.model, units, &candidates, Some(&observer))
         });
-        checked.map_err(|error| CliError::from(SynthesisError::from(error)))
+        checked.map_err(|error| CliError::synthesis(self.model_path, error.into()))
     }
 
     fn none(&self, decision: &Decision, status: SolverStatus) -> Result<Answer, CliError> {

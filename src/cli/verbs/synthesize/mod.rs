@@ -14,8 +14,10 @@ use conclude::Conclusion;
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::{FormArg, SolverArg};
+use crate::cli::target::{Contents, Targets};
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]
@@ -25,6 +27,9 @@ pub struct SynthesizeArgs {
     /// Design file to write
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace an output file even where it holds something of another kind
+    #[arg(long)]
+    force: bool,
     /// What to optimise, in place of the model's own objective
     #[arg(long)]
     objective: Option<ObjectiveArg>,
@@ -59,6 +64,11 @@ enum ObjectiveArg {
 /// Designs, writes and proves. 0: proved; 2: infeasible or not proved; 3: the solver failed.
 pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     let text = files::text(&args.model)?;
+    let output = args.output.as_deref();
+    let targets = Targets {
+        inputs: &[&args.model],
+        force: args.force,
+    };
     if kind_of(&text) == Some(Kind::Problem) {
         let given = [
             (args.form.is_some(), "--form"),
@@ -67,7 +77,8 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         ];
         let unused = given.into_iter().find(|(given, _)| *given);
         let unused = unused.map(|(_, option)| option);
-        let how = (args.output.as_deref(), args.solver);
+        targets.check_file(output, Contents::Document(&[Kind::ProblemDesign]))?;
+        let how = (output, args.solver);
         return problem::synthesize(&args.model, &text, how, unused);
     }
     let mut model = files::parse(&args.model, &text, Model::from_json)?;
@@ -81,7 +92,8 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         };
         model = Model::new(file).map_err(|problem| CliError::value(&args.model, problem))?;
     }
-    files::check_output(args.output.as_deref(), &[&args.model])?;
+    targets.check_file(output, Contents::Document(&[Kind::Design]))?;
+    warn(&of_model(&model, &text));
     let order = solver_order(&model);
     let solvers = args.solver.solvers(order, args.form.map(Form::from));
     let (_, form) = solvers.first();
@@ -95,7 +107,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
     let conclusion = Conclusion {
         model_path: &args.model,
         model: &model,
-        output: args.output.as_deref(),
+        output,
         form,
         cross_check: args.cross_check.then_some(args.solver.first(order)),
         only: args.solver.only(),

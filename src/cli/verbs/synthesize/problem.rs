@@ -33,7 +33,6 @@ pub fn synthesize(
         );
         return Err(CliError::unsuitable(path, reason));
     }
-    files::check_output(output, &[path])?;
     let solvers = solver.solvers([Solver::Clarabel, Solver::Structured], Some(Form::Full));
     let outcome = solve(path, ASSEMBLING, |observer| {
         problem::synthesize(&problem, text, &solvers, observer)

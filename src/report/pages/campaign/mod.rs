@@ -9,6 +9,8 @@ mod worst;
 
 use std::path::Path;
 
+use synth::claim::Claim;
+
 use super::files::ReportError;
 use super::{hashes, optional};
 use crate::base::number::{percent, short};
@@ -47,11 +49,12 @@ pub fn page(folder: &Path, link: &str) -> Result<String, ReportError> {
         class,
         verdict,
         remark: format!(
-            "Pass rate {}; {} % confidence interval {} to {} ({}).",
+            "{} Pass rate {}; {} % confidence interval {} to {} ({}).",
+            proof(results),
             percent(results.pass_rate),
             100.0 * interval.confidence,
-            percent(interval.lower),
-            percent(interval.upper),
+            format_args!("{} %", Claim::AtLeast(100.0 * interval.lower)),
+            format_args!("{} %", Claim::AtMost(100.0 * interval.upper)),
             interval.method
         ),
         heading: inputs.scenario.clone(),
@@ -82,7 +85,9 @@ fn count(results: &Results, verdict: RunVerdict) -> u64 {
 fn verdict(results: &Results) -> (&'static str, String) {
     let broken = count(results, RunVerdict::ProofBroken);
     let diverged = count(results, RunVerdict::Diverged);
+    let uncovered = results.covered_runs.is_some_and(|runs| runs < results.runs);
     let class = match (broken + diverged, results.failures) {
+        (0, 0) if uncovered => "caution",
         (0, 0) => "good",
         (0, _) => "bad",
         _ => "alarm",
@@ -101,6 +106,18 @@ fn verdict(results: &Results) -> (&'static str, String) {
         verdict += &format!(" {diverged} diverged.");
     }
     (class, verdict)
+}
+
+/// Of how many runs something is proved, in a sentence.
+fn proof(results: &Results) -> String {
+    match results.covered_runs {
+        None => "Nothing is proved for this controller.".to_string(),
+        Some(covered) if covered == results.runs => "The proof covers every run.".to_string(),
+        Some(covered) => format!(
+            "The proof covers {covered} of {} runs; the others were simulated only.",
+            results.runs
+        ),
+    }
 }
 
 /// How many runs, sampled how, with which verdicts.

@@ -1,6 +1,7 @@
 //! The page of a run.
 
 mod figures;
+use synth::claim::Claim;
 
 use super::{hashes, metric_text, optional};
 use crate::base::number::{short, short_or_none};
@@ -34,6 +35,7 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     let page = Page {
         title: format!("{}: run report", summary.scenario),
         class: match summary.verdict {
+            RunVerdict::RequirementsMet if is_doubtful(summary) => "caution",
             RunVerdict::RequirementsMet => "good",
             RunVerdict::RequirementsMissed => "bad",
             RunVerdict::Diverged | RunVerdict::ProofBroken => "alarm",
@@ -43,7 +45,7 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
             (verdict, _) => verdict.sentence(),
         }
         .to_string(),
-        remark: proof(certificate).to_string(),
+        remark: remark(summary),
         heading: summary.scenario.clone(),
         introduction: paragraph(&summary.controller) + &source(&summary.source),
         sections,
@@ -56,6 +58,24 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
         ],
     };
     Ok(page.to_html())
+}
+
+/// Whether a run that meets its requirements still is none to be content with: the proof of its design does not cover
+/// it, or it did not settle.
+fn is_doubtful(summary: &Summary) -> bool {
+    let uncovered = summary.certificate.as_ref();
+    let uncovered = uncovered.is_some_and(|outcome| !outcome.covers_run);
+    uncovered || summary.unsettled().is_some()
+}
+
+/// What stands beside the verdict: what is proved, and that the run did not settle.
+fn remark(summary: &Summary) -> String {
+    let proof = proof(summary.certificate.as_ref()).to_string();
+    [Some(proof), summary.unsettled()]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// What is proved of a run, in a sentence.
@@ -131,7 +151,7 @@ fn metrics(summary: &Summary) -> Vec<(String, String)> {
 
 /// A ratio and when it was reached.
 fn ratio_at(ratio: f64, time_s: f64) -> String {
-    format!("{ratio:.6} at {} s", short(time_s))
+    format!("{} at {} s", Claim::AtMost(ratio), short(time_s))
 }
 
 fn link_rows(outcome: &LinkOutcome) -> [(&'static str, String); 11] {
@@ -169,7 +189,7 @@ fn requirements(summary: &Summary) -> String {
         row([
             cell(&requirement.name),
             cell(short(requirement.limit)),
-            cell(short_or_none(requirement.value)),
+            cell(requirement.value_as_text()),
             judged(requirement.met, word),
         ])
     });
@@ -189,14 +209,16 @@ fn certificate_rows(outcome: &CertificateOutcome) -> Vec<(&'static str, String)>
     let yes = |value: bool| if value { "yes" } else { "NO" }.to_string();
     let never =
         |time: Option<f64>| time.map_or("never".to_string(), |t| format!("at {} s", short(t)));
-    let gains = [outcome.guaranteed_gain, outcome.gamma].map(short);
     let largest = outcome.largest_lyapunov_ratio;
     let mut rows = vec![
         ("Design proved from its numbers", yes(outcome.proved)),
         ("Proof covers this run", yes(outcome.covers_run)),
         (
-            "x'Ux at the start (certified set: at most 1)",
-            short(outcome.start_level),
+            match outcome.proved {
+                true => "x'Ux at the start (certified set: at most 1)",
+                false => "x'Ux at the start",
+            },
+            Claim::AtMost(outcome.start_level).to_string(),
         ),
         (
             "Largest x'Ux over its bound",
@@ -213,10 +235,15 @@ fn certificate_rows(outcome: &CertificateOutcome) -> Vec<(&'static str, String)>
         ("Left the box of the model", never(outcome.left_box_s)),
         ("Largest output", short(outcome.peak_output)),
         ("Largest disturbance", short(outcome.peak_disturbance)),
-        ("Guaranteed gain; gamma", gains.join("; ")),
     ];
+    if let Some([gain, gamma]) = outcome.gains() {
+        rows.push(("Guaranteed gain; gamma", format!("{gain}; {gamma}")));
+    }
     if let (Some(margin), Some(name)) = (outcome.worst_margin, &outcome.worst_condition) {
-        rows.push(("Smallest margin", format!("{margin:.3e} ({name})")));
+        rows.push((
+            "Smallest margin",
+            format!("{:.4} ({name})", Claim::AtLeast(margin)),
+        ));
     }
     if let Some(ratio) = outcome.peak_ratio {
         let caution = match outcome.from_rest_in_origin {

@@ -172,13 +172,16 @@ fn plot(title: String, labels: [&str; 2], series: Vec<Series>) -> Figure {
     }
 }
 
-/// A key as text, its unit in brackets.
+/// A key as text, its unit in brackets. The unit stands at the end of the key, before the number of an entry.
 pub fn labelled(key: &str, unit: &str) -> String {
+    let (stem, entry) = key.split_at(key.find('[').unwrap_or(key.len()));
     let (end, written) = match unit {
         "" => return key.replace('_', " "),
+        "s" if stem.ends_with("_seconds") => ("_seconds".to_string(), " (s)".to_string()),
         unit => (unit_key(unit), format!(" ({unit})")),
     };
-    key.replacen(&end, "", 1).replace('_', " ") + &written
+    let stem = stem.strip_suffix(&end).unwrap_or(stem);
+    format!("{stem}{entry}").replace('_', " ") + &written
 }
 
 /// How a unit is written in a key.
@@ -262,7 +265,7 @@ mod tests {
                 ("certified_angle_deg".to_string(), of(angle)),
                 ("gamma".to_string(), of(gamma)),
             ],
-            worst_condition: None,
+            ..PointOutcome::default()
         }
     }
 

@@ -107,7 +107,10 @@ impl Slice<'_> {
         }
         self.map("Feasibility", |point| Cell {
             colour: verdict_colour(&outcomes[point].verdict),
-            mark: letters[point].to_string(),
+            mark: match outcomes[point].uncovered() {
+                true => format!("{}~", letters[point]),
+                false => letters[point].to_string(),
+            },
         })
     }
 

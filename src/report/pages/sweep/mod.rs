@@ -4,6 +4,9 @@ mod figures;
 mod maps;
 mod reasons;
 
+use synth::claim::Claim;
+use synth::model::Kind;
+
 use figures::{front, trade_off, View};
 use maps::{slices, verdict_colour};
 use reasons::{reasons, Reason};
@@ -11,6 +14,7 @@ use reasons::{reasons, Reason};
 use super::optional;
 use crate::base::number::label;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PARQUET_FILE};
+use crate::batch::sweep::outcome::PointOutcome;
 use crate::report::chart::{hexadecimal, FigureError};
 use crate::report::html::{
     captioned, cell, division, escape, heading, judged, paragraph, row, row_of_class, section,
@@ -52,21 +56,52 @@ pub fn page(sweep: &Finished) -> Result<String, FigureError> {
         true => "are proved",
         false => "meet every requirement",
     };
+    let uncovered = sweep.covered().is_some_and(|covered| covered < total);
     let page = Page {
         title: format!("Sweep of {}", sweep.file),
         class: match (alarm, good == total) {
             (true, _) => "alarm",
+            (_, true) if uncovered => "caution",
             (_, true) => "good",
             (_, false) => "bad",
         },
         verdict: format!("{good} of {total} points {answer}."),
+        remark: remark(sweep),
         heading: format!("Sweep of {}", sweep.file),
         introduction: introduction(&view),
         sections,
         footer: vec![provenance(sweep)],
-        ..Page::default()
     };
     Ok(page.to_html())
+}
+
+/// Of how many points something is proved; empty for a model, whose verdicts say it.
+fn remark(sweep: &Finished) -> String {
+    let total = sweep.outcomes.len();
+    match (sweep.subject.kind(), sweep.covered()) {
+        (Kind::Model, _) => String::new(),
+        (_, None) => "Nothing is proved for this controller.".to_string(),
+        (_, Some(covered)) if covered == total => "The proof covers every point.".to_string(),
+        (_, Some(covered)) => format!(
+            "The proof covers {covered} of {total} points; what is shown of the others was simulated only."
+        ),
+    }
+}
+
+/// What is said of a point: its verdict, and that the proof does not cover it.
+fn answer(point: &PointOutcome) -> String {
+    match point.uncovered() {
+        true => format!("{}, not covered by the proof", words(&point.verdict)),
+        false => words(&point.verdict),
+    }
+}
+
+/// Why the answer is no, and why the proof does not cover the point.
+fn reason(point: &PointOutcome) -> String {
+    let uncovered = point.not_covered.as_ref();
+    let uncovered = uncovered.map(|reasons| format!("not covered: {reasons}"));
+    let parts = point.reason.iter().cloned().chain(uncovered);
+    parts.collect::<Vec<_>>().join("; ")
 }
 
 fn words(verdict: &str) -> String {
@@ -116,13 +151,23 @@ fn pareto(view: &View, front: &[usize]) -> Result<String, FigureError> {
     let rows = front.iter().map(|&index| {
         let point = &view.sweep.outcomes[index];
         let values = point.values.iter().copied().map(Some);
-        let shown = metrics.map(|metric| point.metric(metric));
-        row(values.chain(shown).map(number_cell))
+        let shown = metrics.map(|metric| metric_cell(metric, point.metric(metric)));
+        row(values.map(number_cell).chain(shown))
     });
     let best = table("front", names, rows);
     let title = "Points that no other beats: a larger proved angle costs a larger gamma";
     let best = captioned(title, &division("wide", &best));
     Ok(division("plots", &(trade_off.captioned()? + &best)))
+}
+
+/// What a design claims is rounded to the safe side.
+fn metric_cell(metric: &str, value: Option<f64>) -> String {
+    let claim = value.map(|value| match metric {
+        "gamma" | "guaranteed_gain" => format!("{:.4}", Claim::AtMost(value)),
+        "certified_angle_deg" | "worst_margin" => format!("{:.4}", Claim::AtLeast(value)),
+        _ => label(value),
+    });
+    cell(claim.unwrap_or_default())
 }
 
 fn number_cell(value: Option<f64>) -> String {
@@ -141,6 +186,9 @@ fn maps(view: &View, reasons: &[Reason]) -> Result<String, FigureError> {
         format!("<span><i style=\"background: {colour}\"></i>{verdict}</span>")
     });
     let mut html = format!("<p class=\"key\">{}</p>\n", key.collect::<String>());
+    if view.sweep.outcomes.iter().any(PointOutcome::uncovered) {
+        html += &paragraph("~ marks a point that the proof does not cover.");
+    }
     if !reasons.is_empty() {
         html += "<p>Letters stand for the <a href=\"#why\">reasons</a>.</p>\n";
     }
@@ -239,11 +287,13 @@ fn points(view: &View, front: &[usize]) -> String {
         .map(|(index, point)| {
             let class = if front.contains(&index) { "front" } else { "" };
             let values = point.values.iter().copied().map(Some).map(number_cell);
-            let shown = columns.iter().map(|name| view.shown(point, name));
+            let shown = columns
+                .iter()
+                .map(|name| metric_cell(name, view.shown(point, name)));
             let cells = values
-                .chain([judged(point.good(), words(&point.verdict))])
-                .chain(shown.map(number_cell))
-                .chain([cell(point.reason.as_deref().unwrap_or_default())]);
+                .chain([judged(point.good() && !point.uncovered(), answer(point))])
+                .chain(shown)
+                .chain([cell(reason(point))]);
             row_of_class(class, cells)
         });
     let mut html = division("wide", &table("points", names, rows));

@@ -60,7 +60,7 @@ pub struct Cone {
 impl Cone {
     /// Entries of its stacked upper triangle, in the order of [`svec_index`].
     pub fn height(&self) -> usize {
-        self.side * (self.side + 1) / 2
+        self.side.saturating_mul(self.side + 1) / 2
     }
 }
 
@@ -73,6 +73,13 @@ pub struct Semidefinite {
     pub offset: f64,
     /// The cones, in the order of the problem's conditions.
     pub cones: Vec<Cone>,
+}
+
+impl Semidefinite {
+    /// Side of the widest cone; 0 without cones.
+    pub fn widest(&self) -> usize {
+        self.cones.iter().map(|cone| cone.side).max().unwrap_or(0)
+    }
 }
 
 /// Place of entry (row, column), or of its mirror image, in the stacked upper triangle read by columns

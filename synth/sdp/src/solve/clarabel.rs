@@ -13,6 +13,7 @@ use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
 use crate::lmi::{svec_index, Cone, Entry, Semidefinite};
+use crate::memory;
 
 /// In which cones explicit zeros are stored, so that every column that touches such a cone touches
 /// all its rows.
@@ -71,6 +72,7 @@ impl Backend for Clarabel {
         observer: Option<Observer>,
     ) -> Result<Solution, SolveError> {
         check_finite(NAME, problem)?;
+        memory::check(NAME, memory_needed(problem), problem.widest())?;
         super::lapack::link();
         let (matrix, rhs, cones) = conic_form(problem, self.dense_columns);
         let unknowns = problem.cost.len();
@@ -103,6 +105,31 @@ impl Backend for Clarabel {
             seconds: found.solve_time,
         })
     }
+}
+
+/// Estimate of the memory that a solve takes [bytes]. For each semidefinite cone of height h (entries of its triangle)
+/// Clarabel stores a dense matrix of side h, its triangle in the system of equations, and the factor: 60 bytes for
+/// each of the h^2 entries; a column that has entries in the cone couples with all its rows. The factors are fitted to
+/// the largest memory of single solves, which the estimate exceeds by up to a quarter.
+pub fn memory_needed(problem: &Semidefinite) -> u64 {
+    let unknowns = problem.cost.len() as u64;
+    let per_cone = problem.cones.iter().map(|cone| {
+        let height = cone.height() as u64;
+        let dense = height.saturating_mul(height).saturating_mul(60);
+        let columns = height.saturating_mul(cone.coefficients.len() as u64);
+        dense.saturating_add(columns.saturating_mul(180))
+    });
+    let cones = per_cone.fold(0, u64::saturating_add);
+    cones.saturating_add(unknowns.saturating_mul(unknowns).saturating_mul(24))
+}
+
+/// Work of an iteration [multiplications]: the factor of each cone's dense matrix, and what the columns leave.
+pub fn work_per_iteration(problem: &Semidefinite) -> f64 {
+    let per_cone = problem.cones.iter().map(|cone| {
+        let (height, columns) = (cone.height() as f64, cone.coefficients.len() as f64);
+        height * height * (height / 3.0 + columns) + height * columns * columns
+    });
+    per_cone.sum()
 }
 
 fn settings(relative_gap: f64) -> Result<DefaultSettings<f64>, SolveError> {

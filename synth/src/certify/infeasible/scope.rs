@@ -7,6 +7,7 @@ use std::fmt;
 
 use super::{DualMultipliers, Level, Refutation};
 use crate::certify::signals::{bounded, reached_level};
+use crate::claim::Claim;
 use crate::model::Model;
 use verified::interval::Interval;
 
@@ -47,15 +48,17 @@ impl fmt::Display for Limit {
             }
             Limit::LevelAtLargestWeight { xi_max, level } => write!(
                 f,
-                "with the level k2 = {level:.4e} of xi_max = {xi_max} (a smaller xi may have a lower level)"
+                "with the level k2 = {:.5} of xi_max = {xi_max} (a smaller xi may have a lower level)",
+                Claim::AtMost(*level)
             ),
             Limit::MultiplierEntries {
                 bound,
                 largest_returned,
             } => write!(
                 f,
-                "with multiplier entries up to R = {bound:.3e} (SI units; solvers returned entries up to \
-                 {largest_returned:.3e})"
+                "with multiplier entries up to R = {:.4} (SI units; solvers returned entries up to \
+                 {largest_returned:.3e})",
+                Claim::AtLeast(*bound)
             ),
         }
     }

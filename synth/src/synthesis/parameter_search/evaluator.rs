@@ -184,15 +184,6 @@ impl Evaluator<'_> {
             .backend
             .solve(&program, accuracy, Some(self.progress.evaluator()))?;
         self.progress.solved()?;
-            eprintln!(
-                "{:?} {} {} {:?} unit {:?}",
-                point,
-                solution.status_text,
-                solution.objective,
-                linearisation[(0, 0)],
-                self.scaling.state.as_slice()
-            );
-        }
         if !has_point(&solution) {
             return Ok(None);
         }

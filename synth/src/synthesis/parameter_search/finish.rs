@@ -6,6 +6,7 @@ use super::evaluator::{Aim, Evaluator, SearchPoint, REGION_MARGIN};
 use super::plan::Plan;
 use super::sensitivities::sensitivities;
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
+use crate::claim::Claim;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
 use crate::design::{add_claims, matrix, rows, ProblemUnits, SearchRecord, VariedFile};
@@ -341,21 +342,23 @@ impl Finish<'_> {
             return Some(uncovered(scale, angle_deg));
         }
         if let Some(limit) = limits.gamma_max.filter(|limit| part.gamma > *limit) {
-            let gamma = part.gamma;
+            let gamma = Claim::AtMost(part.gamma);
             return Some(format!(
-                "the smallest gamma proved is {gamma:.5}; gamma_max is {limit}"
+                "the smallest gamma proved is {gamma}; gamma_max is {limit}"
             ));
         }
         let gain = part.guaranteed_gain;
         if let Some(limit) = limits.guaranteed_gain_max.filter(|limit| gain > *limit) {
+            let gain = Claim::AtMost(gain);
             return Some(format!(
-                "the smallest guaranteed gain proved is {gain:.5}; guaranteed_gain_max is {limit}"
+                "the smallest guaranteed gain proved is {gain}; guaranteed_gain_max is {limit}"
             ));
         }
         let ball = part.certified_vector_part.map(angle_of_vector_part_deg);
         let short = limits.certified_angle_min_deg.zip(ball);
         short.filter(|(limit, angle)| angle < limit).map(|(limit, angle)| {
-            format!("every attitude at rest is proved up to {angle:.3} deg; certified_angle_min_deg is {limit}")
+            let angle = Claim::AtLeast(angle);
+            format!("every attitude at rest is proved up to {angle} deg; certified_angle_min_deg is {limit}")
         })
     }
 
@@ -399,10 +402,11 @@ pub fn reached(model: &Model, lyapunov: &[Vec<f64>]) -> Vec<Along> {
 }
 
 fn uncovered(scale: f64, angle_deg: Option<f64>) -> String {
-    let angle = angle_deg.map_or(String::new(), |angle| format!(" ({angle:.3} deg)"));
+    let angle = angle_deg.map(Claim::AtLeast);
+    let angle = angle.map_or(String::new(), |angle| format!(" ({angle} deg)"));
     format!(
-        "the start is not covered: a design is proved for {:.2} % of it{angle}, and the search found no more",
-        100.0 * scale
+        "the start is not covered: a design is proved for {:.4} % of it{angle}, and the search found no more",
+        Claim::AtLeast(100.0 * scale)
     )
 }
 

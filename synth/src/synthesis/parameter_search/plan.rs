@@ -29,12 +29,6 @@ pub struct Plan {
 /// Relative allowance of the sets that must be contained, so that containment can be proved.
 const COVER_ROOM: f64 = 1e-3;
 
-/// The box may become this many times larger or smaller than the model's where no limits are given.
-const BOX_FACTOR: f64 = 100.0;
-
-/// Limits of q0 where none are given.
-const SCALAR_PART: [f64; 2] = [0.02, 0.9999];
-
 /// Limits of eps_1 and eps_3, relative to eps_2, where none are given.
 const WEIGHT_FACTOR: [f64; 2] = [0.01, 100.0];
 
@@ -178,12 +172,14 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     if let Some(range) = limits.nu {
         push(Parameter::Threshold, range);
     }
-    if let PlantFile::Exact(exact) = &model.file.plant {
-        for (axis, &rate) in exact.rate_rad_s.iter().enumerate() {
-            let usual = [rate / BOX_FACTOR, rate * BOX_FACTOR];
-            push(Parameter::Rate(axis), limits.rate_rad_s.unwrap_or(usual));
+    // Only an exact plant has these limits; its box stays as it is given where they are left out.
+    for axis in 0..3 {
+        if let Some(range) = limits.rate_rad_s {
+            push(Parameter::Rate(axis), range);
         }
-        push(Parameter::ScalarPart, limits.q0_min.unwrap_or(SCALAR_PART));
+    }
+    if let Some(range) = limits.q0_min {
+        push(Parameter::ScalarPart, range);
     }
     let weights = WEIGHT_FACTOR.map(|factor| factor * specs.eps[1]);
     push(Parameter::FirstWeight, limits.eps_1.unwrap_or(weights));
@@ -239,4 +235,38 @@ pub fn outside_every_box(model: &Model, plan: &Plan) -> Option<String> {
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parameters that are searched for a shipped model whose search has these ranges.
+    fn varied(rates: Option<[f64; 2]>, scalar_part: Option<[f64; 2]>) -> (Vec<Parameter>, Plan) {
+        let text = include_str!("../../../../models/xu2020-gain.json");
+        let mut model = Model::from_json(text).expect("a model");
+        let search = model.file.specs.search.as_mut().expect("a search");
+        (search.rate_rad_s, search.q0_min) = (rates, scalar_part);
+        let plan = Plan::of(&model);
+        let ranges = plan.space.ranges.iter().map(|range| range.parameter);
+        (ranges.collect(), plan)
+    }
+
+    #[test]
+    fn the_box_that_the_model_gives_is_kept_unless_a_range_frees_it() {
+        let (kept, plan) = varied(None, None);
+        let of_box =
+            |parameter: &Parameter| matches!(parameter, Parameter::Rate(_) | Parameter::ScalarPart);
+        assert!(!kept.iter().any(of_box), "{kept:?}");
+        let PlantFile::Exact(exact) = plan.space.at(&plan.space.start()).plant else {
+            panic!("a spacecraft");
+        };
+        assert_eq!((exact.rate_rad_s, exact.q0_min), ([0.1; 3], 0.75));
+        let (freed, plan) = varied(Some([0.01, 1.0]), Some([0.5, 0.9]));
+        assert_eq!(freed.iter().filter(|one| of_box(one)).count(), 4);
+        assert_eq!(plan.space.limits(Parameter::Rate(2)), [0.01, 1.0]);
+        assert_eq!(plan.space.limits(Parameter::ScalarPart), [0.5, 0.9]);
+        let (half, _) = varied(None, Some([0.5, 0.9]));
+        assert!(half.contains(&Parameter::ScalarPart) && !half.contains(&Parameter::Rate(0)));
+    }
 }

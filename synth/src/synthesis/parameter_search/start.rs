@@ -22,7 +22,12 @@ pub fn first(evaluator: &Evaluator<'_>) -> Result<Option<SearchPoint>, Synthesis
         Aim::Gain => &WEIGHTS[..],
     };
     let own = evaluator.space.start();
-    for factor in BOXES {
+    let rate = |range: &Range| matches!(range.parameter, Parameter::Rate(_));
+    let boxes = match evaluator.space.ranges.iter().any(rate) {
+        true => &BOXES[..],
+        false => &BOXES[..1],
+    };
+    for factor in boxes {
         let boxed = moved(evaluator, &own, |range, at| match range.parameter {
             Parameter::Rate(_) => at + factor.ln(),
             _ => at,

@@ -3,6 +3,7 @@
 use super::*;
 use crate::exact::Stream;
 use synth::problem::first_program;
+use synth::solve::Clarabel;
 use synth::solve::{Accuracy, Backend, Status};
 
 /// A plant `T [A11 A12; 0 A22] T^-1`, `T [B1; 0]` in exact doubles: A11 and B1 are reachable, T is unimodular.

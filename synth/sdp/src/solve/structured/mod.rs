@@ -24,6 +24,7 @@ use crate::backend::{
     check_finite, Accuracy, Backend, Observer, Progress, Solution, SolveError, Solver, Status,
 };
 use crate::lmi::{inner_product, svec_index, Semidefinite};
+use crate::memory;
 use exit::{Measures, SolveTask, SolverExit, Termination};
 use interior_point::ITERATIONS;
 use layout::{zero_duals, Layout};
@@ -100,6 +101,7 @@ impl Structured {
         let _running = Running::enter();
         check_finite(NAME, problem)?;
         check_size(problem)?;
+        memory::check(NAME, memory_needed(problem), problem.widest())?;
         let layout = Layout::new(problem);
         if let Some((cone, direction)) = &layout.contradiction {
             let found = contradicted(problem, *cone, direction, begin);
@@ -243,6 +245,15 @@ fn check_size(problem: &Semidefinite) -> Result<(), SolveError> {
         backend: NAME,
         reason,
     })
+}
+
+/// Estimate of the memory that a solve takes [bytes]: the system of equations and its factor, about thirty matrices of
+/// each cone's side, and the entries.
+fn memory_needed(problem: &Semidefinite) -> u64 {
+    let square = |side: usize| (side as u64).saturating_mul(side as u64);
+    let cones = problem.cones.iter().map(|cone| square(cone.side));
+    let cones = cones.fold(0, u64::saturating_add).saturating_mul(240);
+    cones.saturating_add(square(problem.cost.len()).saturating_mul(24))
 }
 
 /// Solves for the smallest t with `S + t I >= 0`, which always has an interior. Its multipliers prove infeasibility, or
