@@ -203,10 +203,29 @@ fn a_no_of_the_first_solver_is_followed_by_the_other() {
         ("/specs/nu_min", json!(0.9999)),
     ];
     let model = cart(folder.path(), &changes);
+    let report = run("synthesize", &model, &["--json"]).ends_with(2).json();
+    assert_eq!(solvers(&report), ["clarabel", "structured"], "{report}");
+}
+
+#[test]
+fn a_named_solver_is_the_only_one_that_is_asked_and_the_answer_says_so() {
+    let folder = folder();
+    // A set that no design is found for, and that cannot be refuted for every rho.
+    let changes = [
+        ("/specs/eps", json!([1, 1, 1])),
+        ("/specs/must_contain", json!([[0.97, 0.0]])),
+    ];
+    let model = cart(folder.path(), &changes);
     for solver in ["clarabel", "structured"] {
         let more = ["--json", "--solver", solver];
         let report = run("synthesize", &model, &more).ends_with(2).json();
-        assert_eq!(solvers(&report), ["clarabel", "structured"], "{report}");
+        assert_eq!(solvers(&report), [solver], "{report}");
+        let words = run("synthesize", &model, &["--solver", solver])
+            .ends_with(2)
+            .stdout;
+        let only =
+            format!("only {solver} was asked; with --solver auto the other one is asked too");
+        assert!(words.contains(&only), "{words}");
     }
 }
 

@@ -380,7 +380,7 @@ fn gamma_agrees_with_csdp_on_every_feasible_model() {
         let solved = matches!(own.status, Status::Solved | Status::Inaccurate);
         assert!(solved, "{name}: {own:?}");
         if let Some(value) = csdp(&problem) {
-            assert_same_gamma(name, own.objective, value + problem.offset, 1e-6);
+            assert_same_gamma(name, own.objective, value + problem.offset, 1e-5);
         }
     }
 }
