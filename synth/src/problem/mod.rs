@@ -12,6 +12,8 @@ mod file;
 mod integers;
 mod program;
 mod run;
+mod scaled;
+mod search;
 mod unreachable;
 
 pub use checked::Problem;
@@ -22,13 +24,15 @@ pub use file::{
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
 };
 pub use program::first_program;
-pub use run::{synthesize, ProblemFailure, ProblemOutcome, ProblemSynthesized};
+pub use run::{
+    solver_order, synthesize, NoFeedback, ProblemFailure, ProblemOutcome, ProblemSynthesized,
+};
 pub use unreachable::UnreachableMode;
 
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::SaturatedRegion;
-use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant};
+use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant, Wanted};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
@@ -97,6 +101,33 @@ impl DesignTask {
     ) {
         let proof = Proof::new(plant, found);
         with_problem!(self, problem => problem.statements(&proof, &mut check));
+    }
+
+    /// What is asked of the guaranteed number.
+    pub fn wanted(&self) -> Wanted {
+        with_problem!(self, problem => problem.wanted())
+    }
+
+    /// The same task with nothing asked of the guaranteed number.
+    fn without_wanted(&self) -> Self {
+        match self {
+            DesignTask::QuadraticStabilisation(problem) => {
+                DesignTask::QuadraticStabilisation(problem.without_wanted())
+            }
+            DesignTask::HInfinity(problem) => DesignTask::HInfinity(problem.without_wanted()),
+            DesignTask::SaturatedRegion(problem) => {
+                DesignTask::SaturatedRegion(problem.without_wanted())
+            }
+        }
+    }
+
+    /// The guaranteed number at which the search for a better one stops; `None` where nothing stops it.
+    pub fn floor(&self, plant: &VertexPlant) -> Option<f64> {
+        fn guarantee<P: DesignProblem>(problem: &P, plant: &VertexPlant) -> Option<f64> {
+            let floor = problem.floor(plant)?;
+            Some(P::guarantee_of(floor.objective))
+        }
+        with_problem!(self, problem => guarantee(problem, plant))
     }
 
     /// What the proof assumes.

@@ -12,8 +12,6 @@ pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
 pub use two_certificates::{coupled_problem, CouplingChoice};
 
-pub(crate) use attempts::{Attempts, Smallest, Synthesis};
-
 pub use crate::programs::{
     assemble, assemble_at, scaled_task, Assembled, Cancelled, Form, Goal, LimitingFactors, Outcome,
     Sensitivity, SynthesisError, Synthesized, FIRST_UNITS,

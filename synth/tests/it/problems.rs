@@ -2,7 +2,9 @@
 //! limit, and designs with one number changed.
 
 mod tampered;
+mod units;
 mod unreachable;
+mod wanted;
 
 use crate::exact::Exact;
 use crate::tampering::*;
@@ -12,7 +14,7 @@ use synth::certify::interval::Interval;
 use synth::certify::Verdict;
 use synth::conditions::state_feedback::StateFeedback;
 use synth::problem::{synthesize, Problem, ProblemDesignFile, ProblemOutcome, ProblemSynthesized};
-use synth::solve::Clarabel;
+use synth::solve::{Backend, Clarabel, Structured};
 
 /// The objective may exceed the optimum by this much, relative: the price of a margin.
 const ROOM_ABOVE_OPTIMUM: f64 = 1.1e-3;
@@ -37,13 +39,9 @@ fn asked(plant: Value, problem: Value) -> Value {
 }
 
 fn outcome(file: &Value) -> ProblemOutcome {
-    synthesize(
-        &problem(file),
-        &file.to_string(),
-        &Clarabel::default(),
-        None,
-    )
-    .expect("the solver accepts the problem")
+    let solvers: [&dyn Backend; 2] = [&Clarabel::default(), &Structured::default()];
+    synthesize(&problem(file), &file.to_string(), &solvers, None)
+        .expect("the solvers accept the problem")
 }
 
 #[track_caller]

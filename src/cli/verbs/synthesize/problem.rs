@@ -6,6 +6,8 @@ use synth::problem::{
     self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
 
+use synth::solve::Backend;
+
 use super::conclude::keep;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
@@ -32,9 +34,10 @@ pub fn synthesize(
         return Err(CliError::unsuitable(path, reason));
     }
     files::check_output(output, &[path])?;
-    let backend = solver.backend();
+    let solvers = [solver, solver.other()].map(SolverArg::backend);
     let outcome = solve(path, ASSEMBLING, |observer| {
-        problem::synthesize(&problem, text, backend.as_ref(), observer)
+        let asked: Vec<&dyn Backend> = solvers.iter().map(|one| one.as_ref() as _).collect();
+        problem::synthesize(&problem, text, &asked, observer)
     })?;
     let none = |failure: ProblemFailure, status| Ok(none(&problem, &failure, status));
     match outcome {
@@ -60,7 +63,11 @@ fn found(
     let mut lines = vec![headline(problem)];
     lines.extend(report.lines());
     lines.push(design_written(kept, checked.verdict));
-    Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
+    let exit = match report.meets_requirements() {
+        true => Exit::from(checked.verdict),
+        false => Exit::No,
+    };
+    Ok(Answer::new(exit, &report, &lines))
 }
 
 fn none(problem: &Problem, failure: &ProblemFailure, status: SolverStatus) -> Answer {
