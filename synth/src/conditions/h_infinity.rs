@@ -55,6 +55,7 @@ impl HInfinity {
 
 impl DesignProblem for HInfinity {
     const NAME: &'static str = "h_infinity";
+    const OBJECTIVE: &'static str = "gamma";
     const GUARANTEE: &'static str = "gamma: |z| < gamma |w| in L2, from rest";
 
     /// Where gamma is known, `Q_ii` and gamma become about 1.
@@ -203,7 +204,7 @@ impl DesignProblem for HInfinity {
             emit(format!("bounded real vertex {}", index + 1), matrix);
         }
         if let Some(gamma) = self.wanted.exactly {
-            let room = S::from_f64(gamma) - proof.guarantee.clone();
+            let room = S::one() - proof.guarantee.clone() / S::from_f64(gamma);
             emit("gain below gamma".into(), Matrix::identity(1, room));
         }
     }

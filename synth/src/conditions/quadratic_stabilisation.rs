@@ -48,6 +48,7 @@ const FINSLER_ROOM: f64 = 1e-10;
 
 impl DesignProblem for QuadraticStabilisation {
     const NAME: &'static str = "quadratic_stabilisation";
+    const OBJECTIVE: &'static str = "c^2";
     const GUARANTEE: &'static str = "overshoot c: |x(t)| <= c e^(-alpha t) |x(0)|";
 
     /// The smallest state unit is 1: `Q >= I` in the file's units.

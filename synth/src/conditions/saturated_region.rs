@@ -97,6 +97,7 @@ fn name_of(vertex: usize, choice: &[bool]) -> String {
 
 impl DesignProblem for SaturatedRegion {
     const NAME: &'static str = "saturated_region";
+    const OBJECTIVE: &'static str = "1/beta^2";
     const GUARANTEE: &'static str = "beta: beta times the reference set lies in the region";
     const LARGER_IS_BETTER: bool = true;
     const AUXILIARY_GAINS: &'static [&'static str] = &["saturation_gain"];

@@ -19,6 +19,9 @@ pub trait DesignProblem: Clone + Sized {
     /// The problem's key in a file, such as `h_infinity`.
     const NAME: &'static str;
 
+    /// What is minimised, in terms of the guaranteed number.
+    const OBJECTIVE: &'static str;
+
     /// What the guaranteed number is.
     const GUARANTEE: &'static str;
 

@@ -67,6 +67,10 @@ fn guarantee<P: DesignProblem>(_: &P) -> &'static str {
     P::GUARANTEE
 }
 
+fn objective<P: DesignProblem>(_: &P) -> &'static str {
+    P::OBJECTIVE
+}
+
 fn auxiliary_gains<P: DesignProblem>(_: &P) -> &'static [&'static str] {
     P::AUXILIARY_GAINS
 }
@@ -85,6 +89,11 @@ impl DesignTask {
     /// What the guaranteed number is.
     pub fn guarantee(&self) -> &'static str {
         with_problem!(self, problem => guarantee(problem))
+    }
+
+    /// What synthesis minimises, in terms of the guaranteed number: `gamma`, `c^2` or `1/beta^2`.
+    pub fn objective(&self) -> &'static str {
+        with_problem!(self, problem => objective(problem))
     }
 
     /// Names of the auxiliary gains that a proof needs.

@@ -65,6 +65,26 @@ impl<P: DesignProblem> Scaled<P> {
         out
     }
 
+    /// The sizes in the ellipsoid of a solver's point, proved or not; `None` where Q has no positive diagonal.
+    pub(super) fn sizes_at(
+        &self,
+        transformed: &Transformed,
+        values: &[f64],
+        objective: f64,
+    ) -> Option<Sizes> {
+        let diagonal = transformed.inverse.value(values).diagonal();
+        let usable = diagonal
+            .iter()
+            .all(|&entry| entry > 0.0 && entry.is_finite());
+        usable.then(|| Sizes {
+            state: diagonal.zip_map(&self.units.state, |square, unit| {
+                (square / self.units.energy).sqrt() * unit
+            }),
+            input: None,
+            objective: Some(objective),
+        })
+    }
+
     /// Undoes the transformation of the unknowns: P = Q^-1, F = Y P, H = Z P; then the units. `objective` is in the
     /// file's units. `None` where that is not possible.
     pub(super) fn recover(

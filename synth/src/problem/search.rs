@@ -26,13 +26,16 @@ const BACK_OFFS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 const CLOSE: f64 = 1.5e-3;
 
 /// Rounds in which the units follow the solution.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 5;
 
 /// Objectives tried between the best one reported and the best one proved.
 const BISECTIONS: usize = 12;
 
 /// What the conditions may miss, relative to the diagonals of their matrices, at a solver's optimum that counts.
 const VIOLATION: f64 = 1e-6;
+
+/// Objectives in this range, in scaled units, are near enough to 1.
+const NEAR_UNIT: std::ops::RangeInclusive<f64> = 1e-2..=1e2;
 
 /// Part of the largest margin that is kept while the effort is minimised.
 const KEPT_MARGIN: f64 = 0.25;
@@ -301,7 +304,7 @@ impl<'a, P: DesignProblem> Search<'a, P> {
             let before = self.best_objective();
             let next = match self.request.requested.wanted().exactly {
                 Some(wanted) => self.at_wanted(session, &mut scaled, wanted, label)?,
-                None => self.smallest(session, &mut scaled, label)?,
+                None => self.smallest(session, &mut scaled, label, round + 1 < ROUNDS)?,
             };
             let Some(next) = next else {
                 break;
@@ -322,12 +325,14 @@ impl<'a, P: DesignProblem> Search<'a, P> {
         Ok(())
     }
 
-    /// The smallest objective, then designs above it; the sizes of what was found.
+    /// The smallest objective, then designs above it; the sizes of what was found. Where the objective is far from its
+    /// unit, the sizes alone: a solver's accuracy is that of its units.
     fn smallest(
         &mut self,
         session: &mut Session,
         scaled: &mut Scaled<P>,
         label: &str,
+        again: bool,
     ) -> Result<Option<Sizes>, SynthesisError> {
         let goal = ProblemGoal::SmallestObjective;
         let Some(answer) = self.run(session, scaled, goal, label)? else {
@@ -343,6 +348,12 @@ impl<'a, P: DesignProblem> Search<'a, P> {
         let usable = objective > 0.0 && objective.is_finite();
         if !usable || !has_point(&answer.solution) {
             return self.anything(session, scaled, label);
+        }
+        if again && !NEAR_UNIT.contains(&smallest) {
+            let sizes = scaled.sizes_at(&answer.program.transformed, values, objective);
+            if sizes.is_some() {
+                return Ok(sizes);
+            }
         }
         if satisfied(&answer) {
             self.saw(objective);
@@ -476,7 +487,11 @@ impl<'a, P: DesignProblem> Search<'a, P> {
         if self.request.requested.wanted().exactly.is_none() {
             self.consider(&found);
         }
-        Ok(sizes_of::<P>(&found))
+        // Its objective is far from the smallest one and gives no unit.
+        Ok(sizes_of::<P>(&found).map(|sizes| Sizes {
+            objective: None,
+            ..sizes
+        }))
     }
 
     /// Designs between the best objective seen, or the floor, and the best one proved.
