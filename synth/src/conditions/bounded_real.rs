@@ -6,9 +6,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::h_infinity::HInfinity;
-use super::state_feedback::{Direct, StateFeedback, VertexPlant};
+use super::state_feedback::{Direct, StateFeedback};
 use super::units::{Sizes, Units};
+use super::vertex_plant::VertexPlant;
 use crate::riccati::{abscissa, lyapunov, positive, spectral_radius, stabilising, symmetric};
 
 /// The weights added, in units in which state, input and gamma are about 1; the largest that suffices is taken.
@@ -22,6 +22,17 @@ const ROUNDS: usize = 2;
 
 /// Decades of gamma that are searched in either direction.
 const DECADES: i32 = 18;
+
+/// What drives a plant and what is seen of it: B_w (n x d), C (p x n), D (p x m), D_w (p x d).
+pub(super) struct Signals {
+    pub(super) disturbance: DMatrix<f64>,
+    pub(super) output: DMatrix<f64>,
+    pub(super) input_to_output: DMatrix<f64>,
+    pub(super) disturbance_to_output: DMatrix<f64>,
+}
+
+/// A problem in the units for numbers of given sizes.
+pub(super) type InSizes<'a> = &'a dyn Fn(&Sizes) -> (Units, Signals, VertexPlant);
 
 /// A plant of one vertex, in scaled units. With a given feedback it is closed, and there is no input (n x 0).
 struct Standard {
@@ -40,7 +51,7 @@ struct Regulator {
 }
 
 impl Standard {
-    fn new(requested: &HInfinity, plant: &VertexPlant, a: &DMatrix<f64>) -> Self {
+    fn new(requested: &Signals, plant: &VertexPlant, a: &DMatrix<f64>) -> Self {
         let mut out = Standard {
             a: a.clone(),
             b: plant.input.clone(),
@@ -184,7 +195,7 @@ pub(super) struct BoundedReal {
 
 impl BoundedReal {
     /// For a plant of one vertex; `None` where no gamma has a candidate.
-    pub(super) fn new(requested: &HInfinity, plant: &VertexPlant, floor: f64) -> Option<Self> {
+    pub(super) fn new(requested: InSizes, plant: &VertexPlant, floor: f64) -> Option<Self> {
         let mut sizes = Sizes::of(plant, 0.0);
         let mut out = None;
         for round in 0..=ROUNDS {
@@ -200,10 +211,8 @@ impl BoundedReal {
         out
     }
 
-    fn in_sizes(requested: &HInfinity, plant: &VertexPlant, sizes: &Sizes, floor: f64) -> Self {
-        use super::state_feedback::DesignProblem;
-        let units = requested.units(plant, sizes);
-        let (scaled, own) = (requested.in_units(&units), plant.in_units(&units));
+    fn in_sizes(requested: InSizes, plant: &VertexPlant, sizes: &Sizes, floor: f64) -> Self {
+        let (units, scaled, own) = requested(sizes);
         BoundedReal {
             standard: Standard::new(&scaled, &own, &own.vertices[0]),
             given: plant.gain.clone(),
@@ -276,10 +285,8 @@ const REFERENCE_DECAY: f64 = 1e-2;
 /// The gain of the mean vertex without control, where it is stable, or with the linear-quadratic regulator that weighs
 /// the output and, for each input, the energy that it puts into the output within a natural period, whichever is
 /// smaller. No unit of a state or an input changes it. `None` where there is none, or it is 0.
-pub(super) fn reference_gain(requested: &HInfinity, plant: &VertexPlant) -> Option<f64> {
-    use super::state_feedback::DesignProblem;
-    let units = requested.units(plant, &Sizes::of(plant, 0.0));
-    let (scaled, own) = (requested.in_units(&units), plant.in_units(&units));
+pub(super) fn reference_gain(requested: InSizes, plant: &VertexPlant) -> Option<f64> {
+    let (units, scaled, own) = requested(&Sizes::of(plant, 0.0));
     let standard = Standard::new(&scaled, &own, &own.mean());
     let (n, m) = standard.b.shape();
     let open = (abscissa(&standard.a) < 0.0).then(|| DMatrix::zeros(m, n));

@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use super::bounded_real::{self, BoundedReal};
+use super::bounded_real::{reference_gain, BoundedReal, Signals};
 use super::state_feedback::{
     DesignProblem, Direct, Floor, Inequality, Proof, StateFeedback, Transformed, VertexPlant,
     Wanted,
@@ -43,6 +43,25 @@ const WELL_BELOW: f64 = 0.998;
 const RANK_TOLERANCE: f64 = 1e-10;
 
 impl HInfinity {
+    /// The signals and the plant in the units for numbers of given sizes.
+    fn in_sizes<'a>(
+        &'a self,
+        plant: &'a VertexPlant,
+    ) -> impl Fn(&Sizes) -> (Units, Signals, VertexPlant) + 'a {
+        move |sizes| {
+            let units = self.units(plant, sizes);
+            let scaled = self.in_units(&units);
+            let signals = Signals {
+                disturbance: scaled.disturbance,
+                output: scaled.output,
+                input_to_output: scaled.input_to_output,
+                disturbance_to_output: scaled.disturbance_to_output,
+            };
+            let plant = plant.in_units(&units);
+            (units, signals, plant)
+        }
+    }
+
     /// True where D has full column rank.
     fn sees_every_input(&self) -> bool {
         let columns = self.input_to_output.ncols();
@@ -152,7 +171,7 @@ impl DesignProblem for HInfinity {
         if plant.gain.is_some() || self.sees_every_input() {
             return None;
         }
-        let objective = FLOOR * bounded_real::reference_gain(self, plant)?;
+        let objective = FLOOR * reference_gain(&self.in_sizes(plant), plant)?;
         Some(Floor {
             name: "smallest gain",
             objective,
@@ -179,7 +198,8 @@ impl DesignProblem for HInfinity {
                     .wanted
                     .exactly
                     .unwrap_or(floor.min(at_most * WELL_BELOW));
-                Some(Box::new(BoundedReal::new(self, plant, aim)?))
+                let direct = BoundedReal::new(&self.in_sizes(plant), plant, aim)?;
+                Some(Box::new(direct))
             }
             _ => None,
         }

@@ -6,6 +6,7 @@ pub mod quadratic_stabilisation;
 pub mod saturated_region;
 pub mod state_feedback;
 pub mod units;
+pub mod vertex_plant;
 pub mod xu2020;
 
 use nalgebra::{DMatrix, DVector};

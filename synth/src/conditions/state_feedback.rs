@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::units::{Sizes, Units};
+pub use super::vertex_plant::VertexPlant;
 use sdp::lmi::{Affine, Unknowns};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
@@ -162,29 +163,6 @@ pub trait Direct {
 
     /// Candidates at an objective, those with the smallest gains first.
     fn candidates(&self, objective: f64) -> Box<dyn Iterator<Item = StateFeedback> + '_>;
-}
-
-/// `x' = A(t) x + B u` with A(t) in the convex hull of the vertices. n states, m inputs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VertexPlant {
-    /// A_i, n x n.
-    pub vertices: Vec<DMatrix<f64>>,
-    /// B, n x m.
-    pub input: DMatrix<f64>,
-    /// A given feedback F, m x n, to be analysed; without it one is designed.
-    pub gain: Option<DMatrix<f64>>,
-}
-
-impl VertexPlant {
-    /// Number of states n.
-    pub fn states(&self) -> usize {
-        self.input.nrows()
-    }
-
-    /// Number of inputs m.
-    pub fn inputs(&self) -> usize {
-        self.input.ncols()
-    }
 }
 
 /// The unknowns of synthesis.

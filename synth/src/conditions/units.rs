@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::state_feedback::VertexPlant;
+use super::vertex_plant::VertexPlant;
 use crate::riccati::{balanced, stabilising};
 
 /// The power of two nearest to a positive number in ratio; 1 for anything else.
@@ -164,15 +164,5 @@ impl VertexPlant {
                 })
             }),
         }
-    }
-
-    /// The mean of the vertices, n x n.
-    pub fn mean(&self) -> DMatrix<f64> {
-        let n = self.states();
-        let sum = self
-            .vertices
-            .iter()
-            .fold(DMatrix::zeros(n, n), |sum, a| sum + a);
-        sum / self.vertices.len() as f64
     }
 }

@@ -11,9 +11,11 @@ mod exclusion;
 mod file;
 mod integers;
 mod program;
+mod request;
 mod run;
 mod scaled;
 mod search;
+mod solves;
 mod unreachable;
 
 pub use checked::Problem;
@@ -24,9 +26,8 @@ pub use file::{
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
 };
 pub use program::first_program;
-pub use run::{
-    solver_order, synthesize, NoFeedback, ProblemFailure, ProblemOutcome, ProblemSynthesized,
-};
+pub use request::ProblemSynthesized;
+pub use run::{solver_order, synthesize, NoFeedback, ProblemFailure, ProblemOutcome};
 pub use unreachable::UnreachableMode;
 
 use crate::conditions::h_infinity::HInfinity;

@@ -129,6 +129,20 @@ pub(super) fn weights<P: DesignProblem>(
         .collect()
 }
 
+/// The same units with the feedback as an unknown, and the scales of the conditions at Q.
+pub(super) fn with_feedback<P: DesignProblem>(
+    scaled: &Scaled<P>,
+    inverse: &DMatrix<f64>,
+    objective: f64,
+) -> Scaled<P> {
+    let mut out = scaled.clone();
+    if out.eliminated {
+        out.eliminated = false;
+        out.weights = weights(&out, inverse, objective);
+    }
+    out
+}
+
 /// The relative margin of a point, in the unit of the largest one.
 pub(super) fn margin_at<P: DesignProblem>(
     scaled: &Scaled<P>,

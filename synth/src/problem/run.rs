@@ -4,19 +4,14 @@ use super::checked::Problem;
 use super::design::ProblemDesignFile;
 use super::exclusion::{infeasibility_proof, InfeasibilityProof};
 use super::program::SLACK_MARGIN;
-use super::search::{Request, Search};
+use super::request::{ProblemSynthesized, Request};
+use super::search::Search;
 use super::{with_problem, DesignTask};
 use crate::certify::Verdict;
 use crate::conditions::state_feedback::DesignProblem;
-use crate::design::SolverRun;
 use crate::optimality::Optimality;
-use crate::programs::{
-    blocking, has_point, Decision, Form, Outcome, Recorded, Session, SynthesisError, Synthesized,
-};
+use crate::programs::{blocking, has_point, Decision, Form, Outcome, Session, SynthesisError};
 use sdp::solve::{Backend, Observer, Solver};
-
-/// A feedback and how it was found.
-pub type ProblemSynthesized = Synthesized<ProblemDesignFile>;
 
 /// Why there is no feedback.
 pub type ProblemFailure = Decision<NoFeedback>;
@@ -42,12 +37,6 @@ impl From<Option<InfeasibilityProof>> for NoFeedback {
 
 /// The outcome of a synthesis.
 pub type ProblemOutcome = Outcome<ProblemDesignFile, ProblemFailure>;
-
-impl Recorded for ProblemDesignFile {
-    fn solver_runs(&mut self) -> &mut Vec<SolverRun> {
-        &mut self.provenance.solver_runs
-    }
-}
 
 /// The order in which the solvers are asked where none is named: the structured one first where the unknowns are many.
 pub fn solver_order(problem: &Problem) -> [Solver; 2] {

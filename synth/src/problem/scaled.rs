@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::program::weights;
 use crate::conditions::state_feedback::{
     DesignProblem, Floor, StateFeedback, Transformed, VertexPlant,
 };
@@ -12,6 +11,7 @@ use crate::conditions::units::{Sizes, Units};
 use crate::riccati::symmetric;
 
 /// A problem and its plant in the units of a solver.
+#[derive(Clone)]
 pub(super) struct Scaled<P> {
     pub(super) units: Units,
     pub(super) problem: P,
@@ -47,22 +47,6 @@ impl<P: DesignProblem> Scaled<P> {
             eliminated: false,
             units,
         }
-    }
-
-    /// The same units with the feedback as an unknown, and the scales of the conditions at Q.
-    pub(super) fn completed(&self, inverse: &DMatrix<f64>, objective: f64) -> Self {
-        let mut out = Scaled {
-            units: self.units.clone(),
-            problem: self.problem.clone(),
-            plant: self.plant.clone(),
-            floor: self.floor,
-            weights: self.weights.clone(),
-            eliminated: false,
-        };
-        if self.eliminated {
-            out.weights = weights(&out, inverse, objective);
-        }
-        out
     }
 
     /// The sizes in the ellipsoid of a solver's point, proved or not; `None` where Q has no positive diagonal.

@@ -3,24 +3,12 @@
 
 use std::time::Instant;
 
-use super::checked::Problem;
-use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
-use super::program::{margin_at, program, weights, ProblemGoal, Program};
-use super::scaled::{near, sizes_of, Scaled};
-use crate::conditions::state_feedback::{DesignProblem, Floor, StateFeedback};
+use super::request::{ProblemSynthesized, Request, BACK_OFFS, BELOW_WANTED};
+use super::scaled::{near, sizes_of};
+use crate::conditions::state_feedback::{DesignProblem, StateFeedback};
 use crate::conditions::units::Sizes;
-use crate::design::{SolverRun, DESIGN_SCHEMA_VERSION};
-use crate::programs::{
-    has_point, largest_magnitude, now, sha256_of, Session, SynthesisError, Synthesized, GENERATOR,
-};
-use crate::riccati::{positive, symmetric};
-use sdp::solve::{Solution, Status};
-
-use super::run::ProblemSynthesized;
-
-/// Back-offs of the exported design from the optimum, relative: they leave a margin for the proof. Tried in order
-/// until the design is proved.
-const BACK_OFFS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
+use crate::design::SolverRun;
+use crate::programs::{Session, SynthesisError, GENERATOR};
 
 /// A design within this of the best objective seen, relative, needs no further attempt.
 const CLOSE: f64 = 1.5e-3;
@@ -31,98 +19,9 @@ const ROUNDS: usize = 5;
 /// Objectives tried between the best one reported and the best one proved.
 const BISECTIONS: usize = 12;
 
-/// What the conditions may miss, relative to the diagonals of their matrices, at a solver's optimum that counts.
-const VIOLATION: f64 = 1e-6;
-
-/// Objectives in this range, in scaled units, are near enough to 1.
-const NEAR_UNIT: std::ops::RangeInclusive<f64> = 1e-2..=1e2;
-
-/// Part of the largest margin that is kept while the effort is minimised.
-const KEPT_MARGIN: f64 = 0.25;
-
-/// Objectives this close, relative, are equally good.
-const EQUAL: f64 = 1e-3;
-
-/// Distance below a wanted objective, relative: the number that is guaranteed lies below the one asked for.
-const BELOW_WANTED: f64 = 1e-7;
-
-/// A problem in the file's units.
-pub(super) struct Request<'a, P> {
-    pub(super) problem: &'a Problem,
-    pub(super) text: &'a str,
-    pub(super) requested: &'a P,
-    pub(super) floor: Option<Floor>,
-}
-
-impl<'a, P: DesignProblem> Request<'a, P> {
-    pub(super) fn new(problem: &'a Problem, text: &'a str, requested: &'a P) -> Self {
-        let wanted = requested.wanted();
-        let floor = requested.floor(&problem.plant).map(|floor| Floor {
-            // What is good enough is not below the floor.
-            objective: wanted
-                .at_most
-                .into_iter()
-                .fold(floor.objective, |least, at_most| {
-                    least.min(at_most * (1.0 - 2.0 * BACK_OFFS[0]))
-                }),
-            ..floor
-        });
-        Request {
-            problem,
-            text,
-            requested,
-            floor,
-        }
-    }
-
-    /// The problem in units for numbers of these sizes.
-    pub(super) fn scaled(&self, sizes: &Sizes) -> Scaled<P> {
-        Scaled::new(self.requested, &self.problem.plant, sizes, self.floor)
-    }
-
-    /// The sizes before anything is solved.
-    pub(super) fn first_sizes(&self) -> Sizes {
-        Sizes::of(&self.problem.plant, self.requested.decay_rate())
-    }
-
-    /// Puts the file together and checks what a reader of its text would get; `None` for numbers that no design file
-    /// may hold.
-    fn design(&self, found: &StateFeedback) -> Option<Box<ProblemSynthesized>> {
-        let report = verify(self.problem, found);
-        let (controller, certificate) = ProofFile::split(found);
-        let file = ProblemDesignFile {
-            schema_version: DESIGN_SCHEMA_VERSION,
-            name: self.problem.file.name.clone(),
-            model: self.problem.file.clone(),
-            controller,
-            certificate,
-            verdict: report.clone(),
-            provenance: ProblemProvenance {
-                generator: GENERATOR.to_string(),
-                model_sha256: sha256_of(self.text),
-                date: now(),
-                solver_runs: Vec::new(),
-            },
-        };
-        file.feedback(self.problem).ok()?;
-        Some(Box::new(Synthesized {
-            file,
-            report,
-            solve_seconds: 0.0,
-            optimality: None,
-        }))
-    }
-}
-
-/// A program, the solver's answer, and whether its numbers can be used.
-struct Answer {
-    program: Program,
-    solution: Solution,
-}
-
 /// What has been found so far. Objectives are in the file's units.
 pub(super) struct Search<'a, P> {
-    request: &'a Request<'a, P>,
+    pub(super) request: &'a Request<'a, P>,
     /// The best proved design.
     pub(super) best: Option<Box<ProblemSynthesized>>,
     /// The last design that is not proved.
@@ -150,7 +49,7 @@ impl<'a, P: DesignProblem> Search<'a, P> {
         }
     }
 
-    fn best_objective(&self) -> Option<f64> {
+    pub(super) fn best_objective(&self) -> Option<f64> {
         let best = self.best.as_ref()?;
         Some(P::objective_of(best.file.certificate.guarantee))
     }
@@ -167,7 +66,7 @@ impl<'a, P: DesignProblem> Search<'a, P> {
             .is_some_and(|seen| best <= seen * (1.0 + distance))
     }
 
-    fn saw(&mut self, objective: f64) {
+    pub(super) fn saw(&mut self, objective: f64) {
         let least = self.request.floor.map_or(0.0, |floor| floor.objective);
         let objective = objective.max(least);
         if objective > 0.0 && objective.is_finite() {
@@ -176,7 +75,7 @@ impl<'a, P: DesignProblem> Search<'a, P> {
     }
 
     /// Nothing better than the end of the search is claimed: what lies beyond depends on chance.
-    fn claimed(&self, found: &StateFeedback) -> StateFeedback {
+    pub(super) fn claimed(&self, found: &StateFeedback) -> StateFeedback {
         let least = self.request.floor.map_or(0.0, |floor| floor.objective);
         let mut found = found.clone();
         if P::objective_of(found.guarantee) < least {
@@ -186,7 +85,7 @@ impl<'a, P: DesignProblem> Search<'a, P> {
     }
 
     /// Checks a candidate and keeps it where it is the best; true where it is proved.
-    fn consider(&mut self, found: &StateFeedback) -> bool {
+    pub(super) fn consider(&mut self, found: &StateFeedback) -> bool {
         let found = &self.claimed(found);
         let Some(design) = self.request.design(found) else {
             return false;
@@ -325,175 +224,6 @@ impl<'a, P: DesignProblem> Search<'a, P> {
         Ok(())
     }
 
-    /// The smallest objective, then designs above it; the sizes of what was found. Where the objective is far from its
-    /// unit, the sizes alone: a solver's accuracy is that of its units.
-    fn smallest(
-        &mut self,
-        session: &mut Session,
-        scaled: &mut Scaled<P>,
-        label: &str,
-        again: bool,
-    ) -> Result<Option<Sizes>, SynthesisError> {
-        let goal = ProblemGoal::SmallestObjective;
-        let Some(answer) = self.run(session, scaled, goal, label)? else {
-            return Ok(self.anything(session, scaled, label)?);
-        };
-        if answer.solution.status == Status::Infeasible {
-            self.infeasible += 1;
-        }
-        let unit = scaled.units.objective;
-        let smallest = answer.solution.objective;
-        let values = &answer.solution.values;
-        let objective = smallest * unit;
-        let usable = objective > 0.0 && objective.is_finite();
-        if !usable || !has_point(&answer.solution) {
-            return self.anything(session, scaled, label);
-        }
-        if again && !NEAR_UNIT.contains(&smallest) {
-            let sizes = scaled.sizes_at(&answer.program.transformed, values, objective);
-            if sizes.is_some() {
-                return Ok(sizes);
-            }
-        }
-        if satisfied(&answer) {
-            self.saw(objective);
-        }
-        let q = symmetric(&answer.program.transformed.inverse.value(values));
-        scaled.weights = weights(scaled, &q, smallest);
-        let mut last = None;
-        for back_off in BACK_OFFS {
-            let target = smallest * (1.0 + back_off);
-            if let Some(better) = self.centre(session, scaled, target, label)? {
-                last = Some(better.0);
-                if better.1 {
-                    break;
-                }
-            }
-        }
-        match last {
-            Some(found) => Ok(sizes_of::<P>(&found)),
-            None => self.anything(session, scaled, label),
-        }
-    }
-
-    /// A design at the wanted objective; the sizes of what was found.
-    fn at_wanted(
-        &mut self,
-        session: &mut Session,
-        scaled: &mut Scaled<P>,
-        wanted: f64,
-        label: &str,
-    ) -> Result<Option<Sizes>, SynthesisError> {
-        let target = wanted * (1.0 - BELOW_WANTED) / scaled.units.objective;
-        match self.centre(session, scaled, target, label)? {
-            Some((found, _)) => Ok(sizes_of::<P>(&found)),
-            None => self.anything(session, scaled, label),
-        }
-    }
-
-    /// A design at an objective in scaled units, and whether it is proved.
-    fn centre(
-        &mut self,
-        session: &mut Session,
-        scaled: &Scaled<P>,
-        objective: f64,
-        label: &str,
-    ) -> Result<Option<(StateFeedback, bool)>, SynthesisError> {
-        let goal = ProblemGoal::LargestMargin { objective };
-        let Some(answer) = self.run(session, scaled, goal, label)? else {
-            return Ok(None);
-        };
-        let Some(found) = self.recover(scaled, &answer, objective * scaled.units.objective) else {
-            return Ok(None);
-        };
-        let proved = self.consider(&found);
-        if !proved || self.request.problem.plant.gain.is_some() {
-            return Ok(Some((found, proved)));
-        }
-        let calm = self.calm(session, scaled, &answer, objective, label)?;
-        let smaller = calm.filter(|calm| calm.gain.norm() < found.gain.norm());
-        match smaller.filter(|calm| self.replace(calm)) {
-            Some(calm) => Ok(Some((calm, true))),
-            None => Ok(Some((found, true))),
-        }
-    }
-
-    /// The smallest gains with a part of the margin that was found: nothing else keeps them small.
-    fn calm(
-        &mut self,
-        session: &mut Session,
-        scaled: &Scaled<P>,
-        answer: &Answer,
-        objective: f64,
-        label: &str,
-    ) -> Result<Option<StateFeedback>, SynthesisError> {
-        let q = symmetric(
-            &answer
-                .program
-                .transformed
-                .inverse
-                .value(&answer.solution.values),
-        );
-        let whole = scaled.completed(&q, objective);
-        let margin = match scaled.eliminated {
-            false => -answer.solution.objective,
-            true => match scaled.problem.completed(&scaled.plant, &q) {
-                Some(y) => margin_at(&whole, &q, &y, objective),
-                None => return Ok(None),
-            },
-        };
-        let margin = KEPT_MARGIN * margin;
-        let goal = ProblemGoal::SmallestEffort { objective, margin };
-        let answer = self.run(session, &whole, goal, label)?;
-        let answer = answer.filter(|answer| has_point(&answer.solution));
-        Ok(answer
-            .and_then(|answer| self.recover(&whole, &answer, objective * whole.units.objective)))
-    }
-
-    /// Puts a candidate in the place of the best design where it is proved and as good; true where it is proved.
-    fn replace(&mut self, found: &StateFeedback) -> bool {
-        let found = &self.claimed(found);
-        let Some(design) = self
-            .request
-            .design(found)
-            .filter(|design| design.is_proved())
-        else {
-            return false;
-        };
-        let objective = P::objective_of(found.guarantee);
-        let best = self.best_objective();
-        if best.is_none_or(|best| objective <= best * (1.0 + EQUAL)) {
-            self.best = Some(design);
-        }
-        true
-    }
-
-    /// A design whatever its objective; its sizes.
-    fn anything(
-        &mut self,
-        session: &mut Session,
-        scaled: &Scaled<P>,
-        label: &str,
-    ) -> Result<Option<Sizes>, SynthesisError> {
-        let Some(answer) = self.run(session, scaled, ProblemGoal::AnyObjective, label)? else {
-            return Ok(None);
-        };
-        let objective = &answer.program.transformed.objective;
-        let objective = objective.value(&answer.solution.values)[(0, 0)];
-        let found = self.recover(scaled, &answer, objective * scaled.units.objective);
-        let Some(found) = found else {
-            return Ok(None);
-        };
-        if self.request.requested.wanted().exactly.is_none() {
-            self.consider(&found);
-        }
-        // Its objective is far from the smallest one and gives no unit.
-        Ok(sizes_of::<P>(&found).map(|sizes| Sizes {
-            objective: None,
-            ..sizes
-        }))
-    }
-
     /// Designs between the best objective seen, or the floor, and the best one proved.
     pub(super) fn between(&mut self, session: &mut Session) -> Result<(), SynthesisError> {
         if self.request.requested.wanted().exactly.is_some() {
@@ -531,87 +261,5 @@ impl<'a, P: DesignProblem> Search<'a, P> {
             }
         }
         Ok(())
-    }
-
-    fn recover(
-        &self,
-        scaled: &Scaled<P>,
-        answer: &Answer,
-        objective: f64,
-    ) -> Option<StateFeedback> {
-        let request = self.request;
-        let given = request.problem.plant.gain.as_ref();
-        let values = &answer.solution.values;
-        scaled.recover(
-            request.requested,
-            given,
-            &answer.program.transformed,
-            (values, objective),
-        )
-    }
-
-    /// One run of a solver; `None` where it refused or returned no numbers.
-    fn run(
-        &mut self,
-        session: &mut Session,
-        scaled: &Scaled<P>,
-        goal: ProblemGoal,
-        label: &str,
-    ) -> Result<Option<Answer>, SynthesisError> {
-        let program = program(scaled, goal);
-        let vertices = scaled.plant.vertices.len();
-        let name = match goal {
-            ProblemGoal::LargestMargin { objective }
-            | ProblemGoal::SmallestEffort { objective, .. } => {
-                let guarantee = P::guarantee_of(objective * scaled.units.objective);
-                format!("{} at {guarantee:.6e}, {label}", goal.name())
-            }
-            _ => format!("{}, {label}", goal.name()),
-        };
-        let problem = &program.problem;
-        let ran = session.run(problem, &name, goal.accuracy(), vertices);
-        self.runs.append(&mut session.runs);
-        let solution = match ran {
-            Ok(solution) => solution,
-            // Units in which a number is not finite are no use; others may be.
-            Err(SynthesisError::Solve(_)) => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        let largest = largest_magnitude(&solution.values);
-        self.largest = self.largest.max(largest);
-        let usable = largest.is_finite() && solution.values.len() == problem.unknowns.count();
-        Ok(usable.then_some(Answer { program, solution }))
-    }
-}
-
-/// True where a solver's point satisfies every condition but for rounding, each relative to its own diagonal.
-fn satisfied(answer: &Answer) -> bool {
-    let values = &answer.solution.values;
-    has_point(&answer.solution)
-        && answer.program.stated.iter().all(|stated| {
-            let mut matrix = stated.matrix.value(values);
-            let diagonal = matrix.diagonal().abs();
-            let least = VIOLATION * diagonal.max();
-            for k in 0..diagonal.len() {
-                matrix[(k, k)] += VIOLATION * diagonal[k] + VIOLATION * least;
-            }
-            positive(&matrix)
-        })
-}
-
-impl<P: DesignProblem> Search<'_, P> {
-    /// The program for the smallest slack in the first units, with its solution.
-    pub(super) fn smallest_slack(
-        &mut self,
-        session: &mut Session,
-    ) -> Result<Option<(Scaled<P>, Program, Solution)>, SynthesisError> {
-        let scaled = self.request.scaled(&self.request.first_sizes());
-        let answer = self.run(
-            session,
-            &scaled,
-            ProblemGoal::SmallestSlack,
-            "balanced units",
-        )?;
-        Ok(answer.map(|answer| (scaled, answer.program, answer.solution)))
     }
 }
