@@ -101,6 +101,8 @@ impl DesignProblem for SaturatedRegion {
     const GUARANTEE: &'static str = "beta: beta times the reference set lies in the region";
     const LARGER_IS_BETTER: bool = true;
     const AUXILIARY_GAINS: &'static [&'static str] = &["saturation_gain"];
+    /// The choice that takes every row of Z is one of the conditions, so F = H satisfies all of them.
+    const GAIN_IS_AUXILIARY: bool = true;
 
     /// Where nothing is known yet, the largest state unit is about what the saturated input moves in a unit of time.
     fn units(&self, plant: &VertexPlant, sizes: &Sizes) -> Units {
@@ -159,8 +161,13 @@ impl DesignProblem for SaturatedRegion {
             &transformed.auxiliary[0],
         );
         let mut out = vec![Inequality::strict("inverse positive", q.clone())];
+        // Without a given feedback F = H, and all choices are the same.
+        let choices = match plant.gain {
+            Some(_) => usize::MAX,
+            None => 1,
+        };
         for (vertex, a) in plant.vertices.iter().enumerate() {
-            for choice in self.choices() {
+            for choice in self.choices().take(choices) {
                 let taken = DVector::from_fn(choice.len(), |s, _| f64::from(u8::from(choice[s])));
                 let from_h = DMatrix::from_diagonal(&taken);
                 let from_f = DMatrix::from_diagonal(&taken.map(|share| 1.0 - share));

@@ -58,6 +58,9 @@ pub trait DesignProblem: Clone + Sized {
         None
     }
 
+    /// True where the first auxiliary gain may be the feedback itself: with (Q, Y, Z) the conditions hold for (Q, Z, Z).
+    const GAIN_IS_AUXILIARY: bool = false;
+
     /// True where the feedback can be eliminated: the conditions then hold for some Y exactly where those do that are
     /// left of them, in Q alone.
     const ELIMINATES_GAIN: bool = false;
@@ -189,17 +192,20 @@ impl Transformed {
     ) -> Self {
         let (n, m) = (plant.states(), plant.inputs());
         let inverse = unknowns.symmetric("Q", n);
-        let gain = match (&plant.gain, eliminated) {
-            (Some(given), _) => given * &inverse,
-            (None, true) => Affine::zeros(m, n),
-            (None, false) => unknowns.general("Y", m, n),
+        let own = plant.gain.is_none() && !eliminated && !P::GAIN_IS_AUXILIARY;
+        let own = own.then(|| unknowns.general("Y", m, n));
+        let auxiliary = P::AUXILIARY_GAINS.iter();
+        let auxiliary: Vec<Affine> = auxiliary
+            .map(|name| unknowns.general(&format!("{name} Q"), m, n))
+            .collect();
+        let shared = auxiliary.first().filter(|_| P::GAIN_IS_AUXILIARY).cloned();
+        let gain = match &plant.gain {
+            Some(given) => given * &inverse,
+            None => own.or(shared).unwrap_or_else(|| Affine::zeros(m, n)),
         };
         let unreached = eliminated.then(|| left_null_space(&plant.input));
-        let auxiliary = P::AUXILIARY_GAINS.iter();
         Transformed {
-            auxiliary: auxiliary
-                .map(|name| unknowns.general(&format!("{name} Q"), m, n))
-                .collect(),
+            auxiliary,
             objective: unknowns.scalar("objective"),
             inverse,
             gain,
