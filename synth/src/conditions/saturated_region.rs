@@ -78,6 +78,9 @@ const CLAIM_ALLOWANCE: f64 = 1e-5;
 /// region of a stable plant has no end.
 const LARGEST_SCALE: f64 = 1e3;
 
+/// What is added to a feedback that just reaches its limits at the edge of the region, in units of the limits.
+const QUICKENING: f64 = 2.0;
+
 /// The most inputs for which the 2^m choices of `F x` and `H x` are listed.
 pub const MAX_SATURATED_INPUTS: usize = 8;
 
@@ -127,6 +130,25 @@ impl DesignProblem for SaturatedRegion {
             objective: power_of_two(self.reference.objective_within(&within)),
             ..units
         }
+    }
+
+    /// `F = H - K B'P` with a diagonal K >= 0: whichever rows a choice takes from F, it adds `-2 P B K E B'P <= 0` to the
+    /// conditions of H. On the ellipsoid |b_s'P x| is at most `(b_s'P b_s)^(1/2)`.
+    fn quickened(
+        &self,
+        plant: &VertexPlant,
+        lyapunov: &DMatrix<f64>,
+        auxiliary: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let inward = plant.input.transpose() * lyapunov;
+        let reach = (&inward * &plant.input).diagonal();
+        let gains = self
+            .input_limit
+            .zip_map(&reach, |limit, square| match square > 0.0 {
+                true => QUICKENING * limit / square.sqrt(),
+                false => 0.0,
+            });
+        auxiliary - DMatrix::from_diagonal(&gains) * inward
     }
 
     /// Of the choice that takes every row of F x.

@@ -61,6 +61,17 @@ pub trait DesignProblem: Clone + Sized {
     /// True where the first auxiliary gain may be the feedback itself: with (Q, Y, Z) the conditions hold for (Q, Z, Z).
     const GAIN_IS_AUXILIARY: bool = false;
 
+    /// With [`DesignProblem::GAIN_IS_AUXILIARY`], a faster feedback F for which the conditions hold as well, from P and
+    /// the auxiliary gain, n x n and m x n.
+    fn quickened(
+        &self,
+        _plant: &VertexPlant,
+        _lyapunov: &DMatrix<f64>,
+        auxiliary: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        auxiliary.clone()
+    }
+
     /// True where the feedback can be eliminated: the conditions then hold for some Y exactly where those do that are
     /// left of them, in Q alone.
     const ELIMINATES_GAIN: bool = false;

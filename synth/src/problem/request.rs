@@ -35,7 +35,10 @@ pub(super) struct Request<'a, P> {
 impl<'a, P: DesignProblem> Request<'a, P> {
     pub(super) fn new(problem: &'a Problem, text: &'a str, requested: &'a P) -> Self {
         let wanted = requested.wanted();
-        let floor = requested.floor(&problem.plant).map(|floor| Floor {
+        let ends = requested
+            .floor(&problem.plant)
+            .filter(|_| wanted.exactly.is_none());
+        let floor = ends.map(|floor| Floor {
             // What is good enough is not below the floor.
             objective: wanted
                 .at_most

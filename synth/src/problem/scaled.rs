@@ -85,12 +85,16 @@ impl<P: DesignProblem> Scaled<P> {
             false => transformed.gain.value(values),
         };
         let scaled = symmetric(&q.try_inverse()?);
+        let gain = match P::GAIN_IS_AUXILIARY {
+            true => self.problem.quickened(&self.plant, &scaled, &(y * &scaled)),
+            false => y * &scaled,
+        };
         let in_file_units = |gain: DMatrix<f64>| units.gain_in_file_units(&gain);
         let auxiliary = transformed.auxiliary.iter().zip(P::AUXILIARY_GAINS);
         let mut found = StateFeedback {
             gain: match given {
                 Some(given) => given.clone(),
-                None => in_file_units(y * &scaled),
+                None => in_file_units(gain),
             },
             auxiliary: auxiliary
                 .map(|(z, name)| (name.to_string(), in_file_units(z.value(values) * &scaled)))

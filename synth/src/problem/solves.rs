@@ -111,7 +111,8 @@ impl<P: DesignProblem> Search<'_, P> {
             return Ok(None);
         };
         let proved = self.consider(&found);
-        if !proved || self.request.problem.plant.gain.is_some() {
+        let bounded = self.request.problem.plant.gain.is_some() || P::GAIN_IS_AUXILIARY;
+        if !proved || bounded {
             return Ok(Some((found, proved)));
         }
         let calm = self.calm(session, scaled, &answer, objective, label)?;
