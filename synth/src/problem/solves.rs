@@ -40,7 +40,7 @@ impl<P: DesignProblem> Search<'_, P> {
     ) -> Result<Option<Sizes>, SynthesisError> {
         let goal = ProblemGoal::SmallestObjective;
         let Some(answer) = self.run(session, scaled, goal, label)? else {
-            return Ok(self.anything(session, scaled, label)?);
+            return self.anything(session, scaled, label);
         };
         if answer.solution.status == Status::Infeasible {
             self.infeasible += 1;
