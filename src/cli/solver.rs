@@ -19,20 +19,25 @@ impl SolverArg {
     /// The solvers, in `order` where both may be asked; with problems in a given form, or in the one that each is
     /// fastest with.
     pub fn solvers(self, order: [Solver; 2], form: Option<Form>) -> Solvers {
-        let named = match self {
-            SolverArg::Auto => {
-                let [first, second] = order;
-                // Only the published form is stated for both alike.
-                let second = (second, form.filter(|form| *form == Form::Full));
-                return with(only((first, form)), second);
-            }
-            SolverArg::Clarabel => Solver::Clarabel,
-            SolverArg::Structured => Solver::Structured,
-        };
-        only((named, form))
+        if let Some(named) = self.named() {
+            return only((named, form));
+        }
+        let [first, second] = order;
+        // Only the published form is stated for both alike.
+        let second = (second, form.filter(|form| *form == Form::Full));
+        with(only((first, form)), second)
     }
 
-    /// The name of the solver that alone may be asked.
+    /// The solver that alone may be asked.
+    pub fn named(self) -> Option<Solver> {
+        match self {
+            SolverArg::Auto => None,
+            SolverArg::Clarabel => Some(Solver::Clarabel),
+            SolverArg::Structured => Some(Solver::Structured),
+        }
+    }
+
+    /// Its name.
     pub fn only(self) -> Option<&'static str> {
         match self {
             SolverArg::Auto => None,
@@ -43,11 +48,7 @@ impl SolverArg {
 
     /// The solver asked first.
     pub fn first(self, order: [Solver; 2]) -> Solver {
-        match self {
-            SolverArg::Auto => order[0],
-            SolverArg::Clarabel => Solver::Clarabel,
-            SolverArg::Structured => Solver::Structured,
-        }
+        self.named().unwrap_or(order[0])
     }
 }
 

@@ -77,6 +77,7 @@ pub mod optimality;
 pub mod problem;
 pub mod programs;
 pub mod reduce;
+pub mod riccati;
 pub mod scaling;
 pub mod synthesis;
 

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::balancing::balanced;
-use crate::conditions::state_feedback::power_of_two;
+use crate::conditions::units::power_of_two;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::{FurtherSignal, Task};
 use crate::fuzzy::{BoxCondition, TakagiSugeno};

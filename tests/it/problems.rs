@@ -167,12 +167,63 @@ fn independent_solvers_reach_the_same_optimum() {
         let report = run("synthesize", &shipped(name), &["--json"])
             .ends_with(0)
             .json();
-        let found = number(&report, "/solver_runs/0/objective");
+        // The optimum of the exported problem is c^2, gamma or 1/beta^2; the design stays 0.1 % above it.
+        let guarantee = number(&report, "/guarantee");
+        let found = match report["problem"].as_str() {
+            Some("quadratic_stabilisation") => guarantee * guarantee,
+            Some("saturated_region") => 1.0 / (guarantee * guarantee),
+            _ => guarantee,
+        };
         for optimum in [csdp(&path), sdpa(&path)].into_iter().flatten() {
-            assert_relative(optimum.primal, found, 1e-4);
-            assert_relative(optimum.dual, found, 1e-4);
+            assert_relative(optimum.primal, found, 1.5e-3);
+            assert_relative(optimum.dual, found, 1.5e-3);
         }
     }
+}
+
+/// The shipped network with a key of its problem changed.
+fn network_with(folder: &Path, key: &str, value: f64) -> PathBuf {
+    let mut problem = json(&shipped("buffer-network.json"));
+    set(
+        &mut problem,
+        &format!("/problem/h_infinity/{key}"),
+        json!(value),
+    );
+    write(folder, "network.json", problem.to_string())
+}
+
+#[test]
+fn a_requirement_that_is_missed_is_said_on_the_verdict_line() {
+    let folder = folder();
+    let met = network_with(folder.path(), "gamma_max", 2.9);
+    let report = run("synthesize", &met, &["--json"]).ends_with(0).json();
+    assert_eq!(report["requirements"][0]["met"], json!(true));
+    let missed = network_with(folder.path(), "gamma_max", 2.7);
+    let words = run("synthesize", &missed, &[]).ends_with(2).stdout;
+    let verdict = "verdict: PROVED, gamma_max 2.7 is not met";
+    assert!(words.contains(verdict), "{words}");
+    let report = run("synthesize", &missed, &["--json"]).ends_with(2).json();
+    assert_eq!(report["requirements"][0]["limit"], json!(2.7));
+    assert_eq!(report["requirements"][0]["met"], json!(false));
+}
+
+#[test]
+fn a_gain_that_is_asked_for_is_had_or_answered_with_the_nearest() {
+    let folder = folder();
+    let wanted = network_with(folder.path(), "gamma", 3.5);
+    let report = run("synthesize", &wanted, &["--json"]).ends_with(0).json();
+    assert_relative(number(&report, "/guarantee"), 3.5, 1e-6);
+    let below = network_with(folder.path(), "gamma", 2.7);
+    let words = run("synthesize", &below, &[]).ends_with(2).stdout;
+    let answer = "UNDECIDED: no feedback with gamma 2.7 was found; the smallest gain of a proved feedback is 2.80";
+    assert!(words.contains(answer), "{words}");
+    let mut both = json(&wanted);
+    set(&mut both, "/problem/h_infinity/gamma_max", json!(4));
+    set(&mut both, "/problem/h_infinity/gamma", json!(3));
+    let both = write(folder.path(), "both.json", both.to_string());
+    let message = run("synthesize", &both, &[]).refusal();
+    let expected = "'problem.h_infinity.gamma_max': the value 4 is not allowed; it must be left out where gamma is given";
+    assert!(message.contains(expected), "{message}");
 }
 
 /// Verbs and options that have no meaning for these files.
@@ -225,7 +276,7 @@ fn a_wrong_value_of_a_problem_is_named_with_what_is_allowed() {
     let network = "buffer-network.json";
     let region = "/problem/saturated_region";
     let gain = "/problem/h_infinity";
-    let cases: [(&str, String, Value, &str); 19] = [
+    let cases: [(&str, String, Value, &str); 20] = [
         (pendulum, "/schema_version".into(), json!(2), "the value 2 is not allowed; it must be 1"),
         (pendulum, "/name".into(), json!("a\nb"), "'name': character 2"),
         (pendulum, "/specs".into(), json!({}), "unknown field `specs`"),
@@ -243,6 +294,7 @@ fn a_wrong_value_of_a_problem_is_named_with_what_is_allowed() {
         (network, format!("{gain}/disturbance_matrix"), json!([[1]]), "3 x at least 1"),
         (network, format!("{gain}/output_matrix"), json!([[1, 0]]), "at least 1 x 3"),
         (network, format!("{gain}/input_to_output_matrix"), json!([[1, 0]]), "the size is 1 x 2; it must be 5 x 2"),
+        (network, format!("{gain}/gamma"), json!(0), "'problem.h_infinity.gamma': the value 0 is not allowed; it must be above 0"),
         (network, format!("{gain}/feedthrough"), json!([[1]]), "unknown field `feedthrough`"),
         (network, format!("{gain}/output_matrix"), json!([["a", 0, 0]]), "expected a number"),
     ];

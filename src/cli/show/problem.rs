@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use synth::certify::{Report, Verdict};
+use synth::conditions::h_infinity::FLOOR;
 use synth::optimality::Optimality;
 use synth::problem::{
     DesignTask, InfeasibilityProof, Problem, ProblemDesignFile, ProblemFailure, ProblemSynthesized,
@@ -67,6 +68,19 @@ pub struct ProblemReport<'a> {
     synthesis: Option<ProblemSynthesis<'a>>,
 }
 
+/// A requirement of the file, on the guaranteed number.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Requirement {
+    /// Its key.
+    name: &'static str,
+    /// What is guaranteed; null where nothing is.
+    value: Option<f64>,
+    /// What is required.
+    limit: f64,
+    /// True where the requirement is met.
+    met: bool,
+}
+
 /// How a problem's design was found.
 #[derive(Debug, Serialize)]
 struct ProblemSynthesis<'a> {
@@ -75,6 +89,13 @@ struct ProblemSynthesis<'a> {
     solver: SolverReport<'a>,
     /// The guarantee beside the best one that a solver reported; null where it is not proved.
     optimality: Option<Optimality>,
+    /// What the file requires of the guarantee.
+    requirements: Vec<Requirement>,
+    /// True where the search for a better guarantee stopped at its end: no best one was found.
+    stopped: bool,
+    /// What that means.
+    #[serde(skip)]
+    stop: Option<String>,
 }
 
 impl<'a> ProblemReport<'a> {
@@ -99,10 +120,21 @@ impl<'a> ProblemReport<'a> {
             solve_seconds: found.solve_seconds,
             solver_runs: &found.file.provenance.solver_runs,
         };
+        let guarantee = found.file.certificate.guarantee;
+        let required = problem.task.wanted().at_most.map(|limit| Requirement {
+            name: "gamma_max",
+            value: Some(guarantee).filter(|_| proved),
+            limit,
+            met: proved && guarantee <= limit,
+        });
+        let stop = stop_of_search(problem, guarantee).filter(|_| proved);
         ProblemReport {
             synthesis: Some(ProblemSynthesis {
                 solver,
                 optimality: found.optimality.filter(|_| proved),
+                requirements: required.into_iter().collect(),
+                stopped: stop.is_some(),
+                stop,
             }),
             ..ProblemReport::verified(problem, &found.file, report)
         }
@@ -111,11 +143,49 @@ impl<'a> ProblemReport<'a> {
     /// In words.
     pub fn lines(&self) -> Vec<String> {
         let guarantee = self.claims.line();
+        let Some(synthesis) = &self.synthesis else {
+            return guarantee
+                .into_iter()
+                .chain(self.proof.lines(None))
+                .collect();
+        };
+        let optimality = synthesis.optimality.and_then(|own| own.remark());
+        let missed = synthesis.requirements.iter().filter(|one| !one.met);
+        let missed = missed.map(|one| format!("{} {} is not met", one.name, one.limit));
+        let remarks: Vec<String> = missed.chain(optimality).collect();
+        let remark = (!remarks.is_empty()).then(|| remarks.join(", "));
+        let lines = synthesis.solver.lines().chain(guarantee);
+        let lines = lines.chain(synthesis.stop.clone());
+        lines.chain(self.proof.lines(remark.as_deref())).collect()
+    }
+
+    /// True where every requirement of the file is met.
+    pub fn meets_requirements(&self) -> bool {
         let synthesis = self.synthesis.as_ref();
-        let remark = synthesis.and_then(|own| own.optimality?.remark());
-        let solver = synthesis.into_iter().flat_map(|own| own.solver.lines());
-        let proof = self.proof.lines(remark.as_deref());
-        solver.chain(guarantee).chain(proof).collect()
+        synthesis.is_none_or(|found| found.requirements.iter().all(|one| one.met))
+    }
+}
+
+/// Relative distance from the end of the search below which a design counts as stopped there.
+const NEAR_STOP: f64 = 0.11;
+
+/// What the end of the search for a better number means, where a design was stopped there.
+fn stop_of_search(problem: &Problem, guarantee: f64) -> Option<String> {
+    if problem.task.wanted().exactly.is_some() {
+        return None;
+    }
+    let stop = problem.task.floor(&problem.plant)?;
+    match &problem.task {
+        DesignTask::HInfinity(_) => (guarantee <= stop * (1.0 + NEAR_STOP)).then(|| {
+            format!(
+                "no smallest gain above 0 was found: smaller ones can be had with larger feedback gains; this design \
+                 stops at {FLOOR} of the gain without control or with a linear-quadratic regulator (key gamma asks for \
+                 another)"
+            )
+        }),
+        _ => (guarantee >= stop * (1.0 - NEAR_STOP)).then(|| {
+            format!("no largest region was found: the search ends at a scale of {stop:.3e}")
+        }),
     }
 }
 
@@ -137,6 +207,9 @@ pub struct NoFeedbackReport<'a> {
     /// The mode that no input reaches, in words, where it rules every feedback out.
     #[serde(skip_serializing_if = "Option::is_none")]
     unreachable_mode: Option<String>,
+    /// The gain that is asked for, and the smallest that a feedback was found for, where that is larger.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wanted: Option<Requirement>,
     /// Both numbers.
     #[serde(skip)]
     excluded: Option<InfeasibilityProof>,
@@ -150,7 +223,7 @@ impl<'a> NoFeedbackReport<'a> {
             solve_seconds: found.solve_seconds,
             solver_runs: &found.runs,
         };
-        let excluded = found.answer;
+        let excluded = found.answer.excluded;
         NoFeedbackReport {
             failure: FailureReport::new(solver, &found.blocking),
             claims: ProblemClaims::new(problem, None, Verdict::NotProved),
@@ -160,6 +233,12 @@ impl<'a> NoFeedbackReport<'a> {
             unreachable_mode: excluded
                 .and_then(|excluded| excluded.unreachable)
                 .map(|mode| mode_in_words(mode, problem.task.decay_rate())),
+            wanted: problem.task.wanted().exactly.map(|limit| Requirement {
+                name: "gamma",
+                value: found.answer.nearest,
+                limit,
+                met: false,
+            }),
             excluded,
         }
     }
@@ -170,6 +249,15 @@ impl<'a> NoFeedbackReport<'a> {
         let mut lines: Vec<String> = solver.lines().collect();
         if let Some(mode) = &self.unreachable_mode {
             lines.push(format!("INFEASIBLE, proved in exact arithmetic: {mode}"));
+            return lines;
+        }
+        if let Some(Requirement { value, limit, .. }) = self.wanted {
+            let nearest = value.map_or(String::new(), |value| {
+                format!("; the smallest gain of a proved feedback is {value:.6}")
+            });
+            lines.push(format!(
+                "UNDECIDED: no feedback with gamma {limit} was found{nearest}"
+            ));
             return lines;
         }
         lines.push(match (self.excluded, solver.status) {

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::ValueEnum;
 use synth::lmi::{SdpaForm, Semidefinite};
-use synth::solve::{attempts, best, Accuracy, Attempt, Outcome, Solver};
+use synth::solve::{attempts, best, Accuracy, Attempt, Outcome};
 
 use crate::base::compressed::read_text;
 use crate::cli::answer::Answer;
 use crate::cli::error::CliError;
 use crate::cli::progress::watched;
 use crate::cli::show::solution::{exit, SolutionReport};
+use crate::cli::solver::SolverArg;
 
 /// Largest file read, and largest text of a compressed one (bytes): semidefinite programs are longer than models.
 const MAX_FILE_BYTES: u64 = 512 << 20;
@@ -19,35 +19,14 @@ const MAX_FILE_BYTES: u64 = 512 << 20;
 /// Relative gap asked for.
 const RELATIVE_GAP: f64 = 1e-8;
 
-/// Which solvers are asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Choice {
-    /// The structured solver, then Clarabel where its numbers do not decide
-    Auto,
-    /// Clarabel alone
-    Clarabel,
-    /// The structured solver alone
-    Structured,
-}
-
-impl Choice {
-    fn named(self) -> Option<Solver> {
-        match self {
-            Choice::Auto => None,
-            Choice::Clarabel => Some(Solver::Clarabel),
-            Choice::Structured => Some(Solver::Structured),
-        }
-    }
-}
-
 /// Arguments of `solve`.
 #[derive(clap::Args)]
 pub struct SolveArgs {
     /// SDPA file: sparse (.dat-s) or dense (.dat), also compressed (.gz)
     file: PathBuf,
-    /// Solver
+    /// Which solvers may be asked; auto asks Clarabel where the structured solver's numbers do not decide
     #[arg(long, default_value = "auto")]
-    solver: Choice,
+    solver: SolverArg,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -77,7 +56,7 @@ pub fn run(args: &SolveArgs) -> Result<Answer, CliError> {
     }
     let report = SolutionReport::new(&problem, &tried, (attempt, found), read_seconds);
     let mut lines = report.lines();
-    if args.solver != Choice::Auto && !attempt.decides() {
+    if args.solver != SolverArg::Auto && !attempt.decides() {
         lines.push(format!(
             "only {} was asked, as --solver says; --solver auto asks the other one too",
             attempt.name

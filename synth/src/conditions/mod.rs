@@ -1,9 +1,12 @@
 //! The published conditions, one file each, as named matrix inequalities.
 
+mod bounded_real;
 pub mod h_infinity;
 pub mod quadratic_stabilisation;
 pub mod saturated_region;
 pub mod state_feedback;
+pub mod units;
+pub mod vertex_plant;
 pub mod xu2020;
 
 use nalgebra::{DMatrix, DVector};

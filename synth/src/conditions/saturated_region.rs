@@ -7,9 +7,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::state_feedback::{
-    power_of_two, DesignProblem, Proof, StateFeedback, Transformed, Units, VertexPlant,
+    DesignProblem, Floor, Inequality, Proof, StateFeedback, Transformed, VertexPlant,
 };
-use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
+use super::units::{power_of_two, Sizes, Units};
+use crate::riccati::{lyapunov, spectral_radius};
+use sdp::lmi::{Affine, SymmetricBlocks};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
@@ -37,14 +39,33 @@ pub enum ReferenceSet {
 }
 
 impl ReferenceSet {
-    /// The same shape in a size of about 1, whatever the units of the state: beta is computed from P.
-    fn normalised(&self) -> Self {
+    /// The set in other units, with beta in the unit `objective^(-1/2)`.
+    fn in_units(&self, units: &Units) -> Self {
         match self {
-            ReferenceSet::Ellipsoid(w) => ReferenceSet::Ellipsoid(w / power_of_two(w.norm())),
+            ReferenceSet::Ellipsoid(w) => {
+                ReferenceSet::Ellipsoid(units.weighing(w) * units.objective)
+            }
             ReferenceSet::Points(points) => {
-                let largest = points.iter().map(DMatrix::norm).fold(0.0, f64::max);
-                let unit = power_of_two(largest);
-                ReferenceSet::Points(points.iter().map(|x| x / unit).collect())
+                let factor = 1.0 / units.objective.sqrt();
+                ReferenceSet::Points(points.iter().map(|x| units.driving(x) * factor).collect())
+            }
+        }
+    }
+
+    /// About 1/beta^2 for the ellipsoid `{x: x'G^+ x <= 1}`: the mean of the squares along the axes of the set.
+    fn objective_within(&self, gram: &DMatrix<f64>) -> f64 {
+        match self {
+            ReferenceSet::Ellipsoid(w) => w.nrows() as f64 / (w * gram).trace(),
+            ReferenceSet::Points(points) => {
+                let sum = points.iter().map(|x| x * x.transpose());
+                let sum = sum.reduce(|a, b| a + b);
+                let inverse = sum.and_then(|sum| {
+                    let size = sum.norm();
+                    let inverse = (sum / size).pseudo_inverse(1e-12).ok()?;
+                    Some(inverse / size)
+                });
+                let rank = points.len().min(gram.nrows()) as f64;
+                inverse.map_or(f64::NAN, |inverse| rank / (inverse * gram).trace())
             }
         }
     }
@@ -53,9 +74,12 @@ impl ReferenceSet {
 /// Relative allowance in the claimed beta, so that the check can prove it.
 const CLAIM_ALLOWANCE: f64 = 1e-5;
 
-/// The largest multiple of the normalised reference set that is looked for, in scaled units: the region
-/// of a stable plant has no end.
+/// The largest multiple of the reference set that is looked for, in units of what the saturated input can reach: the
+/// region of a stable plant has no end.
 const LARGEST_SCALE: f64 = 1e3;
+
+/// What is added to a feedback that just reaches its limits at the edge of the region, in units of the limits.
+const QUICKENING: f64 = 2.0;
 
 /// The most inputs for which the 2^m choices of `F x` and `H x` are listed.
 pub const MAX_SATURATED_INPUTS: usize = 8;
@@ -76,20 +100,55 @@ fn name_of(vertex: usize, choice: &[bool]) -> String {
 
 impl DesignProblem for SaturatedRegion {
     const NAME: &'static str = "saturated_region";
+    const OBJECTIVE: &'static str = "1/beta^2";
     const GUARANTEE: &'static str = "beta: beta times the reference set lies in the region";
     const LARGER_IS_BETTER: bool = true;
     const AUXILIARY_GAINS: &'static [&'static str] = &["saturation_gain"];
+    /// The choice that takes every row of Z is one of the conditions, so F = H satisfies all of them.
+    const GAIN_IS_AUXILIARY: bool = true;
 
-    /// The unit of the state is about what the saturated input moves in a unit of time.
-    fn units(&self, plant: &VertexPlant) -> Units {
-        let time = Units::of(plant, 1.0).time;
-        let reach = (&plant.input * DMatrix::from_diagonal(&self.input_limit)).norm();
-        let extents = self.region.iter().map(|(row, bound)| bound / row.norm());
-        let state = power_of_two(extents.fold(time * reach, f64::min));
-        Units {
-            input: self.input_limit.map(power_of_two),
-            ..Units::of(plant, state)
+    /// Where nothing is known yet, the largest state unit is about what the saturated input moves in a unit of time.
+    fn units(&self, plant: &VertexPlant, sizes: &Sizes) -> Units {
+        let limits = self.input_limit.map(power_of_two);
+        if let Some(objective) = sizes.objective {
+            return Units {
+                input: limits,
+                objective: power_of_two(objective),
+                ..Units::of(plant, sizes)
+            };
         }
+        let first = Units::of(plant, sizes);
+        let input = &plant.input * DMatrix::from_diagonal(&self.input_limit);
+        let reach = first.time * first.driving(&input).norm();
+        let extents = self.region.iter();
+        let extents = extents.map(|(row, bound)| bound / first.reading(row).norm());
+        let sizes = sizes.clone().times(extents.fold(reach, f64::min));
+        let units = Units::of(plant, &sizes);
+        let within = DMatrix::from_diagonal(&units.state.component_mul(&units.state));
+        Units {
+            input: limits,
+            objective: power_of_two(self.reference.objective_within(&within)),
+            ..units
+        }
+    }
+
+    /// `F = H - K B'P` with a diagonal K >= 0: whichever rows a choice takes from F, it adds `-2 P B K E B'P <= 0` to the
+    /// conditions of H. On the ellipsoid |b_s'P x| is at most `(b_s'P b_s)^(1/2)`.
+    fn quickened(
+        &self,
+        plant: &VertexPlant,
+        lyapunov: &DMatrix<f64>,
+        auxiliary: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let inward = plant.input.transpose() * lyapunov;
+        let reach = (&inward * &plant.input).diagonal();
+        let gains = self
+            .input_limit
+            .zip_map(&reach, |limit, square| match square > 0.0 {
+                true => QUICKENING * limit / square.sqrt(),
+                false => 0.0,
+            });
+        auxiliary - DMatrix::from_diagonal(&gains) * inward
     }
 
     /// Of the choice that takes every row of F x.
@@ -98,15 +157,13 @@ impl DesignProblem for SaturatedRegion {
     }
 
     fn in_units(&self, units: &Units) -> Self {
-        let state = units.state;
+        let region = self.region.iter();
         SaturatedRegion {
             input_limit: self.input_limit.component_div(&units.input),
             decay_rate: self.decay_rate * units.time,
-            reference: self.reference.normalised(),
-            region: self
-                .region
-                .iter()
-                .map(|(row, bound)| (row * (state / bound), 1.0))
+            reference: self.reference.in_units(units),
+            region: region
+                .map(|(row, bound)| (units.reading(row) / *bound, 1.0))
                 .collect(),
         }
     }
@@ -118,33 +175,33 @@ impl DesignProblem for SaturatedRegion {
     /// [ Q, z_s' ; *, ubar_s^2 ] >= 0,   [ Q, Q h' ; *, b^2 ] >= 0,
     /// [ g W, I ; *, Q ] >= 0   or   [ g, x' ; *, Q ] >= 0 for every point x.
     /// ```
-    fn conditions(
-        &self,
-        plant: &VertexPlant,
-        transformed: &Transformed,
-        strictness: &Strictness,
-    ) -> Vec<Condition> {
+    fn conditions(&self, plant: &VertexPlant, transformed: &Transformed) -> Vec<Inequality> {
         let n = plant.states();
         let (q, y, z) = (
             &transformed.inverse,
             &transformed.gain,
             &transformed.auxiliary[0],
         );
-        let mut out = vec![strictness.positive("inverse positive", q.clone())];
+        let mut out = vec![Inequality::strict("inverse positive", q.clone())];
+        // Without a given feedback F = H, and all choices are the same.
+        let choices = match plant.gain {
+            Some(_) => usize::MAX,
+            None => 1,
+        };
         for (vertex, a) in plant.vertices.iter().enumerate() {
-            for choice in self.choices() {
+            for choice in self.choices().take(choices) {
                 let taken = DVector::from_fn(choice.len(), |s, _| f64::from(u8::from(choice[s])));
                 let from_h = DMatrix::from_diagonal(&taken);
                 let from_f = DMatrix::from_diagonal(&taken.map(|share| 1.0 - share));
                 let mixed = from_f * y + from_h * z;
                 let decay = transformed.decay(a, &plant.input, &mixed, self.decay_rate);
-                out.push(strictness.positive(name_of(vertex, &choice), -decay));
+                out.push(Inequality::strict(name_of(vertex, &choice), -decay));
             }
         }
         let mut within = |name: String, column: Affine, bound: f64| {
             let corner = Affine::identity(1, bound * bound);
             let lhs = SymmetricBlocks::of(&[&[q, &column], &[&corner]]);
-            out.push(strictness.positive(name, lhs));
+            out.push(Inequality::strict(name, lhs));
         };
         for (s, &limit) in self.input_limit.iter().enumerate() {
             within(
@@ -161,15 +218,38 @@ impl DesignProblem for SaturatedRegion {
             );
         }
         out.extend(self.containment(n, transformed));
-        let least = Affine::identity(1, LARGEST_SCALE.powi(-2));
-        out.push(Condition::semidefinite(
-            "largest scale",
-            &transformed.objective - &least,
-        ));
         out
     }
 
-    fn claim(&self, found: &mut StateFeedback, _objective: f64, _units: &Units) {
+    fn guarantee_of(objective: f64) -> f64 {
+        1.0 / objective.sqrt()
+    }
+
+    fn objective_of(guarantee: f64) -> f64 {
+        1.0 / (guarantee * guarantee)
+    }
+
+    /// Of [`LARGEST_SCALE`] times the ellipsoid of six times the Gramian of the plant at full input, shifted by twice the
+    /// largest natural frequency s of the mean vertex (1/s where that is 0), per s: for `x' = -s x + b u` the point b
+    /// ubar / s at which it comes to rest.
+    fn floor(&self, plant: &VertexPlant) -> Option<Floor> {
+        let n = plant.states();
+        let mean = plant.mean();
+        let radius = spectral_radius(&mean).max(self.decay_rate);
+        let rate = if radius > 0.0 { radius } else { 1.0 };
+        let input = &plant.input * DMatrix::from_diagonal(&self.input_limit);
+        let driven = (6.0 / rate) * &input * input.transpose();
+        let units = Units::of(plant, &Sizes::of(plant, self.decay_rate));
+        let shifted = units.reading(&units.driving(&(mean - 2.0 * rate * DMatrix::identity(n, n))));
+        let gram = lyapunov(&shifted.transpose(), &units.unweighed(&driven))?;
+        let objective = self.reference.objective_within(&units.weighing(&gram));
+        Some(Floor {
+            name: "largest scale",
+            objective: objective / (LARGEST_SCALE * LARGEST_SCALE),
+        })
+    }
+
+    fn claim(&self, found: &mut StateFeedback, _objective: f64) {
         let p = &found.lyapunov;
         let largest = match &self.reference {
             ReferenceSet::Ellipsoid(w) => match w.clone().cholesky() {
@@ -238,11 +318,11 @@ impl DesignProblem for SaturatedRegion {
 }
 
 impl SaturatedRegion {
-    fn containment(&self, n: usize, transformed: &Transformed) -> Vec<Condition> {
+    fn containment(&self, n: usize, transformed: &Transformed) -> Vec<Inequality> {
         let contains = |name: String, corner: Affine, columns: &DMatrix<f64>| {
             let beside = Affine::constant(&columns.transpose());
             let lhs = SymmetricBlocks::of(&[&[&corner, &beside], &[&transformed.inverse]]);
-            Condition::semidefinite(name, lhs)
+            Inequality::weak(name, lhs)
         };
         match &self.reference {
             ReferenceSet::Ellipsoid(w) => vec![contains(

@@ -7,16 +7,21 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use sdp::lmi::{Affine, Condition, Strictness, Unknowns};
+use super::units::{Sizes, Units};
+pub use super::vertex_plant::VertexPlant;
+use sdp::lmi::{Affine, Unknowns};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 /// A problem for a [`VertexPlant`].
-pub trait DesignProblem: Sized {
+pub trait DesignProblem: Clone + Sized {
     /// The problem's key in a file, such as `h_infinity`.
     const NAME: &'static str;
+
+    /// What is minimised, in terms of the guaranteed number.
+    const OBJECTIVE: &'static str;
 
     /// What the guaranteed number is.
     const GUARANTEE: &'static str;
@@ -28,8 +33,8 @@ pub trait DesignProblem: Sized {
     /// Z = H Q.
     const AUXILIARY_GAINS: &'static [&'static str] = &[];
 
-    /// Units in which the problem's numbers are about 1.
-    fn units(&self, plant: &VertexPlant) -> Units;
+    /// Units in which the problem's numbers are about 1, where its states, and what else is known, have these sizes.
+    fn units(&self, plant: &VertexPlant, sizes: &Sizes) -> Units;
 
     /// The problem in other units.
     fn in_units(&self, units: &Units) -> Self;
@@ -39,17 +44,61 @@ pub trait DesignProblem: Sized {
     fn decay_rate(&self) -> f64;
 
     /// The conditions on the transformed unknowns, as published.
-    fn conditions(
+    fn conditions(&self, plant: &VertexPlant, transformed: &Transformed) -> Vec<Inequality>;
+
+    /// The guaranteed number of an objective in the file's units: c of c^2, gamma itself, beta of 1/beta^2.
+    fn guarantee_of(objective: f64) -> f64;
+
+    /// The inverse of [`DesignProblem::guarantee_of`].
+    fn objective_of(guarantee: f64) -> f64;
+
+    /// The objective, in the file's units, below which nothing is looked for, with the name of that condition: the
+    /// infimum may be 0. `None` where the objective is bounded by itself.
+    fn floor(&self, _plant: &VertexPlant) -> Option<Floor> {
+        None
+    }
+
+    /// True where the first auxiliary gain may be the feedback itself: with (Q, Y, Z) the conditions hold for (Q, Z, Z).
+    const GAIN_IS_AUXILIARY: bool = false;
+
+    /// With [`DesignProblem::GAIN_IS_AUXILIARY`], a faster feedback F for which the conditions hold as well, from P and
+    /// the auxiliary gain, n x n and m x n.
+    fn quickened(
         &self,
-        plant: &VertexPlant,
-        transformed: &Transformed,
-        strictness: &Strictness,
-    ) -> Vec<Condition>;
+        _plant: &VertexPlant,
+        _lyapunov: &DMatrix<f64>,
+        auxiliary: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        auxiliary.clone()
+    }
+
+    /// True where the feedback can be eliminated: the conditions then hold for some Y exactly where those do that are
+    /// left of them, in Q alone.
+    const ELIMINATES_GAIN: bool = false;
+
+    /// Y, m x n, of a Q for which the conditions without feedback hold; `None` where there is none.
+    fn completed(&self, _plant: &VertexPlant, _inverse: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        None
+    }
+
+    /// What is asked of the guaranteed number.
+    fn wanted(&self) -> Wanted {
+        Wanted::default()
+    }
+
+    /// The same problem with nothing asked of the guaranteed number.
+    fn without_wanted(&self) -> Self {
+        self.clone()
+    }
+
+    /// Designs that need no solver, for one vertex: the objective of each is proved or not by its check.
+    fn direct(&self, _plant: &VertexPlant) -> Option<Box<dyn Direct + '_>> {
+        None
+    }
 
     /// Sets the number that a feedback guarantees, and the scale of P where the problem leaves it
-    /// free. `objective` is what the solver reached, in `units`; the feedback and the problem are in
-    /// the file's units.
-    fn claim(&self, found: &mut StateFeedback, objective: f64, units: &Units);
+    /// free. `objective` is what the solver reached; all is in the file's units.
+    fn claim(&self, found: &mut StateFeedback, objective: f64);
 
     /// The conditions in P, F and the guaranteed number. Each matrix must be positive definite; together
     /// they are the whole proof.
@@ -70,78 +119,64 @@ pub trait DesignProblem: Sized {
     fn assumptions(&self) -> Vec<String>;
 }
 
-/// `x' = A(t) x + B u` with A(t) in the convex hull of the vertices. n states, m inputs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VertexPlant {
-    /// A_i, n x n.
-    pub vertices: Vec<DMatrix<f64>>,
-    /// B, n x m.
-    pub input: DMatrix<f64>,
-    /// A given feedback F, m x n, to be analysed; without it one is designed.
-    pub gain: Option<DMatrix<f64>>,
+/// A named matrix inequality in the unknowns: `matrix >= 0`, or `> 0` where it is strict.
+#[derive(Debug, Clone)]
+pub struct Inequality {
+    /// Its name, such as `decay vertex 2`.
+    pub name: String,
+    /// The symmetric matrix.
+    pub matrix: Affine,
+    /// True for a strict one, which gets a margin.
+    pub strict: bool,
 }
 
-/// Units of a scaled problem; every one is a power of two, so that they undo exactly.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Units {
-    /// Unit of time (s).
-    pub time: f64,
-    /// Unit of every state.
-    pub state: f64,
-    /// Unit of each input.
-    pub input: DVector<f64>,
-    /// Unit of the disturbance.
-    pub disturbance: f64,
-    /// Unit of the output.
-    pub output: f64,
-}
-
-/// The power of two nearest to a positive number in ratio; 1 for anything else.
-pub fn power_of_two(value: f64) -> f64 {
-    match value.is_finite() && value > 0.0 {
-        true => value.log2().round().clamp(-500.0, 500.0).exp2(),
-        false => 1.0,
+impl Inequality {
+    /// `matrix > 0`.
+    pub fn strict(name: impl Into<String>, matrix: Affine) -> Self {
+        Inequality {
+            name: name.into(),
+            matrix,
+            strict: true,
+        }
     }
-}
 
-impl Units {
-    /// The unit of time makes the largest vertex about 1, those of the inputs the columns of B.
-    pub fn of(plant: &VertexPlant, state: f64) -> Self {
-        let largest = plant.vertices.iter().map(DMatrix::norm).fold(0.0, f64::max);
-        let time = power_of_two(1.0 / largest);
-        let columns = plant.input.column_iter();
-        let inputs = columns.map(|column| power_of_two(state / (time * column.norm())));
-        Units {
-            time,
-            state,
-            input: DVector::from_iterator(plant.input.ncols(), inputs),
-            disturbance: 1.0,
-            output: 1.0,
+    /// `matrix >= 0`.
+    pub fn weak(name: impl Into<String>, matrix: Affine) -> Self {
+        Inequality {
+            strict: false,
+            ..Inequality::strict(name, matrix)
         }
     }
 }
 
-impl VertexPlant {
-    /// The plant in other units.
-    pub fn in_units(&self, units: &Units) -> Self {
-        let inputs = DMatrix::from_diagonal(&units.input);
-        let inverse = DMatrix::from_diagonal(&units.input.map(|unit| 1.0 / unit));
-        VertexPlant {
-            vertices: self.vertices.iter().map(|a| units.time * a).collect(),
-            input: &self.input * inputs * (units.time / units.state),
-            gain: self.gain.as_ref().map(|gain| inverse * gain * units.state),
-        }
-    }
+/// Where the search for a smaller objective stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// The name of the condition.
+    pub name: &'static str,
+    /// The objective, in the file's units.
+    pub objective: f64,
+}
 
-    /// Number of states n.
-    pub fn states(&self) -> usize {
-        self.input.nrows()
-    }
+/// What a file asks of the guaranteed number beside the smallest one, in the file's units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Wanted {
+    /// A design with this number is wanted, not a smaller one.
+    pub exactly: Option<f64>,
+    /// The smallest number is wanted, and any up to this is a success.
+    pub at_most: Option<f64>,
+}
 
-    /// Number of inputs m.
-    pub fn inputs(&self) -> usize {
-        self.input.ncols()
-    }
+/// Designs of a problem that come from an equation in place of a semidefinite program.
+pub trait Direct {
+    /// The equation, for reports.
+    fn name(&self) -> &'static str;
+
+    /// The smallest objective at which the equation has a solution, or the floor.
+    fn smallest(&self) -> Option<f64>;
+
+    /// Candidates at an objective, those with the smallest gains first.
+    fn candidates(&self, objective: f64) -> Box<dyn Iterator<Item = StateFeedback> + '_>;
 }
 
 /// The unknowns of synthesis.
@@ -155,25 +190,60 @@ pub struct Transformed {
     pub auxiliary: Vec<Affine>,
     /// The number that is minimised, 1 x 1: unknown, or fixed while the margin is maximised.
     pub objective: Affine,
+    /// An orthonormal basis of the vectors v with v'B = 0, n x k, where Y is eliminated.
+    pub unreached: Option<DMatrix<f64>>,
 }
 
 impl Transformed {
-    /// The unknowns of a problem.
-    pub fn new<P: DesignProblem>(unknowns: &mut Unknowns, plant: &VertexPlant) -> Self {
+    /// The unknowns of a problem; without Y where it is eliminated, which needs a feedback that is not given.
+    pub fn new<P: DesignProblem>(
+        unknowns: &mut Unknowns,
+        plant: &VertexPlant,
+        eliminated: bool,
+    ) -> Self {
         let (n, m) = (plant.states(), plant.inputs());
         let inverse = unknowns.symmetric("Q", n);
+        let own = plant.gain.is_none() && !eliminated && !P::GAIN_IS_AUXILIARY;
+        let own = own.then(|| unknowns.general("Y", m, n));
+        let auxiliary = P::AUXILIARY_GAINS.iter();
+        let auxiliary: Vec<Affine> = auxiliary
+            .map(|name| unknowns.general(&format!("{name} Q"), m, n))
+            .collect();
+        let shared = auxiliary.first().filter(|_| P::GAIN_IS_AUXILIARY).cloned();
         let gain = match &plant.gain {
             Some(given) => given * &inverse,
-            None => unknowns.general("Y", m, n),
+            None => own.or(shared).unwrap_or_else(|| Affine::zeros(m, n)),
         };
-        let auxiliary = P::AUXILIARY_GAINS.iter();
+        let unreached = eliminated.then(|| left_null_space(&plant.input));
         Transformed {
-            auxiliary: auxiliary
-                .map(|name| unknowns.general(&format!("{name} Q"), m, n))
-                .collect(),
+            auxiliary,
             objective: unknowns.scalar("objective"),
             inverse,
             gain,
+            unreached,
+        }
+    }
+
+    /// Numbers in the place of the unknowns: Q, and Y (else no feedback, or the given one) with an objective; auxiliary
+    /// gains are 0.
+    pub fn at<P: DesignProblem>(
+        plant: &VertexPlant,
+        inverse: &DMatrix<f64>,
+        gain: Option<&DMatrix<f64>>,
+        objective: f64,
+        eliminated: bool,
+    ) -> Self {
+        let none = DMatrix::zeros(plant.inputs(), plant.states());
+        let given = plant.gain.as_ref().map(|given| given * inverse);
+        Transformed {
+            inverse: Affine::constant(inverse),
+            gain: Affine::constant(given.as_ref().or(gain).unwrap_or(&none)),
+            auxiliary: P::AUXILIARY_GAINS
+                .iter()
+                .map(|_| Affine::constant(&none))
+                .collect(),
+            objective: Affine::identity(1, objective),
+            unreached: eliminated.then(|| left_null_space(&plant.input)),
         }
     }
 
@@ -189,6 +259,19 @@ impl Transformed {
         let closed = vertex * &self.inverse + input * gain;
         closed.symmetrised() + 2.0 * rate * &self.inverse
     }
+}
+
+/// Columns of B below this size, relative to its largest singular value, count as dependent on others.
+const RANK_TOLERANCE: f64 = 1e-10;
+
+/// An orthonormal basis of the vectors v with v'B = 0, n x k.
+fn left_null_space(input: &DMatrix<f64>) -> DMatrix<f64> {
+    let gram = input * input.transpose();
+    let eigen = gram.symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let small = |k: &usize| eigen.eigenvalues[*k] <= RANK_TOLERANCE * largest;
+    let columns: Vec<usize> = (0..input.nrows()).filter(small).collect();
+    eigen.eigenvectors.select_columns(columns.iter())
 }
 
 /// A feedback with what proves it, in the file's units.

@@ -10,7 +10,7 @@ use super::DesignTask;
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SATURATED_INPUTS};
-use crate::conditions::state_feedback::VertexPlant;
+use crate::conditions::state_feedback::{VertexPlant, Wanted};
 use crate::model::{
     check_bounds, check_count, check_line, check_matrix, check_positive_definite,
     check_state_matrices, check_version, parse, FileError, Kind, ModelError, Size, MAX_BOUNDS,
@@ -42,9 +42,9 @@ impl Problem {
         let plant = check_plant(hull, file.gain.as_deref())?;
         let task = match &file.problem {
             ProblemKindFile::QuadraticStabilisation(requested) => {
-                DesignTask::QuadraticStabilisation(QuadraticStabilisation {
-                    decay_rate: requested.decay_rate_per_s,
-                })
+                let rate = requested.decay_rate_per_s;
+                let task = QuadraticStabilisation::new(rate, plant.states());
+                DesignTask::QuadraticStabilisation(task)
             }
             ProblemKindFile::HInfinity(requested) => {
                 DesignTask::HInfinity(check_h_infinity(requested, &plant)?)
@@ -85,6 +85,11 @@ fn check_h_infinity(
         check_count(&field, "rows", matrix.nrows(), MAX_COLUMNS)?;
         Ok::<_, ModelError>(matrix)
     };
+    if let (Some(_), Some(at_most)) = (requested.gamma, requested.gamma_max) {
+        let field = "problem.h_infinity.gamma_max";
+        let allowed = "left out where gamma is given";
+        return Err(ModelError::range(field, at_most, allowed));
+    }
     let (n, m) = (plant.states(), plant.inputs());
     let disturbance = matrix(
         "disturbance_matrix",
@@ -104,6 +109,10 @@ fn check_h_infinity(
         disturbance_to_output: direct("disturbance_to_output_matrix", from_disturbance, d)?,
         disturbance,
         output,
+        wanted: Wanted {
+            exactly: requested.gamma,
+            at_most: requested.gamma_max,
+        },
     })
 }
 

@@ -1,12 +1,14 @@
 //! Proofs that a design problem has no solution.
 
 use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
+use super::scaled::Scaled;
 use super::unreachable::UnreachableMode;
 use nalgebra::DMatrix;
 
 use crate::certify::judge;
 use crate::certify::theorem1::Statement;
 use crate::conditions::state_feedback::{DesignProblem, VertexPlant};
+use crate::conditions::units::Units;
 use sdp::centre::centred;
 use sdp::exclusion::exclude;
 use sdp::lmi::{dual_matrix, dual_trace, svec_index, Cone, Semidefinite};
@@ -54,10 +56,10 @@ impl InfeasibilityProof {
 }
 
 /// The dual solution of the smallest slack as a proof that there is no solution. `original` are the problem and its
-/// plant in the file's units, `scaled` in those of the solver.
+/// plant in the file's units.
 pub(super) fn infeasibility_proof<P: DesignProblem>(
     original: (&P, &VertexPlant),
-    (requested, plant): (&P, &VertexPlant),
+    scaled: &Scaled<P>,
     smallest_slack: &Program,
     solution: &Solution,
     largest_returned: f64,
@@ -71,7 +73,8 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
     let carried = targets.map(|target| carried_only(&problem, &solution.duals, -target));
     let centres = centres.into_iter().chain(carried).flatten();
     let candidates: Vec<_> = centres.chain(shifted).collect();
-    let exactly = |multipliers: &Vec<Vec<f64>>| refutes(original, &problem, multipliers);
+    let exactly =
+        |multipliers: &Vec<Vec<f64>>| refutes(original, &scaled.units, &problem, multipliers);
     if candidates.iter().any(exactly) {
         return Some(InfeasibilityProof {
             radius: f64::INFINITY,
@@ -81,9 +84,7 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
         });
     }
     [0.0, SLACK_MARGIN].into_iter().find_map(|margin| {
-        let bare = program(requested, plant, ProblemGoal::Margin(margin))
-            .problem
-            .lower();
+        let bare = program(scaled, ProblemGoal::Margin(margin)).problem.lower();
         let radii = candidates
             .iter()
             .map(|weights| exclude(&bare, weights).radius);
@@ -101,6 +102,7 @@ pub(super) fn infeasibility_proof<P: DesignProblem>(
 /// whatever the size of its unknowns.
 fn refutes<P: DesignProblem>(
     (requested, plant): (&P, &VertexPlant),
+    units: &Units,
     problem: &Semidefinite,
     multipliers: &[Vec<f64>],
 ) -> bool {
@@ -110,7 +112,8 @@ fn refutes<P: DesignProblem>(
         let name = format!("decay vertex {}", vertex + 1);
         let index = problem.cones.iter().position(|cone| cone.name == name)?;
         let dual = multipliers.get(index)?;
-        let z = dual_matrix(n, dual);
+        // <Z', D^-1 M D^-1> = <Z, M>, powers of two.
+        let z = units.unweighed(&dual_matrix(n, dual));
         let definite = z.iter().all(|entry| entry.is_finite()) && proved(name, Matrix::exactly(&z));
         definite.then_some(z)
     };

@@ -82,6 +82,14 @@ pub struct HInfinityFile {
     /// From disturbance to output: D_w, p x d; 0 when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbance_to_output_matrix: Option<Vec<Vec<f64>>>,
+    /// The L2 gain that is wanted, above 0: a design below it, and not the smallest gain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
+    pub gamma: Option<f64>,
+    /// The largest L2 gain that meets the requirement, above 0: the smallest is sought, and any up to this is a success.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
+    pub gamma_max: Option<f64>,
 }
 
 /// x' = A(t) x + B sat(F x); the largest multiple of the reference set inside the region is sought.

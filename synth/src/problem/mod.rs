@@ -11,7 +11,11 @@ mod exclusion;
 mod file;
 mod integers;
 mod program;
+mod request;
 mod run;
+mod scaled;
+mod search;
+mod solves;
 mod unreachable;
 
 pub use checked::Problem;
@@ -22,13 +26,14 @@ pub use file::{
     QuadraticStabilisationFile, ReferenceFile, SaturatedRegionFile, PROBLEM_SCHEMA_VERSION,
 };
 pub use program::first_program;
-pub use run::{synthesize, ProblemFailure, ProblemOutcome, ProblemSynthesized};
+pub use request::ProblemSynthesized;
+pub use run::{solver_order, synthesize, NoFeedback, ProblemFailure, ProblemOutcome};
 pub use unreachable::UnreachableMode;
 
 use crate::conditions::h_infinity::HInfinity;
 use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::SaturatedRegion;
-use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant};
+use crate::conditions::state_feedback::{DesignProblem, Proof, StateFeedback, VertexPlant, Wanted};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
@@ -63,6 +68,10 @@ fn guarantee<P: DesignProblem>(_: &P) -> &'static str {
     P::GUARANTEE
 }
 
+fn objective<P: DesignProblem>(_: &P) -> &'static str {
+    P::OBJECTIVE
+}
+
 fn auxiliary_gains<P: DesignProblem>(_: &P) -> &'static [&'static str] {
     P::AUXILIARY_GAINS
 }
@@ -83,6 +92,11 @@ impl DesignTask {
         with_problem!(self, problem => guarantee(problem))
     }
 
+    /// What synthesis minimises, in terms of the guaranteed number: `gamma`, `c^2` or `1/beta^2`.
+    pub fn objective(&self) -> &'static str {
+        with_problem!(self, problem => objective(problem))
+    }
+
     /// Names of the auxiliary gains that a proof needs.
     pub fn auxiliary_gains(&self) -> &'static [&'static str] {
         with_problem!(self, problem => auxiliary_gains(problem))
@@ -97,6 +111,33 @@ impl DesignTask {
     ) {
         let proof = Proof::new(plant, found);
         with_problem!(self, problem => problem.statements(&proof, &mut check));
+    }
+
+    /// What is asked of the guaranteed number.
+    pub fn wanted(&self) -> Wanted {
+        with_problem!(self, problem => problem.wanted())
+    }
+
+    /// The same task with nothing asked of the guaranteed number.
+    fn without_wanted(&self) -> Self {
+        match self {
+            DesignTask::QuadraticStabilisation(problem) => {
+                DesignTask::QuadraticStabilisation(problem.without_wanted())
+            }
+            DesignTask::HInfinity(problem) => DesignTask::HInfinity(problem.without_wanted()),
+            DesignTask::SaturatedRegion(problem) => {
+                DesignTask::SaturatedRegion(problem.without_wanted())
+            }
+        }
+    }
+
+    /// The guaranteed number at which the search for a better one stops; `None` where nothing stops it.
+    pub fn floor(&self, plant: &VertexPlant) -> Option<f64> {
+        fn guarantee<P: DesignProblem>(problem: &P, plant: &VertexPlant) -> Option<f64> {
+            let floor = problem.floor(plant)?;
+            Some(P::guarantee_of(floor.objective))
+        }
+        with_problem!(self, problem => guarantee(problem, plant))
     }
 
     /// What the proof assumes.

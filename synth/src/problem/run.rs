@@ -1,296 +1,199 @@
-//! Two solves and a check, for any design problem.
-
-use std::collections::BTreeMap;
-
-use nalgebra::DMatrix;
+//! From a problem to a checked feedback, or to what is known of there being none.
 
 use super::checked::Problem;
-use super::design::{verify, ProblemDesignFile, ProblemProvenance, ProofFile};
+use super::design::ProblemDesignFile;
 use super::exclusion::{infeasibility_proof, InfeasibilityProof};
-use super::program::{program, ProblemGoal, Program, SLACK_MARGIN};
+use super::program::SLACK_MARGIN;
+use super::request::{ProblemSynthesized, Request};
+use super::search::Search;
 use super::{with_problem, DesignTask};
-use crate::conditions::state_feedback::{
-    DesignProblem, StateFeedback, Transformed, Units, VertexPlant,
-};
-use crate::design::{SolverRun, DESIGN_SCHEMA_VERSION};
+use crate::certify::Verdict;
+use crate::conditions::state_feedback::DesignProblem;
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, has_point, largest_magnitude, now, sha256_of, Decision, Outcome, Recorded, Session,
-    Solvers, SynthesisError, Synthesized, GENERATOR,
+    blocking, has_point, Decision, Form, Outcome, Session, Solvers, SynthesisError,
 };
-use crate::synthesis::{Attempts, Smallest, Synthesis};
-use sdp::solve::{Observer, Solution};
+use sdp::solve::{Observer, Solver};
 
-/// A feedback and how it was found.
-pub type ProblemSynthesized = Synthesized<ProblemDesignFile>;
+/// Why there is no feedback.
+pub type ProblemFailure = Decision<NoFeedback>;
 
-/// Why there is no feedback; with the proof that there is no solution, where there is one.
-/// [`InfeasibilityProof::conclusive`] says whether it needs no bound that matters.
-pub type ProblemFailure = Decision<Option<InfeasibilityProof>>;
+/// What is known where no feedback was found.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct NoFeedback {
+    /// That there is no solution, where something of the kind is proved.
+    /// [`InfeasibilityProof::conclusive`] says whether it needs no bound that matters.
+    pub excluded: Option<InfeasibilityProof>,
+    /// The number that a proved feedback guarantees, which is worse than the one that the file asks for.
+    pub nearest: Option<f64>,
+}
+
+impl From<Option<InfeasibilityProof>> for NoFeedback {
+    fn from(excluded: Option<InfeasibilityProof>) -> Self {
+        NoFeedback {
+            excluded,
+            nearest: None,
+        }
+    }
+}
 
 /// The outcome of a synthesis.
 pub type ProblemOutcome = Outcome<ProblemDesignFile, ProblemFailure>;
 
-impl Recorded for ProblemDesignFile {
-    fn solver_runs(&mut self) -> &mut Vec<SolverRun> {
-        &mut self.provenance.solver_runs
+/// The order in which the solvers are asked where none is named: the structured one first where the unknowns are many.
+pub fn solver_order(problem: &Problem) -> [Solver; 2] {
+    match problem.plant.states() > FEW_STATES {
+        true => [Solver::Structured, Solver::Clarabel],
+        false => [Solver::Clarabel, Solver::Structured],
     }
 }
 
-/// Back-offs of the exported design from the optimum, relative: they leave a margin for the proof. Tried in order
-/// until the design is proved.
-const BACK_OFFS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+/// Up to this many states Clarabel takes no longer than the structured solver.
+const FEW_STATES: usize = 12;
 
 /// The conditions count as infeasible where the smallest slack exceeds this fraction of the margin.
 const SLACK_SHARE: f64 = 0.5;
 
 /// Finds a feedback for a problem and checks it. `text` is the file's text (its hash goes into the
-/// provenance). The conditions of these problems have one form. No solver is asked where a mode that no input reaches
-/// rules every feedback out. Where the first solver finds no feedback that is proved, the second one is tried. Only the check decides whether the feedback is proved.
+/// provenance). No solver is asked where a mode that no input reaches rules every feedback out, or where a Riccati
+/// equation gives a feedback that is proved. The solvers are asked in the order given, each only where those before it
+/// leave something to be wished for. Only the check decides whether the feedback is proved.
 pub fn synthesize(
     problem: &Problem,
     text: &str,
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<ProblemOutcome, SynthesisError> {
-    let session = Session::new(solvers, observer);
-    with_problem!(&problem.task, requested => solve(&Request::new(problem, text, requested), session))
+    let outcome = attempt(problem, text, solvers, observer.clone())?;
+    let undecided = matches!(outcome, Outcome::Undecided(_) | Outcome::SolverFailed(_));
+    if !undecided || problem.task.wanted().exactly.is_none() {
+        return Ok(outcome);
+    }
+    // The best that there is in the place of what is wanted.
+    let relaxed = Problem {
+        task: problem.task.without_wanted(),
+        ..problem.clone()
+    };
+    let other = attempt(&relaxed, text, solvers, observer)?;
+    Ok(match (outcome, other) {
+        (Outcome::Undecided(failure) | Outcome::SolverFailed(failure), Outcome::Solved(design))
+            if design.is_proved() =>
+        {
+            let own = design.file.provenance.solver_runs.clone();
+            let runs = [failure.runs.clone(), own].concat();
+            nearest(problem, *design, failure.with_runs(&runs))
+        }
+        (outcome, _) => outcome,
+    })
 }
 
-/// A problem in the file's units and in those of the solver.
-struct Request<'a, P> {
-    problem: &'a Problem,
-    text: &'a str,
-    requested: &'a P,
-    units: Units,
-    scaled: P,
-    plant: VertexPlant,
-}
-
-impl<'a, P: DesignProblem> Request<'a, P> {
-    fn new(problem: &'a Problem, text: &'a str, requested: &'a P) -> Self {
-        let units = requested.units(&problem.plant);
-        Request {
-            problem,
-            text,
-            requested,
-            scaled: requested.in_units(&units),
-            plant: problem.plant.in_units(&units),
-            units,
+/// A design for the problem without what is wanted of the number: it may serve all the same.
+fn nearest(
+    problem: &Problem,
+    mut design: ProblemSynthesized,
+    mut failure: ProblemFailure,
+) -> ProblemOutcome {
+    if let Ok(report) = design.file.verify(problem) {
+        if report.verdict == Verdict::Proved {
+            design.file.verdict = report.clone();
+            design.report = report;
+            design.optimality = None;
+            return Outcome::Solved(Box::new(design).with_runs(&failure.runs));
         }
     }
-
-    /// Undoes the transformation of the unknowns: P = Q^-1, F = Y P, H = Z P; then the units. `None` where that is
-    /// not possible.
-    fn recover(
-        &self,
-        transformed: &Transformed,
-        solution: &Solution,
-        objective: f64,
-    ) -> Option<StateFeedback> {
-        let (values, units) = (&solution.values, &self.units);
-        let inverse = transformed.inverse.value(values).try_inverse()?;
-        let scaled = 0.5 * (&inverse + inverse.transpose());
-        let inputs = DMatrix::from_diagonal(&units.input);
-        let in_file_units = |gain: DMatrix<f64>| &inputs * gain / units.state;
-        let auxiliary = transformed.auxiliary.iter().zip(P::AUXILIARY_GAINS);
-        let mut found = StateFeedback {
-            gain: match &self.problem.plant.gain {
-                Some(given) => given.clone(),
-                None => in_file_units(transformed.gain.value(values) * &scaled),
-            },
-            auxiliary: auxiliary
-                .map(|(z, name)| (name.to_string(), in_file_units(z.value(values) * &scaled)))
-                .collect::<BTreeMap<_, _>>(),
-            lyapunov: scaled / (units.state * units.state),
-            guarantee: f64::NAN,
-        };
-        self.requested.claim(&mut found, objective, units);
-        let finite = |matrix: &DMatrix<f64>| matrix.iter().all(|value| value.is_finite());
-        let usable = finite(&found.gain)
-            && finite(&found.lyapunov)
-            && found.auxiliary.values().all(finite)
-            && found.guarantee.is_finite()
-            && found.guarantee > 0.0;
-        usable.then_some(found)
-    }
-
-    /// Puts the file together and checks what a reader of its text would get; `None` for numbers that no design file
-    /// may hold.
-    fn design(&self, found: &StateFeedback) -> Option<Box<ProblemSynthesized>> {
-        let report = verify(self.problem, found);
-        let (controller, certificate) = ProofFile::split(found);
-        let file = ProblemDesignFile {
-            schema_version: DESIGN_SCHEMA_VERSION,
-            name: self.problem.file.name.clone(),
-            model: self.problem.file.clone(),
-            controller,
-            certificate,
-            verdict: report.clone(),
-            provenance: ProblemProvenance {
-                generator: GENERATOR.to_string(),
-                model_sha256: sha256_of(self.text),
-                date: now(),
-                solver_runs: Vec::new(),
-            },
-        };
-        file.feedback(self.problem).ok()?;
-        Some(Box::new(Synthesized {
-            file,
-            report,
-            solve_seconds: 0.0,
-            optimality: None,
-        }))
-    }
+    failure.answer.nearest = Some(design.file.certificate.guarantee);
+    Outcome::Undecided(failure)
 }
 
-/// The numbers that solvers returned.
-struct Returned {
-    /// The largest scalar unknown, at least 1.
-    largest: f64,
-    /// The best guarantee.
-    best: Option<f64>,
-}
-
-/// The smallest objective of a problem, with one solver.
-struct FeedbackSynthesis<'a, 'b, 'c, P> {
-    request: &'a Request<'a, P>,
-    session: &'b mut Session<'c>,
-    returned: &'b mut Returned,
-}
-
-impl<P: DesignProblem> Synthesis for FeedbackSynthesis<'_, '_, '_, P> {
-    type Settings = ();
-    type File = ProblemDesignFile;
-
-    fn smallest(&mut self, (): &()) -> Result<Smallest, SynthesisError> {
-        let (program, solution) = self.run(ProblemGoal::SmallestObjective)?;
-        let smallest = Smallest::of(&solution);
-        if let Smallest::Bound(objective) = smallest {
-            let transformed = &program.transformed;
-            let found = self.request.recover(transformed, &solution, objective);
-            let better = match P::LARGER_IS_BETTER {
-                true => f64::max,
-                false => f64::min,
-            };
-            let seen = self.returned.best.into_iter();
-            let all = seen.chain(found.map(|found| found.guarantee));
-            self.returned.best = all.reduce(better);
-        }
-        Ok(smallest)
-    }
-
-    fn design(
-        &mut self,
-        (): &(),
-        objective: f64,
-    ) -> Result<Option<Box<ProblemSynthesized>>, SynthesisError> {
-        let (program, solution) = self.run(ProblemGoal::LargestMargin { objective })?;
-        let transformed = &program.transformed;
-        let found = self.request.recover(transformed, &solution, objective);
-        Ok(found.and_then(|found| self.request.design(&found)))
-    }
-
-    fn objective(file: &ProblemDesignFile) -> f64 {
-        match P::LARGER_IS_BETTER {
-            true => -file.certificate.guarantee,
-            false => file.certificate.guarantee,
-        }
-    }
-}
-
-impl<P: DesignProblem> FeedbackSynthesis<'_, '_, '_, P> {
-    fn run(&mut self, goal: ProblemGoal) -> Result<(Program, Solution), SynthesisError> {
-        let plant = &self.request.plant;
-        let program = program(&self.request.scaled, plant, goal);
-        let (problem, accuracy) = (&program.problem, goal.accuracy());
-        let vertices = plant.vertices.len();
-        let solution = self.session.run(problem, goal.name(), accuracy, vertices)?;
-        let largest = largest_magnitude(&solution.values);
-        self.returned.largest = self.returned.largest.max(largest);
-        Ok((program, solution))
-    }
+fn attempt(
+    problem: &Problem,
+    text: &str,
+    solvers: &Solvers,
+    observer: Option<Observer>,
+) -> Result<ProblemOutcome, SynthesisError> {
+    // The conditions of these problems have one form.
+    let alone = |(backend, _)| Session::alone((backend, Form::Full), observer.clone());
+    let mut sessions: Vec<Session> = solvers.in_order().into_iter().map(alone).collect();
+    with_problem!(&problem.task, requested => solve(&Request::new(problem, text, requested), &mut sessions))
 }
 
 fn solve<P: DesignProblem>(
     request: &Request<P>,
-    mut session: Session,
+    sessions: &mut [Session],
 ) -> Result<ProblemOutcome, SynthesisError> {
     if let Some(mode) = request.problem.unreachable_mode() {
         let proof = InfeasibilityProof::of_mode(mode);
-        return Ok(Outcome::Infeasible(Decision::new(Some(proof), &[])));
+        return Ok(Outcome::Infeasible(Decision::new(Some(proof).into(), &[])));
     }
-    let mut returned = Returned {
-        largest: 1.0,
-        best: None,
-    };
-    let proved = |found: &Attempts<(), ProblemDesignFile>| found.best.is_some();
-    let found =
-        Attempts::with_each_solver::<FeedbackSynthesis<P>>(&mut session, proved, |session| {
-            let mut synthesis = FeedbackSynthesis {
-                request,
-                session,
-                returned: &mut returned,
-            };
-            let mut found = Attempts::default();
-            found.attempt(&mut synthesis, &(), &BACK_OFFS)?;
-            Ok(found)
-        })?;
-    if let Some(design) = found.best.or(found.unproved) {
-        let mut design = design.with_runs(&session.runs);
+    let mut search = Search::new(request);
+    search.directly();
+    for session in sessions.iter_mut() {
+        if search.is_settled() {
+            break;
+        }
+        search.with_solver(session)?;
+    }
+    for session in sessions.iter_mut() {
+        if search.is_settled() {
+            break;
+        }
+        search.between(session)?;
+    }
+    if let Some(design) = search.best.take() {
+        let mut design = design.with_runs(&search.runs);
         let guarantee = design.file.certificate.guarantee;
-        design.optimality = returned.best.and_then(|best| match P::LARGER_IS_BETTER {
-            true => Optimality::of_largest(guarantee, best),
-            false => Optimality::of_smallest(guarantee, best),
-        });
+        let wanted = request.requested.wanted();
+        let seen = search.seen.filter(|_| wanted.exactly.is_none());
+        design.optimality = seen
+            .map(P::guarantee_of)
+            .and_then(|best| match P::LARGER_IS_BETTER {
+                true => Optimality::of_largest(guarantee, best),
+                false => Optimality::of_smallest(guarantee, best),
+            });
         return Ok(Outcome::Solved(design));
     }
-    let failure = explain(request, &mut session, &mut returned)?;
+    let failure = explain(request, &mut search, sessions)?;
     let blocked = match failure.slack {
         Some(slack) => slack > (SLACK_SHARE - 1.0) * SLACK_MARGIN,
-        None => found.infeasible > 0,
+        None => search.infeasible > 0,
     };
-    Ok(match failure.answer {
+    Ok(match failure.answer.excluded {
         Some(proof) if proof.conclusive() => Outcome::Infeasible(failure),
         Some(_) => Outcome::Undecided(failure),
         None if blocked => Outcome::Undecided(failure),
-        // The solvers contradict themselves, or never got anywhere.
-        None => Outcome::SolverFailed(failure),
+        None => match search.unproved {
+            Some(design) => Outcome::Solved(design.with_runs(&failure.runs)),
+            // The solvers contradict themselves, or never got anywhere.
+            None => Outcome::SolverFailed(failure),
+        },
     })
 }
 
 /// The smallest slack, the conditions that determine it, and the infeasibility proof from the solvers' dual solutions.
 fn explain<P: DesignProblem>(
     request: &Request<P>,
-    session: &mut Session,
-    returned: &mut Returned,
+    search: &mut Search<P>,
+    sessions: &mut [Session],
 ) -> Result<ProblemFailure, SynthesisError> {
-    let mut smallest_slack = |session: &mut Session| {
-        let mut synthesis = FeedbackSynthesis {
-            request,
-            session,
-            returned,
-        };
-        synthesis.run(ProblemGoal::SmallestSlack)
-    };
-    let mut found = vec![smallest_slack(session)?];
-    found.extend(session.with_other(smallest_slack)?);
-    let largest = returned.largest;
-    let proofs = found.iter().filter_map(|(program, solution)| {
+    let mut found = Vec::new();
+    for session in sessions.iter_mut() {
+        found.extend(search.smallest_slack(session)?);
+    }
+    let largest = search.largest;
+    let proofs = found.iter().filter_map(|(scaled, program, solution)| {
         let original = (request.requested, &request.problem.plant);
-        let scaled = (&request.scaled, &request.plant);
         infeasibility_proof(original, scaled, program, solution, largest)
     });
     let proof = proofs.max_by(|a, b| a.radius.total_cmp(&b.radius));
-    let solved = found.iter().filter(|(_, solution)| has_point(solution));
-    let smallest = solved.min_by(|a, b| a.1.objective.total_cmp(&b.1.objective));
+    let solved = found.iter().filter(|(_, _, solution)| has_point(solution));
+    let smallest = solved.min_by(|a, b| a.2.objective.total_cmp(&b.2.objective));
     let carrier = smallest.or(found.first());
     Ok(Decision {
         // Without the margin that was asked for.
-        slack: smallest.map(|(_, solution)| solution.objective - SLACK_MARGIN),
-        blocking: carrier.map_or(Vec::new(), |(program, solution)| {
+        slack: smallest.map(|(_, _, solution)| solution.objective - SLACK_MARGIN),
+        blocking: carrier.map_or(Vec::new(), |(_, program, solution)| {
             blocking(&program.problem.conditions, solution)
         }),
-        ..Decision::new(proof, &session.runs)
+        ..Decision::new(proof.into(), &search.runs)
     })
 }

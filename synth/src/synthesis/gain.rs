@@ -6,7 +6,7 @@
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use crate::certify::theorem1::Certificate;
-use crate::conditions::state_feedback::power_of_two;
+use crate::conditions::units::power_of_two;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{add_claims, DesignFile, ProblemUnits};
 use crate::model::Objective;

@@ -13,8 +13,6 @@ pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
 pub use two_certificates::{coupled_problem, CouplingChoice};
 
-pub(crate) use attempts::{Attempts, Smallest, Synthesis};
-
 pub use crate::programs::{
     assemble, assemble_at, scaled_task, solver_order, Assembled, Cancelled, Form, Goal,
     LimitingFactors, Outcome, Sensitivity, Solvers, SynthesisError, Synthesized, FIRST_UNITS,

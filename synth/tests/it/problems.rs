@@ -2,7 +2,9 @@
 //! limit, and designs with one number changed.
 
 mod tampered;
+mod units;
 mod unreachable;
+mod wanted;
 
 use crate::exact::Exact;
 use crate::tampering::*;
@@ -38,13 +40,9 @@ fn asked(plant: Value, problem: Value) -> Value {
 }
 
 fn outcome(file: &Value) -> ProblemOutcome {
-    synthesize(
-        &problem(file),
-        &file.to_string(),
-        &Solvers::both([Solver::Clarabel, Solver::Structured]),
-        None,
-    )
-    .expect("the solver accepts the problem")
+    let solvers = Solvers::both([Solver::Clarabel, Solver::Structured]);
+    synthesize(&problem(file), &file.to_string(), &solvers, None)
+        .expect("the solvers accept the problem")
 }
 
 #[track_caller]

@@ -99,6 +99,8 @@ fn problem_program(
         let reason = "this file asks for a design problem, for which --form has no meaning";
         return Err(CliError::unsuitable(path, reason));
     }
-    let what = format!("{}, {}", problem.file.name, problem.task.name());
+    let (name, task) = (&problem.file.name, problem.task.name());
+    let optimum = problem.task.objective();
+    let what = format!("{name}, {task}, optimum {optimum} in the file's units");
     Ok((first_program(problem), what))
 }

@@ -13,7 +13,7 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::progress::{solve, ASSEMBLING};
-use crate::cli::show::facts::{design_written, SolverStatus, NOTHING};
+use crate::cli::show::facts::{design_written, only_one_asked, SolverStatus, NOTHING};
 use crate::cli::show::problem::{headline, NoFeedbackReport, ProblemReport};
 use crate::cli::solver::SolverArg;
 
@@ -37,7 +37,8 @@ pub fn synthesize(
     let outcome = solve(path, ASSEMBLING, |observer| {
         problem::synthesize(&problem, text, &solvers, observer)
     })?;
-    let none = |failure: ProblemFailure, status| Ok(none(&problem, &failure, status));
+    let none =
+        |failure: ProblemFailure, status| Ok(none(&problem, &failure, status, solver.only()));
     match outcome {
         ProblemOutcome::Solved(design) => found(output, &problem, &design),
         ProblemOutcome::Infeasible(failure) => none(failure, SolverStatus::Infeasible),
@@ -61,13 +62,23 @@ fn found(
     let mut lines = vec![headline(problem)];
     lines.extend(report.lines());
     lines.push(design_written(kept, checked.verdict));
-    Ok(Answer::new(Exit::from(checked.verdict), &report, &lines))
+    let exit = match report.meets_requirements() {
+        true => Exit::from(checked.verdict),
+        false => Exit::No,
+    };
+    Ok(Answer::new(exit, &report, &lines))
 }
 
-fn none(problem: &Problem, failure: &ProblemFailure, status: SolverStatus) -> Answer {
+fn none(
+    problem: &Problem,
+    failure: &ProblemFailure,
+    status: SolverStatus,
+    only: Option<&str>,
+) -> Answer {
     let report = NoFeedbackReport::new(problem, failure, status);
     let mut lines = vec![headline(problem)];
     lines.extend(report.lines());
+    lines.extend(only.map(only_one_asked));
     lines.push(NOTHING.to_string());
     Answer::new(status.exit_without_design(), &report, &lines)
 }

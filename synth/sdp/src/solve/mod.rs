@@ -20,13 +20,3 @@ pub use clarabel::{Clarabel, DenseColumns};
 pub use outcome::{Judgement, Limits, Outcome, INACCURATE, SOLVED};
 pub use residuals::{residuals, Residuals};
 pub use structured::{Structured, Timings};
-
-/// The other of the two solvers, with its usual settings; `None` for a solver that is neither.
-///
-/// A solver's "infeasible" or "failed" is no verdict: the other one often solves the same problem.
-pub fn alternative(backend: &dyn Backend) -> Option<Box<dyn Backend>> {
-    match backend.solver()? {
-        Solver::Clarabel => Some(Box::new(Structured::default())),
-        Solver::Structured => Some(Box::new(Clarabel::default())),
-    }
-}
