@@ -23,6 +23,7 @@
 //! | [`feasibility`] | decides, with a proof, whether there is any design |
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
 //! | [`problem`] | takes other design problems the same way |
+//! | [`riccati`] | Riccati and Lyapunov equations, for candidates and units |
 //!
 //! # Example
 //!
