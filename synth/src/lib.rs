@@ -24,6 +24,7 @@
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
 //! | [`problem`] | takes other design problems the same way |
 //! | [`claim`] | writes what is claimed, rounded to the safe side |
+//! | [`riccati`] | Riccati and Lyapunov equations, for candidates and units |
 //!
 //! # Example
 //!

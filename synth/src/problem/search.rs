@@ -19,6 +19,9 @@ const ROUNDS: usize = 5;
 /// Objectives tried between the best one reported and the best one proved.
 const BISECTIONS: usize = 12;
 
+/// Objectives this close, relative, are equally good.
+const EQUAL: f64 = 7e-4;
+
 /// What has been found so far. Objectives are in the file's units.
 pub(super) struct Search<'a, P> {
     pub(super) request: &'a Request<'a, P>,
@@ -95,10 +98,23 @@ impl<'a, P: DesignProblem> Search<'a, P> {
             return false;
         }
         let objective = P::objective_of(found.guarantee);
-        if self.best_objective().is_none_or(|best| objective < best) {
+        if self.is_better(objective, &design) {
             self.best = Some(design);
         }
         true
+    }
+
+    /// True for a better objective, and for one as good with smaller gains.
+    fn is_better(&self, objective: f64, design: &ProblemSynthesized) -> bool {
+        let Some((best, known)) = self.best_objective().zip(self.best.as_ref()) else {
+            return true;
+        };
+        let largest = |design: &ProblemSynthesized| {
+            let gains = design.file.controller.gain.iter().flatten();
+            gains.fold(0.0, |largest: f64, gain| largest.max(gain.abs()))
+        };
+        let (own, other) = (largest(design), largest(known));
+        objective < best * (1.0 - EQUAL) || (objective < best * (1.0 + EQUAL) && own < other)
     }
 
     /// The equation that replaces a solver, where there is one.

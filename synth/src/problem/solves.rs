@@ -19,9 +19,6 @@ const KEPT_MARGIN: f64 = 0.25;
 /// Objectives in this range, in scaled units, are near enough to 1.
 const NEAR_UNIT: std::ops::RangeInclusive<f64> = 1e-2..=1e2;
 
-/// Objectives this close, relative, are equally good.
-const EQUAL: f64 = 1e-3;
-
 /// A program, the solver's answer, and whether its numbers can be used.
 struct Answer {
     program: Program,
@@ -117,7 +114,7 @@ impl<P: DesignProblem> Search<'_, P> {
         }
         let calm = self.calm(session, scaled, &answer, objective, label)?;
         let smaller = calm.filter(|calm| calm.gain.norm() < found.gain.norm());
-        match smaller.filter(|calm| self.replace(calm)) {
+        match smaller.filter(|calm| self.consider(calm)) {
             Some(calm) => Ok(Some((calm, true))),
             None => Ok(Some((found, true))),
         }
@@ -153,24 +150,6 @@ impl<P: DesignProblem> Search<'_, P> {
         let answer = answer.filter(|answer| has_point(&answer.solution));
         Ok(answer
             .and_then(|answer| self.recover(&whole, &answer, objective * whole.units.objective)))
-    }
-
-    /// Puts a candidate in the place of the best design where it is proved and as good; true where it is proved.
-    fn replace(&mut self, found: &StateFeedback) -> bool {
-        let found = &self.claimed(found);
-        let Some(design) = self
-            .request
-            .design(found)
-            .filter(|design| design.is_proved())
-        else {
-            return false;
-        };
-        let objective = P::objective_of(found.guarantee);
-        let best = self.best_objective();
-        if best.is_none_or(|best| objective <= best * (1.0 + EQUAL)) {
-            self.best = Some(design);
-        }
-        true
     }
 
     /// A design whatever its objective; its sizes.

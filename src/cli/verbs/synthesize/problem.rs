@@ -5,7 +5,6 @@ use std::path::Path;
 use synth::problem::{
     self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
-use synth::solve::Solver;
 use synth::synthesis::Form;
 
 use super::conclude::keep;
@@ -33,7 +32,7 @@ pub fn synthesize(
         );
         return Err(CliError::unsuitable(path, reason));
     }
-    let solvers = solver.solvers([Solver::Clarabel, Solver::Structured], Some(Form::Full));
+    let solvers = solver.solvers(problem::solver_order(&problem), Some(Form::Full));
     let outcome = solve(path, ASSEMBLING, |observer| {
         problem::synthesize(&problem, text, &solvers, observer)
     })?;
