@@ -209,8 +209,12 @@ fn a_named_solver_is_the_only_one_that_is_asked_and_the_answer_says_so() {
     let folder = folder();
     // A set that no design is found for, and that cannot be refuted for every rho.
     let changes = [
-        ("/specs/eps", json!([1, 1, 1])),
-        ("/specs/must_contain", json!([[0.97, 0.0]])),
+        ("/specs/phi_per_s", json!(1.0)),
+        ("/plant/vertices/input_limit", json!([0.6])),
+        (
+            "/specs/must_contain",
+            json!([[0.64015625, 0.0], [0.0, 0.4]]),
+        ),
     ];
     let model = cart(folder.path(), &changes);
     for solver in ["clarabel", "structured"] {

@@ -28,6 +28,7 @@ mod both;
 mod conditions;
 mod corrections;
 mod feasibility_boundary;
+mod gains;
 mod inertia;
 mod infeasible;
 mod lapack_symbols;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use crate::semidefinite::{feasible, infeasible};
 use synth::certify::exclusion::exclude;
+use synth::design::ProblemUnits;
 use synth::lmi::{Cone, Entry, Semidefinite};
 use synth::model::Model;
 use synth::solve::{
@@ -331,7 +332,13 @@ fn model(name: &str) -> Model {
 }
 
 fn gain_problem(model: &Model, form: Form) -> (Semidefinite, Accuracy) {
-    let (_, task) = scaled_task(model, &FIRST_UNITS);
+    // One unit for all states: units of each state are for single designs, not for the searches among these models.
+    let (scaling, _) = scaled_task(model, &FIRST_UNITS);
+    let units = ProblemUnits {
+        state_units: vec![scaling.state.min(); scaling.state.len()],
+        ..FIRST_UNITS
+    };
+    let (_, task) = scaled_task(model, &units);
     let problem = assemble(&task, form, Goal::SmallestGain).problem.lower();
     (problem, Goal::SmallestGain.accuracy(&task))
 }

@@ -85,7 +85,8 @@ impl Conclusion<'_> {
         }
         let report = NoDesignReport::new(self.model, self.form, decision, status);
         let mut lines = report.lines(self.model_path, self.what);
-        lines.extend(self.only.map(only_one_asked));
+        let only = self.only.filter(|_| status != SolverStatus::Infeasible);
+        lines.extend(only.map(only_one_asked));
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))
     }

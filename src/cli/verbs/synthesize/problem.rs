@@ -77,6 +77,7 @@ fn none(
     let report = NoFeedbackReport::new(problem, failure, status);
     let mut lines = vec![headline(problem)];
     lines.extend(report.lines());
+    let only = only.filter(|_| status != SolverStatus::Infeasible);
     lines.extend(only.map(only_one_asked));
     lines.push(NOTHING.to_string());
     Answer::new(status.exit_without_design(), &report, &lines)
