@@ -297,3 +297,28 @@ fn the_design_of_a_model_for_two_certificates_is_one_for_the_gain() {
     assert_eq!(json(&output)["model"]["specs"]["objective"], "gamma");
     verify(&output, &[]).ends_with(0);
 }
+
+#[test]
+fn a_limit_on_xi_that_is_far_too_small_is_found_to_block() {
+    let folder = folder();
+    let mut model = json(&shipped("double-integrator.json"));
+    // About 1e8 times below where it would no longer matter.
+    set(&mut model, "/specs/xi_max", json!(2e-6));
+    let path = write(folder.path(), "model.json", model.to_string());
+    let report = feasibility(&path, &["--json"]).ends_with(2).json();
+    let relaxations = report["relaxations"].as_array().expect("relaxations");
+    let named = |name: &str| {
+        let found = relaxations.iter().find(|one| one["requirement"] == name);
+        found.expect("the requirement").clone()
+    };
+    let factor = named("xi_max")["factor"]
+        .as_f64()
+        .expect("a factor that helps");
+    assert!(factor > 1e3, "{factor}");
+    // What was tried is said of those that do not help.
+    let tried = named("hbar")["tried"]
+        .as_array()
+        .expect("the factors")
+        .clone();
+    assert!(tried[1].as_f64() < Some(0.01), "{tried:?}");
+}

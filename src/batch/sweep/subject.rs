@@ -109,7 +109,7 @@ impl Subject {
             return;
         }
         let model = model_of(&self.file).ok();
-        if let Some(model) = model.filter(|model| is_one_design(model)) {
+        if let Some(model) = model.filter(is_one_design) {
             let (text, warm) = (self.file.to_string(), Structured::warm());
             let own = Solvers::only(warm.clone(), form);
             // Whatever comes of it: where nothing is remembered, points start cold.

@@ -86,6 +86,11 @@ fn relaxation_line(relaxation: &Relaxation) -> String {
         Some((value, (factor, not_at))) => format!(
             "  {symbol}: feasible (proved) at {value}, {factor:.4} times the model's; not found at {not_at:.4} times"
         ),
-        None => format!("  {symbol}: does not help alone"),
+        None => {
+            let [largest, smallest] = relaxation.tried;
+            format!(
+                "  {symbol}: does not help alone (tried at {smallest:.4} to {largest:.4e} times the model's)"
+            )
+        }
     }
 }

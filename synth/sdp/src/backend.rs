@@ -76,9 +76,9 @@ pub enum SolveError {
     Memory {
         /// Name of the backend.
         backend: &'static str,
-        /// Estimate of what it needs [bytes].
+        /// Estimate of what it needs (bytes).
         needed: u64,
-        /// What is free [bytes].
+        /// What is free (bytes).
         available: u64,
         /// Side of the widest cone.
         widest: usize,

@@ -229,7 +229,7 @@ impl DesignProblem for SaturatedRegion {
         1.0 / (guarantee * guarantee)
     }
 
-    /// Of [`LARGEST_SCALE`] times the ellipsoid of six times the Gramian of the plant at full input, shifted by twice the
+    /// Of `LARGEST_SCALE` times the ellipsoid of six times the Gramian of the plant at full input, shifted by twice the
     /// largest natural frequency s of the mean vertex (1/s where that is 0), per s: for `x' = -s x + b u` the point b
     /// ubar / s at which it comes to rest.
     fn floor(&self, plant: &VertexPlant) -> Option<Floor> {

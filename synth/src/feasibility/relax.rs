@@ -52,6 +52,8 @@ pub struct Relaxation {
     pub factor: Option<f64>,
     /// The nearest factor tried at which a design was not found.
     pub not_at_factor: Option<f64>,
+    /// The largest and the smallest factor that was tried.
+    pub tried: [f64; 2],
     /// Solver calls it took.
     pub solves: usize,
 }
@@ -94,6 +96,7 @@ pub fn relaxations(
             solvers: &asked,
             observer: observer.clone(),
             parameter: requirement.parameter,
+            tried: [1.0; 2],
             solves: 0,
         };
         let mut best: Option<RelaxedValue> = None;
@@ -108,6 +111,7 @@ pub fn relaxations(
             value: best.and_then(|best| best.value),
             factor: best.map(|best| best.factor),
             not_at_factor: best.map(|best| best.not_at),
+            tried: search.tried,
             solves: search.solves,
         });
     }
@@ -124,6 +128,8 @@ struct Relaxing<'a> {
     solvers: &'a [Asked<'a>],
     observer: Option<Observer>,
     parameter: Parameter,
+    /// The largest and the smallest factor tried.
+    tried: [f64; 2],
     solves: usize,
 }
 
@@ -149,7 +155,7 @@ impl Relaxing<'_> {
             slack: f64::NAN,
             feasible: false,
         };
-        for at in OUTWARD {
+        for at in OUTWARD.into_iter().chain(self.last()) {
             if below.at >= reach {
                 return Ok(None);
             }
@@ -162,6 +168,15 @@ impl Relaxing<'_> {
             below = probe;
         }
         Ok(None)
+    }
+
+    /// Beyond the usual factors: the xi at which its supply reaches phi, where a larger one gains nothing.
+    fn last(&self) -> Option<f64> {
+        let useful = self.model.task().largest_useful_weight();
+        let at = (useful / self.model.file.specs.xi_max).ln();
+        let farthest = OUTWARD[OUTWARD.len() - 1];
+        let weight = matches!(self.parameter, Parameter::DisturbanceWeight);
+        Some(at).filter(|at| weight && at.is_finite() && *at > farthest)
     }
 
     fn narrowed(
@@ -198,6 +213,7 @@ impl Relaxing<'_> {
         let Some(model) = self.parameter.scaled(self.model, factor) else {
             return Ok(None);
         };
+        self.tried = [self.tried[0].max(factor), self.tried[1].min(factor)];
         let decision = look_for_a_design(&model, self.solvers, self.observer.clone())?;
         self.solves += decision.runs.len();
         Ok(Some(Probe {

@@ -108,10 +108,8 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
 
     /// Keeps the better one of the best design and another.
     fn keep<S: Synthesis<File = File>>(&mut self, other: Option<Box<Synthesized<File>>>) {
-        let smallest = |a: &Box<Synthesized<File>>, b: &Box<Synthesized<File>>| {
-            S::objective(&a.file).total_cmp(&S::objective(&b.file))
-        };
-        self.best = self.best.take().into_iter().chain(other).min_by(smallest);
+        let both = self.best.take().into_iter().chain(other);
+        self.best = both.min_by(|a, b| S::objective(&a.file).total_cmp(&S::objective(&b.file)));
     }
 
     /// The smallest bound that a solver reported.
