@@ -99,6 +99,8 @@ impl Evaluator<'_> {
     fn task(&self, file: ModelFile, linearisation: &DMatrix<f64>) -> Option<Task> {
         let mut task = Model::new(file).ok()?.task();
         task.specification.must_contain = Vec::new();
+        // Neighbouring programs are compared, so that their unknowns must have the same units.
+        task.gain_per_weight = 1.0;
         if let Aim::Reach { .. } = self.aim {
             let margin = &mut task.specification.margin;
             *margin = margin.max(REGION_MARGIN);

@@ -302,6 +302,7 @@ impl Finish<'_> {
         }
         let mut task = model.task();
         task.specification.must_contain.clear();
+        task.gain_per_weight = 1.0;
         task.specification.margin = task.specification.margin.max(settings.margin);
         task.containment = Some(Containment {
             linearisation: point.linearisation.clone(),

@@ -190,7 +190,7 @@ impl ParameterSearch<'_> {
         Ok(None)
     }
 
-    /// Points at which all required sets are contained, the one with the most room first.
+    /// Points at which all required sets are contained, the last one first.
     fn covering(&self, model: &Model) -> Found<Vec<SearchPoint>> {
         let aim = Aim::Reach {
             scaled: self.plan.contained.clone(),
@@ -205,12 +205,9 @@ impl ParameterSearch<'_> {
             return Ok(Err(self.no_start(model)?));
         };
         let mut passed = vec![begun.clone()];
-        let end = match begun.objective >= CONTAINED.ln() {
-            true => begun,
-            false => self.ascend(&evaluator, begun, CONTAINED.ln(), &mut |point| {
-                passed.push(point.clone());
-            })?,
-        };
+        let end = self.ascend(&evaluator, begun, CONTAINED.ln(), &mut |point| {
+            passed.push(point.clone());
+        })?;
         if end.objective >= 0.0 {
             passed.retain(|point| point.objective >= 0.0);
             passed.reverse();
