@@ -161,7 +161,7 @@ fn settling_is_the_first_instant_inside_and_its_root_lies_before_it() {
             "xu2020-closed-loop.json",
             Some(xu2020_design()),
             63.211_92,
-            63.203_9,
+            63.209_6,
         ),
         ("wu2018.json", None, 83.281_25, 83.276_4),
         ("lei2022.json", None, 42.993_8, 42.964_2),
