@@ -160,10 +160,15 @@ impl Evaluator<'_> {
             return Ok(None);
         };
         let d = DMatrix::from_diagonal(&self.scaling.state);
+        // Beyond the largest xi that gains anything the value is flat: the point moves to its edge, where it has a slope.
+        let useful = solved.weight_max.ln();
+        let point = self
+            .space
+            .with_weight(point, |coordinate| coordinate.min(useful));
         Ok(Some(SearchPoint {
-            coordinates: point.to_vec(),
             objective: solved.objective,
-            slope: self.slope(point, linearisation, &solved),
+            slope: self.slope(&point, linearisation, &solved),
+            coordinates: point,
             linearisation: self.scaling.to_state() * inverse * multiplier * d,
             blocking: blocking(&solved.assembled.problem.conditions, &solved.solution),
         }))

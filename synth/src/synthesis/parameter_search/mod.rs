@@ -179,7 +179,8 @@ impl ParameterSearch<'_> {
             for share in WEIGHT_SHARES {
                 for point in points {
                     let space = &self.plan.space;
-                    let coordinates = space.with_weight_share(&point.coordinates, share);
+                    let smaller = |coordinate: f64| coordinate + share.ln();
+                    let coordinates = space.with_weight(&point.coordinates, smaller);
                     let solved = evaluator.solve(&coordinates, &point.linearisation)?;
                     if solved.is_some() {
                         return Ok(solved);

@@ -63,11 +63,11 @@ impl Space {
         })
     }
 
-    /// A point with its largest xi multiplied by a factor, inside the limits.
-    pub fn with_weight_share(&self, point: &[f64], share: f64) -> Vec<f64> {
+    /// A point with the coordinate of its largest xi changed, inside the limits.
+    pub fn with_weight(&self, point: &[f64], changed: impl Fn(f64) -> f64) -> Vec<f64> {
         let pairs = self.ranges.iter().zip(point);
         let moved = pairs.map(|(range, &coordinate)| match range.parameter {
-            Parameter::DisturbanceWeight => coordinate + share.ln(),
+            Parameter::DisturbanceWeight => changed(coordinate),
             _ => coordinate,
         });
         self.inside(&moved.collect::<Vec<_>>())
