@@ -240,3 +240,22 @@ fn no_model_near_its_edge_has_a_proved_design_and_a_proved_refutation() {
         "{designs} designs, {refuted} refuted"
     );
 }
+
+#[test]
+fn a_search_does_not_mind_a_limit_on_xi_that_is_none() {
+    let gain = |xi_max: Option<f64>| {
+        let mut file = cart();
+        file["specs"]["search"] = json!({ "phi_per_s": [0.02, 0.5] });
+        file["specs"]["must_contain"] = json!([[0.3, 0.1]]);
+        if let Some(limit) = xi_max {
+            file["specs"]["xi_max"] = json!(limit);
+        }
+        proved(&file).certificate.guaranteed_gain
+    };
+    // Up to 0.5 / 0.02^2 = 1250 a larger xi may gain something.
+    let (free, none) = (gain(None), gain(Some(1e9)));
+    assert!(
+        (free - none).abs() <= 0.05 * free.min(none),
+        "{free} and {none}"
+    );
+}

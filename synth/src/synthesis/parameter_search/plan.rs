@@ -191,14 +191,12 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     out
 }
 
-/// xi_max, or the largest xi that gains anything at the fastest decay that is searched.
+/// xi_max, or the largest xi that gains anything at the fastest decay that is searched, where that is smaller.
 fn largest_weight(model: &Model, limits: &SearchFile) -> f64 {
     let specs = &model.file.specs;
-    if specs.xi_max.is_finite() {
-        return specs.xi_max;
-    }
     let fastest = limits.phi_per_s.map_or(specs.phi_per_s, |[_, high]| high);
-    model.task().largest_useful_weight() * (fastest / specs.phi_per_s)
+    let useful = model.task().largest_useful_weight() * (fastest / specs.phi_per_s);
+    specs.xi_max.min(useful)
 }
 
 /// The first required state that lies outside every allowed box, as a sentence.

@@ -24,7 +24,8 @@ impl Range {
         let [low, high] = self.coordinates();
         let value = self.parameter.of(file).unwrap_or(self.limits[0]);
         let coordinate = self.parameter.coordinate(value);
-        if coordinate.is_finite() {
+        // A limit that is left out is above every other.
+        if coordinate.is_finite() || coordinate == f64::INFINITY {
             coordinate.clamp(low, high)
         } else {
             0.5 * (low + high)
