@@ -36,7 +36,7 @@ mod unknowns;
 
 pub use affine::{Affine, SymmetricBlocks};
 pub use condition::{Condition, LmiProblem, Strictness};
-pub use sdpa_read::{SdpaError, SdpaForm};
+pub use sdpa_read::{RepeatedEntry, SdpaError, SdpaForm};
 pub use semidefinite::{
     dual_matrix, dual_trace, inner, inner_product, svec_index, Cone, Entry, Semidefinite,
 };

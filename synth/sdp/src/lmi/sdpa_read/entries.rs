@@ -9,6 +9,7 @@ pub type Place = (usize, usize, usize, usize);
 pub type Entries = BTreeMap<Place, (f64, Source)>;
 
 /// Where an entry was read.
+#[derive(Debug, Clone, Copy)]
 pub struct Source {
     /// Line, from 1.
     pub line: usize,

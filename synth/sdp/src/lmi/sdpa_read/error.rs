@@ -1,5 +1,7 @@
 //! Why a text is not an SDPA problem.
 
+use std::fmt;
+
 /// Why a text is not an SDPA problem.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SdpaError {
@@ -83,42 +85,17 @@ pub enum SdpaError {
     },
     /// An entry that was given before.
     #[error(
-        "line {line}: entry ({row}, {column}) of block {block} of matrix {matrix} was given on line {before} already; \
-         which of the two is meant is not known (they are not added)"
+        "line {line}: {0} was given on line {before} already; which of the two is meant is not known (they are not added)",
+        line = .0.line, before = .0.before
     )]
-    Duplicate {
-        /// Line, from 1.
-        line: usize,
-        /// Line of the first.
-        before: usize,
-        /// Matrix, from 0.
-        matrix: usize,
-        /// Block, from 1.
-        block: usize,
-        /// Row as given, from 1.
-        row: usize,
-        /// Column as given, from 1.
-        column: usize,
-    },
+    Duplicate(RepeatedEntry),
     /// An entry off the diagonal that was given before in the other triangle.
     #[error(
-        "line {line}: entry ({row}, {column}) of block {block} of matrix {matrix} was given on line {before} as \
-         ({column}, {row}); matrices are symmetric and only one triangle is given (the two are not added)"
+        "line {line}: {0} was given on line {before} as ({column}, {row}); matrices are symmetric and only one triangle is \
+         given (the two are not added)",
+        line = .0.line, before = .0.before, column = .0.column, row = .0.row
     )]
-    BothTriangles {
-        /// Line, from 1.
-        line: usize,
-        /// Line of the first.
-        before: usize,
-        /// Matrix, from 0.
-        matrix: usize,
-        /// Block, from 1.
-        block: usize,
-        /// Row as given, from 1.
-        row: usize,
-        /// Column as given, from 1.
-        column: usize,
-    },
+    BothTriangles(RepeatedEntry),
     /// An entry off the diagonal of a diagonal block.
     #[error(
         "line {line}: entry ({row}, {column}) is off the diagonal, block {block} is a diagonal one"
@@ -175,4 +152,37 @@ pub enum SdpaError {
         /// Column of the second, from 1.
         column: usize,
     },
+}
+
+/// An entry of a matrix that was given twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RepeatedEntry {
+    /// Line, from 1.
+    pub line: usize,
+    /// Line of the first.
+    pub before: usize,
+    /// Matrix, from 0.
+    pub matrix: usize,
+    /// Block, from 1.
+    pub block: usize,
+    /// Row as given, from 1.
+    pub row: usize,
+    /// Column as given, from 1.
+    pub column: usize,
+}
+
+impl fmt::Display for RepeatedEntry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let RepeatedEntry {
+            matrix,
+            block,
+            row,
+            column,
+            ..
+        } = self;
+        write!(
+            f,
+            "entry ({row}, {column}) of block {block} of matrix {matrix}"
+        )
+    }
 }

@@ -11,7 +11,7 @@ use super::{Cone, Entry, Semidefinite};
 use entries::{Entries, FileBlock, Source};
 use lines::{finite, in_range, is_number, number, shown, split, Reader, LARGEST_COUNT};
 
-pub use error::SdpaError;
+pub use error::{RepeatedEntry, SdpaError};
 
 /// How the matrices are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -195,34 +195,24 @@ fn add(
         ),
     };
     let flipped = row > column;
-    let before = match entries.entry(place) {
+    let first = match entries.entry(place) {
         btree_map::Entry::Vacant(vacant) => {
             vacant.insert((value, Source { line, flipped }));
             return Ok(());
         }
-        btree_map::Entry::Occupied(occupied) => {
-            let Source { line, flipped } = &occupied.get().1;
-            (*line, *flipped)
-        }
+        btree_map::Entry::Occupied(occupied) => occupied.get().1,
     };
-    let block = number_of_block;
-    Err(match before {
-        (before, other) if other == flipped => SdpaError::Duplicate {
-            line,
-            before,
-            matrix,
-            block,
-            row,
-            column,
-        },
-        (before, _) => SdpaError::BothTriangles {
-            line,
-            before,
-            matrix,
-            block,
-            row,
-            column,
-        },
+    let repeated = RepeatedEntry {
+        line,
+        before: first.line,
+        matrix,
+        block: number_of_block,
+        row,
+        column,
+    };
+    Err(match first.flipped == flipped {
+        true => SdpaError::Duplicate(repeated),
+        false => SdpaError::BothTriangles(repeated),
     })
 }
 
