@@ -16,6 +16,21 @@ fn closed_loop() -> Value {
     scenario
 }
 
+/// Three runs of a scenario with the design of xu2020.
+fn campaign(scenario: &Path, out: &Path) -> Run {
+    let arguments = [
+        Path::new("campaign"),
+        scenario,
+        Path::new("--runs"),
+        Path::new("3"),
+        Path::new("--design"),
+        xu2020_design(),
+        Path::new("-o"),
+        out,
+    ];
+    steadfast(arguments).ends_with(0)
+}
+
 #[test]
 fn a_sweep_says_of_every_point_whether_the_proof_covers_it() {
     let folder = folder();
@@ -69,12 +84,8 @@ fn a_sweep_says_of_every_point_whether_the_proof_covers_it() {
 #[test]
 fn a_sweep_without_a_design_says_that_nothing_is_proved() {
     let folder = folder();
-    let mut scenario = json(&shipped("wu2018.json"));
-    scenario["duration_s"] = json!(5);
-    scenario
-        .as_object_mut()
-        .expect("an object")
-        .remove("metrics");
+    let file = cut("wu2018.json", 5.0, folder.path());
+    let mut scenario = json(&file);
     scenario["requirements"] = json!([]);
     let file = write(folder.path(), "scenario.json", scenario.to_string());
     let out = folder.path().join("out");
@@ -101,17 +112,8 @@ fn a_campaign_and_a_comparison_say_it_too() {
         json!([0, 0.012, 0]),
     );
     let file = write(folder.path(), "scenario.json", scenario.to_string());
-    let design = xu2020_design().to_str().unwrap();
     let out = folder.path().join("campaign");
-    let arguments = [
-        "campaign",
-        file.to_str().unwrap(),
-        "--runs",
-        "3",
-        "--design",
-        design,
-    ];
-    let run = steadfast(arguments.iter().chain(&["-o", out.to_str().unwrap()])).ends_with(0);
+    let run = campaign(&file, &out);
     assert!(
         run.stdout.contains("runs that the proof covers: 0"),
         "{run:#?}"
@@ -128,7 +130,7 @@ fn a_campaign_and_a_comparison_say_it_too() {
         file,
         file,
         "--design",
-        design,
+        xu2020_design().to_str().unwrap(),
         "-o",
         out.to_str().unwrap(),
     ];
@@ -179,17 +181,8 @@ fn the_closest_requirement_of_a_campaign_is_none_with_a_limit_of_zero_that_is_me
         { "metric": "settle_seconds", "at_most": 1000 }
     ]);
     let file = write(folder.path(), "scenario.json", scenario.to_string());
-    let design = xu2020_design().to_str().unwrap();
     let out = folder.path().join("out");
-    let arguments = [
-        "campaign",
-        file.to_str().unwrap(),
-        "--runs",
-        "3",
-        "--design",
-        design,
-    ];
-    steadfast(arguments.iter().chain(&["-o", out.to_str().unwrap()])).ends_with(0);
+    campaign(&file, &out);
     let runs = out.join("runs.parquet");
     let closest = steadfast::batch::campaign::table::column_text(&runs, "worst_requirement");
     for name in closest.expect("a column") {

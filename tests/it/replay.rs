@@ -1,6 +1,6 @@
 //! The files of a run say what happened when: they can be replayed, and the rows do not mix two instants.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::support::tools::python;
 use crate::support::*;
@@ -23,16 +23,6 @@ fn simulated(scenario: &Path, design: Option<&Path>, out: &Path) -> (Value, Tabl
 
 fn column(table: &Table, name: &str) -> Vec<f64> {
     table.column(name).unwrap_or_else(|| panic!("no {name}"))
-}
-
-/// A shipped scenario cut to a length.
-fn cut(name: &str, duration_s: f64, folder: &Path) -> PathBuf {
-    let mut scenario = json(&shipped(name));
-    scenario["duration_s"] = json!(duration_s);
-    if let Some(metrics) = scenario.get_mut("metrics").and_then(Value::as_object_mut) {
-        metrics.remove("tail_s");
-    }
-    write(folder, name, scenario.to_string())
 }
 
 #[test]

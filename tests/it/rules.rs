@@ -297,13 +297,7 @@ fn the_papers_seven_rules_are_proved_with_constant_and_with_scheduled_gains() {
 #[test]
 fn a_rule_plant_of_two_states_without_a_design_is_answered_by_every_verb() {
     let folder = folder();
-    let mut model = json(&shipped("two-rules.json"));
-    set(
-        &mut model,
-        "/plant/rules/system/linear/input_limit",
-        json!([0.001]),
-    );
-    let model = write(folder.path(), "weak.json", model.to_string());
+    let model = weak_rules(folder.path());
     let gains = json!({ "schema_version": 1, "name": "bad", "gains": [[[1.0, 1.0]]] });
     let gains = write(folder.path(), "gains.json", gains.to_string());
     let proof = folder.path().join("proof.json");

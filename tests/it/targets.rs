@@ -16,13 +16,7 @@ fn word(path: &Path) -> String {
 
 /// A folder of a run of wu2018 of 5 seconds, and its scenario.
 fn short_run(folder: &Path) -> (PathBuf, PathBuf) {
-    let mut scenario = json(&shipped("wu2018.json"));
-    scenario["duration_s"] = json!(5);
-    scenario
-        .as_object_mut()
-        .expect("an object")
-        .remove("metrics");
-    let scenario = write(folder, "short.json", scenario.to_string());
+    let scenario = cut("wu2018.json", 5.0, folder);
     let run = folder.join("run");
     steadfast(["simulate", &word(&scenario), "-o", &word(&run)]);
     assert!(run.join("summary.json").exists());

@@ -8,15 +8,13 @@ use std::path::Path;
 
 use crate::exact::Stream;
 use crate::random::Sizes;
+use crate::units::in_one_unit;
 use synth::feasibility::{decide, Answer, Decision};
 use synth::lmi::Semidefinite;
 use synth::model::{Model, ModelFile, PlantFile};
 use synth::programs::Parameter;
 use synth::solve::{Backend, Clarabel, Status};
-use synth::synthesis::{assemble, scaled_task, Form, Goal, Solvers, FIRST_UNITS};
-
-/// What csdp's slack may be off by, in scaled units: a proof on our side weighs more than that.
-const CSDP_ACCURACY: f64 = 1e-5;
+use synth::synthesis::{assemble, Form, Goal, Solvers};
 
 /// Bisections of the logarithm of a factor in [0, RANGE].
 const BISECTIONS: usize = 6;
@@ -40,7 +38,7 @@ fn decided(model: &Model) -> Decision {
 
 /// The smallest slack without any proof; `None` when the solver fails.
 fn smallest_slack(model: &Model) -> Option<f64> {
-    let (_, task) = scaled_task(model, &FIRST_UNITS);
+    let task = in_one_unit(model);
     let goal = Goal::SmallestSlack;
     let problem = assemble(&task, Form::Chordal, goal).problem.lower();
     let solution = Clarabel::default().solve(&problem, goal.accuracy(&task), None);
@@ -119,9 +117,9 @@ fn without_idle_unknowns(mut problem: Semidefinite) -> Semidefinite {
     problem
 }
 
-/// The smallest slack that CSDP finds in the units tried first.
+/// The smallest slack that CSDP finds, with one unit for all states.
 fn slack_of_csdp(model: &Model) -> Option<f64> {
-    let (_, task) = scaled_task(model, &FIRST_UNITS);
+    let task = in_one_unit(model);
     let problem = assemble(&task, Form::Chordal, Goal::SmallestSlack)
         .problem
         .lower();
@@ -176,7 +174,7 @@ fn judge(seed: u64, count: usize) {
             let against = if no { -excess } else { excess };
             let own = (slack - model.file.specs.margin).abs();
             assert!(
-                against <= own.max(CSDP_ACCURACY),
+                against <= own.max(1e-7),
                 "round {round}, {}: slack {slack:e}, csdp {other:e}",
                 requirement.field()
             );

@@ -23,6 +23,8 @@ mod simulation;
 mod solvers;
 #[path = "support/tampering.rs"]
 mod tampering;
+#[path = "support/units.rs"]
+mod units;
 
 mod both;
 mod conditions;

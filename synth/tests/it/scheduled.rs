@@ -10,11 +10,7 @@ use synth::solve::{Backend, Clarabel, DenseColumns, Solver, Status};
 use synth::synthesis::{assemble, scaled_task, synthesize, Form, Goal, Outcome, Solvers};
 
 /// The units in which the designs of this model are proved.
-const UNITS: ProblemUnits = ProblemUnits {
-    state_fraction: 2.0,
-    containment_weight: 1.0,
-    state_units: Vec::new(),
-};
+const UNITS: ProblemUnits = ProblemUnits::of_fraction(2.0, 1.0);
 
 fn model(kappa: f64) -> Model {
     let text = include_str!("../../../models/two-rules.json");

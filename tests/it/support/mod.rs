@@ -208,3 +208,40 @@ pub fn double_integrator_design() -> &'static Path {
     static DESIGN: OnceLock<PathBuf> = OnceLock::new();
     DESIGN.get_or_init(|| fixture("double-integrator-design.json"))
 }
+
+/// A shipped scenario cut to a length.
+pub fn cut(name: &str, duration_s: f64, folder: &Path) -> PathBuf {
+    let mut scenario = json(&shipped(name));
+    scenario["duration_s"] = duration_s.into();
+    if let Some(metrics) = scenario.get_mut("metrics").and_then(Value::as_object_mut) {
+        metrics.remove("tail_s");
+    }
+    write(folder, name, scenario.to_string())
+}
+
+/// Two linear rules of two states whose actuator is far too weak for any design.
+pub fn weak_rules(folder: &Path) -> PathBuf {
+    let mut model = json(&shipped("two-rules.json"));
+    let limit = "/plant/rules/system/linear/input_limit";
+    set(&mut model, limit, serde_json::json!([0.001]));
+    write(folder, "weak.json", model.to_string())
+}
+
+/// Keys of a JSON report that claim something of a design.
+pub const CLAIMS: [&str; 7] = [
+    "gamma",
+    "guaranteed_gain",
+    "xi",
+    "certified_angle_deg",
+    "certified_angle_any_axis_deg",
+    "min_inter_event_s",
+    "outer",
+];
+
+/// Checks that a report claims nothing.
+#[track_caller]
+pub fn assert_claims_nothing(report: &Value) {
+    for key in CLAIMS {
+        assert_eq!(report[key], Value::Null, "{key}");
+    }
+}
