@@ -1,7 +1,7 @@
 //! Which solver: the option shared by the verbs.
 
 use clap::ValueEnum;
-use synth::solve::{Clarabel, DenseColumns, Solver, Structured};
+use synth::solve::Solver;
 use synth::synthesis::{Form, Solvers};
 
 /// Which solvers of semidefinite programs may be asked.
@@ -19,13 +19,11 @@ impl SolverArg {
     /// The solvers, in `order` where both may be asked; with problems in a given form, or in the one that each is
     /// fastest with.
     pub fn solvers(self, order: [Solver; 2], form: Option<Form>) -> Solvers {
-        if let Some(named) = self.named() {
-            return only((named, form));
+        let form = form.unwrap_or(Form::suited_to(self.first(order)));
+        match self.named() {
+            Some(solver) => Solvers::named(solver, form),
+            None => Solvers::both_with_form(order, form),
         }
-        let [first, second] = order;
-        // Only the published form is stated for both alike.
-        let second = (second, form.filter(|form| *form == Form::Full));
-        with(only((first, form)), second)
     }
 
     /// The solver that alone may be asked.
@@ -50,42 +48,6 @@ impl SolverArg {
     pub fn first(self, order: [Solver; 2]) -> Solver {
         self.named().unwrap_or(order[0])
     }
-}
-
-/// Clarabel with the settings that suit a form.
-fn clarabel(form: Form) -> Clarabel {
-    match form {
-        // Densified columns make the full form faster but cost it digits, and they are there for comparison.
-        Form::Full => Clarabel {
-            dense_columns: DenseColumns::None,
-        },
-        _ => Clarabel::default(),
-    }
-}
-
-fn only((solver, form): (Solver, Option<Form>)) -> Solvers {
-    let form = form.unwrap_or(Form::suited_to(solver));
-    match solver {
-        Solver::Clarabel => Solvers::only(clarabel(form), form),
-        Solver::Structured => Solvers::only(Structured::default(), form),
-    }
-}
-
-fn with(first: Solvers, (solver, form): (Solver, Option<Form>)) -> Solvers {
-    let form = form.unwrap_or(Form::suited_to(solver));
-    match solver {
-        Solver::Clarabel => first.then(clarabel(form), form),
-        Solver::Structured => first.then(Structured::default(), form),
-    }
-}
-
-/// Both solvers, the named one first.
-pub fn beginning_with(solver: Solver, form: Form) -> Solvers {
-    let order = match solver {
-        Solver::Clarabel => [Solver::Clarabel, Solver::Structured],
-        Solver::Structured => [Solver::Structured, Solver::Clarabel],
-    };
-    SolverArg::Auto.solvers(order, Some(form))
 }
 
 /// Form of the decrease condition. Files keep the names of version 0.1.0, which are aliases here.

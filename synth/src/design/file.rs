@@ -80,6 +80,17 @@ pub struct ProblemUnits {
     pub state_units: Vec<f64>,
 }
 
+impl ProblemUnits {
+    /// Units from the model's region.
+    pub const fn of_fraction(state_fraction: f64, containment_weight: f64) -> Self {
+        ProblemUnits {
+            state_fraction,
+            containment_weight,
+            state_units: Vec::new(),
+        }
+    }
+}
+
 /// One run of a solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -39,8 +39,7 @@ pub(super) fn look_for_a_design(
     solvers: &[Asked],
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let alone = |&asked: &_| Session::alone(asked, observer.clone());
-    let mut sessions: Vec<Session> = solvers.iter().map(alone).collect();
+    let mut sessions = Session::each_alone(solvers.iter().copied(), observer.as_ref());
     let task = model.task();
     let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
     SolverSequence::new(&mut sessions, DecisionGoal::Design).decide(request)
@@ -61,7 +60,7 @@ pub(crate) fn decide_after(
             asked.push((backend, Form::VertexRelaxed));
         }
     }
-    let mut sessions = session.each_alone(asked);
+    let mut sessions = Session::each_alone(asked, session.observer());
     let request = DesignRequest {
         form: Form::Chordal,
         ..request

@@ -112,8 +112,9 @@ fn attempt(
     observer: Option<Observer>,
 ) -> Result<ProblemOutcome, SynthesisError> {
     // The conditions of these problems have one form.
-    let alone = |(backend, _)| Session::alone((backend, Form::Full), observer.clone());
-    let mut sessions: Vec<Session> = solvers.in_order().into_iter().map(alone).collect();
+    let asked = solvers.in_order().into_iter();
+    let asked = asked.map(|(backend, _)| (backend, Form::Full));
+    let mut sessions = Session::each_alone(asked, observer.as_ref());
     with_problem!(&problem.task, requested => solve(&Request::new(problem, text, requested), &mut sessions))
 }
 

@@ -100,9 +100,17 @@ impl<'a> Session<'a> {
     }
 
     /// Sessions with each of these solvers alone, which have not begun.
-    pub fn each_alone(&self, asked: impl IntoIterator<Item = Asked<'a>>) -> Vec<Self> {
-        let alone = |asked| Session::alone(asked, self.observer.clone());
+    pub fn each_alone(
+        asked: impl IntoIterator<Item = Asked<'a>>,
+        observer: Option<&Observer>,
+    ) -> Vec<Self> {
+        let alone = |asked| Session::alone(asked, observer.cloned());
         asked.into_iter().map(alone).collect()
+    }
+
+    /// Reported to after every iteration; may stop the solver.
+    pub fn observer(&self) -> Option<&Observer> {
+        self.observer.as_ref()
     }
 
     /// The solvers that may be asked, in order.

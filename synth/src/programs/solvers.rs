@@ -3,7 +3,7 @@
 use super::assemble::Form;
 use crate::conditions::Task;
 use crate::model::{Model, Objective};
-use sdp::solve::{Backend, Clarabel, Solver, Structured};
+use sdp::solve::{Backend, Clarabel, DenseColumns, Solver, Structured};
 
 /// Above this many statements of (18) at a vertex the structured solver is asked first.
 const FEW_VERTICES: usize = 40;
@@ -11,36 +11,42 @@ const FEW_VERTICES: usize = 40;
 /// A solver with the form of the problems that are put to it.
 pub(crate) type Asked<'a> = (&'a (dyn Backend + Send + Sync), Form);
 
-/// The solvers that may be asked: each further one only where those before it prove nothing.
+/// The solvers that may be asked, in order: each further one only where those before it prove nothing. At least one.
 pub struct Solvers {
-    first: (Box<dyn Backend + Send + Sync>, Form),
-    second: Option<(Box<dyn Backend + Send + Sync>, Form)>,
+    asked: Vec<(Box<dyn Backend + Send + Sync>, Form)>,
 }
 
 impl Solvers {
     /// One solver.
     pub fn only(backend: impl Backend + Send + Sync + 'static, form: Form) -> Self {
         Solvers {
-            first: (Box::new(backend), form),
-            second: None,
+            asked: vec![(Box::new(backend), form)],
         }
     }
 
-    /// The same with another solver to be asked where the first proves nothing.
-    pub fn then(self, backend: impl Backend + Send + Sync + 'static, form: Form) -> Self {
+    /// One of the two solvers with the settings that suit a form.
+    pub fn named(solver: Solver, form: Form) -> Self {
         Solvers {
-            second: Some((Box::new(backend), form)),
-            ..self
+            asked: vec![(suited_to(solver, form), form)],
         }
     }
 
-    /// Both solvers in the given order, with their usual settings and the forms that they are fastest with.
+    /// Both solvers in the given order, with the forms that they are fastest with.
     pub fn both(order: [Solver; 2]) -> Self {
-        match order {
-            [Solver::Structured, _] => Solvers::only(Structured::default(), Form::VertexRelaxed)
-                .then(Clarabel::default(), Form::Chordal),
-            [Solver::Clarabel, _] => Solvers::only(Clarabel::default(), Form::Chordal)
-                .then(Structured::default(), Form::VertexRelaxed),
+        Solvers::both_with_form(order, Form::suited_to(order[0]))
+    }
+
+    /// The same with the form of the first solver's problems. Only the published form is stated for both alike.
+    pub fn both_with_form([first, second]: [Solver; 2], form: Form) -> Self {
+        let second_form = match form {
+            Form::Full => Form::Full,
+            _ => Form::suited_to(second),
+        };
+        let asked = [(first, form), (second, second_form)];
+        Solvers {
+            asked: asked
+                .map(|(solver, form)| (suited_to(solver, form), form))
+                .into(),
         }
     }
 
@@ -51,7 +57,7 @@ impl Solvers {
 
     /// Puts another solver in the place of the first.
     pub fn begin_with(&mut self, backend: impl Backend + Send + Sync + 'static, form: Form) {
-        self.first = (Box::new(backend), form);
+        self.asked[0] = (Box::new(backend), form);
     }
 
     /// Names and versions with the forms of their problems, in order.
@@ -64,7 +70,8 @@ impl Solvers {
 
     /// The solver asked first, with the form of its problems.
     pub fn first(&self) -> (&(dyn Backend + Send + Sync), Form) {
-        (self.first.0.as_ref(), self.first.1)
+        let (backend, form) = &self.asked[0];
+        (backend.as_ref(), *form)
     }
 
     /// The structured solver, where it may be asked; otherwise the first one.
@@ -76,10 +83,21 @@ impl Solvers {
 
     /// All solvers in order.
     pub(crate) fn in_order(&self) -> Vec<Asked<'_>> {
-        let second = self.second.iter();
-        let all = std::iter::once(&self.first).chain(second);
+        let all = self.asked.iter();
         all.map(|(backend, form)| (backend.as_ref(), *form))
             .collect()
+    }
+}
+
+/// A solver with the settings that suit a form.
+fn suited_to(solver: Solver, form: Form) -> Box<dyn Backend + Send + Sync> {
+    match (solver, form) {
+        (Solver::Structured, _) => Box::new(Structured::default()),
+        // Densified columns make the full form faster but cost it digits, and it is there for comparison.
+        (Solver::Clarabel, Form::Full) => Box::new(Clarabel {
+            dense_columns: DenseColumns::None,
+        }),
+        (Solver::Clarabel, _) => Box::new(Clarabel::default()),
     }
 }
 

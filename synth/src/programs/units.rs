@@ -16,11 +16,8 @@ pub(crate) const STATE_UNITS: [f64; 7] = [0.5, 1.0, 0.25, 2.0, 0.0625, 0.015625,
 pub(crate) const CONTAINMENT_WEIGHTS: [f64; 4] = [0.5, 1.0, 0.25, 2.0];
 
 /// The units tried first.
-pub const FIRST_UNITS: ProblemUnits = ProblemUnits {
-    state_fraction: STATE_UNITS[0],
-    containment_weight: CONTAINMENT_WEIGHTS[0],
-    state_units: Vec::new(),
-};
+pub const FIRST_UNITS: ProblemUnits =
+    ProblemUnits::of_fraction(STATE_UNITS[0], CONTAINMENT_WEIGHTS[0]);
 
 /// The model's task in the given units.
 pub fn scaled_task(model: &Model, units: &ProblemUnits) -> (Scaling, Task) {

@@ -100,8 +100,7 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
             return Ok(None);
         };
         if model.file.specs.objective == Objective::Gain {
-            let stated = with_paper_gamma(self.request.task, certificate, gain_bound);
-            certificate = stated;
+            certificate = with_paper_gamma(self.request.task, certificate, gain_bound);
             if add_claims(model, &mut certificate).is_none() {
                 return Ok(None);
             }
@@ -189,11 +188,7 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
     fn try_bound(&mut self, asked: f64, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
         for &containment_weight in containment_weights(self.request.model) {
             for &state_fraction in &STATE_UNITS {
-                let mut units = ProblemUnits {
-                    state_fraction,
-                    containment_weight,
-                    state_units: Vec::new(),
-                };
+                let mut units = ProblemUnits::of_fraction(state_fraction, containment_weight);
                 for _ in 0..=RESCALINGS {
                     let attempt =
                         found.back_off(self, &[(units.clone(), asked)], &[-CLAIM_ROOM])?;
@@ -245,14 +240,8 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
         first: Option<ProblemUnits>,
         found: &mut UnitAttempts,
     ) -> Result<(), SynthesisError> {
-        let usual = STATE_UNITS
-            .iter()
-            .rev()
-            .map(|&state_fraction| ProblemUnits {
-                state_fraction,
-                containment_weight,
-                state_units: Vec::new(),
-            });
+        let usual = STATE_UNITS.iter().rev();
+        let usual = usual.map(|&fraction| ProblemUnits::of_fraction(fraction, containment_weight));
         let mut next: Vec<ProblemUnits> = usual.chain(first).collect();
         let (mut tried, mut rescalings) = (Vec::new(), 0);
         while let Some(units) = next.pop() {

@@ -218,11 +218,7 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
             trigger_multiple: choice.coupling.trigger_multiple,
             certificate,
         };
-        let units = ProblemUnits {
-            state_fraction: 1.0,
-            containment_weight: choice.containment_weight,
-            state_units: Vec::new(),
-        };
+        let units = ProblemUnits::of_fraction(1.0, choice.containment_weight);
         let second = Some((second, choice.coupling));
         Ok(self.request.design(&first, second, &units))
     }

@@ -7,7 +7,7 @@ use synth::design::DesignFile;
 use synth::feasibility::Decision;
 use synth::model::{FileError, Model};
 use synth::solve::Solver;
-use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, Synthesized};
+use synth::synthesis::{cross_check, CrossCheck, Form, Outcome, Solvers, Synthesized};
 
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
@@ -17,7 +17,6 @@ use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::facts::{design_written, only_one_asked, written_or_nothing, SolverStatus};
 use crate::cli::show::infeasibility::Existence;
 use crate::cli::show::no_design::NoDesignReport;
-use crate::cli::solver::beginning_with;
 
 /// What a synthesis or an analysis was asked.
 pub struct Conclusion<'a> {
@@ -67,7 +66,11 @@ impl Conclusion<'_> {
 
     /// The smallest gamma from both solvers, each with the form it is fastest with.
     fn other_solver(&self, solver: Solver, design: &Synthesized) -> Result<CrossCheck, CliError> {
-        let candidates = beginning_with(solver, self.form);
+        let order = match solver {
+            Solver::Clarabel => [Solver::Clarabel, Solver::Structured],
+            Solver::Structured => [Solver::Structured, Solver::Clarabel],
+        };
+        let candidates = Solvers::both_with_form(order, self.form);
         let units = &design.file.provenance.problem;
         let checked = watched("cross-check", |observer| {
             cross_check(self.model, units, &candidates, Some(&observer))

@@ -5,7 +5,6 @@ use std::path::Path;
 use synth::problem::{
     self, Problem, ProblemDesignFile, ProblemFailure, ProblemOutcome, ProblemSynthesized,
 };
-use synth::synthesis::Form;
 
 use super::conclude::keep;
 use crate::cli::answer::{Answer, Exit};
@@ -32,7 +31,7 @@ pub fn synthesize(
         );
         return Err(CliError::unsuitable(path, reason));
     }
-    let solvers = solver.solvers(problem::solver_order(&problem), Some(Form::Full));
+    let solvers = solver.solvers(problem::solver_order(&problem), None);
     let outcome = solve(path, ASSEMBLING, |observer| {
         problem::synthesize(&problem, text, &solvers, observer)
     })?;
