@@ -34,6 +34,8 @@ pub struct Certificate {
     pub mismatch: Vec<MismatchSlack>,
     /// Upsilon, n x n, symmetric.
     pub trigger_weight: DMatrix<f64>,
+    /// eps_a, 0 or above: a sample is sent when e' Upsilon e >= nu w' Upsilon w + eps_a.
+    pub trigger_floor: f64,
     /// Above 0: the functional of this certificate uses this multiple of Upsilon, which does not
     /// change the trigger; 1 where there is one certificate.
     pub trigger_multiple: f64,
@@ -78,6 +80,7 @@ impl Certificate {
         }
         self.sector_weight *= factor;
         self.disturbance_weight *= factor;
+        self.trigger_floor *= factor;
     }
 
     /// Number of gains.

@@ -7,10 +7,11 @@
 
 pub use crate::fuzzy::inertia_bounds;
 
-use nalgebra::{DMatrix, Vector4};
+use nalgebra::{DMatrix, Matrix3, Vector4};
 
 use crate::fuzzy::{
-    exact_inertia, inertia_vertices, ExactSpacecraft, RuleModel, VertexSystem, SPACECRAFT_VERTICES,
+    exact_inertia, inertia_vertices, pairs, ExactSpacecraft, InertiaExtremes, RuleModel,
+    VertexSystem, WheelMomentum, ROUNDED_AXES,
 };
 use crate::model::Plant;
 use verified::matrix::Matrix;
@@ -120,14 +121,122 @@ fn inverse_of_descriptor<S: Scalar>(descriptor: &Matrix<S>) -> Matrix<S> {
 }
 
 fn spacecraft<S: Scalar>(craft: &ExactSpacecraft, inertia: &Matrix<S>) -> DescriptorPlant<S> {
-    let corners = (0..SPACECRAFT_VERTICES).map(|vertex| craft.corner(vertex));
-    let places: Vec<Vector4<f64>> = corners.collect();
+    let limits = ExchangeLimits::<S>::of(craft);
+    let zero = Matrix3::zeros();
+    let form = exact_inertia(craft.gyroscopic_form.as_ref().unwrap_or(&zero));
+    let (momenta, corners) = (limits.corners(craft), craft.corners());
+    let vertices = pairs(&momenta, &corners)
+        .map(|(momentum, corner)| frozen_matrix(corner, inertia, &form, momentum));
     DescriptorPlant {
         input_limit: exact_limits(craft.torque_limit.iter()),
-        disturbance_bound: S::from_f64(craft.disturbance_bound),
+        disturbance_bound: S::from_f64(craft.disturbance_bound) + limits.further_torque(craft),
         region: spacecraft_region(craft),
-        ..rigid_body(inertia, &places)
+        vertices: vertices.collect(),
+        ..rigid_body(inertia, &[])
     }
+}
+
+/// Bounds on the inertias of a spacecraft's set, as far as a moving reference needs them. They are doubles a little
+/// beyond the numbers that they bound, which [`ExchangeLimits::statements`] shows.
+struct ExchangeLimits<S> {
+    /// Below every principal moment.
+    smallest: S,
+    /// Above every principal moment.
+    largest: S,
+    /// Above |tr(J) I - 2 J|.
+    coupling: S,
+}
+
+/// How far a bound lies beyond a number that was rounded to nearest, relative to the largest moment.
+const BEYOND: f64 = 1e-9;
+
+impl<S: Scalar> ExchangeLimits<S> {
+    fn of(craft: &ExactSpacecraft) -> Self {
+        let set = &craft.inertia_uncertainty;
+        let extremes = InertiaExtremes::of(&set.vertices(&craft.inertia));
+        let beyond = BEYOND * extremes.largest;
+        ExchangeLimits {
+            smallest: S::from_f64(extremes.smallest - beyond),
+            largest: S::from_f64(extremes.largest + beyond),
+            coupling: S::from_f64(extremes.coupling + beyond),
+        }
+    }
+
+    /// The bounds hold at every vertex of the inertia's set, hence for all of it.
+    fn statements(&self, inertia: &Matrix<S>) -> [(&'static str, Matrix<S>); 4] {
+        let trace = (0..3).fold(S::zero(), |sum, k| sum + inertia.at(k, k).clone());
+        let unit = |value: &S| Matrix::identity(3, value.clone());
+        let twice = inertia.plus(inertia);
+        let difference = unit(&trace).minus(&twice);
+        [
+            (
+                "above the smallest moment",
+                inertia.minus(&unit(&self.smallest)),
+            ),
+            (
+                "below the largest moment",
+                unit(&self.largest).minus(inertia),
+            ),
+            ("coupling above", unit(&self.coupling).minus(&difference)),
+            ("coupling below", unit(&self.coupling).plus(&difference)),
+        ]
+    }
+
+    /// The corners of a polytope that contains every h_eff = h + (2 J - tr(J) I) omega_r [N m s].
+    fn corners(&self, craft: &ExactSpacecraft) -> Vec<[S; 3]> {
+        let exchange = &craft.exchange;
+        let moving = S::from_f64(exchange.reference_rate) * self.coupling.clone();
+        let widths: [S; 3] = match exchange.wheels {
+            None => [S::zero(), S::zero(), S::zero()],
+            Some(WheelMomentum::Norm(bound)) => [bound; 3].map(S::from_f64),
+            Some(WheelMomentum::PerAxis(bounds)) => bounds.map(S::from_f64),
+        };
+        let widths = widths.map(|width| width + moving.clone());
+        let corner = |direction: [f64; 3]| {
+            std::array::from_fn(|axis| S::from_f64(direction[axis]) * widths[axis].clone())
+        };
+        exchange.directions().into_iter().map(corner).collect()
+    }
+
+    /// `rho^2 (l_max - l_min) / 2 + rho |h| + l_max a` and the rounding of the torque: a bound on the norm of the torques
+    /// beside command and disturbance [N m].
+    fn further_torque(&self, craft: &ExactSpacecraft) -> S {
+        let exchange = &craft.exchange;
+        let rate = S::from_f64(exchange.reference_rate);
+        let wheels = match exchange.wheels {
+            None => S::zero(),
+            Some(WheelMomentum::Norm(bound)) => S::from_f64(bound),
+            // The sum is above the norm.
+            Some(WheelMomentum::PerAxis(bounds)) => {
+                let bounds = bounds.map(S::from_f64).into_iter();
+                bounds.fold(S::zero(), |sum, bound| sum + bound)
+            }
+        };
+        let spread = (self.largest.clone() - self.smallest.clone()) * S::from_f64(0.5);
+        rate.clone() * rate.clone() * spread
+            + rate * wheels
+            + self.largest.clone() * S::from_f64(exchange.reference_acceleration)
+            + S::from_f64(ROUNDED_AXES) * S::from_f64(exchange.torque_quantum)
+    }
+}
+
+/// What the effect of a moving reference on the vertices and on the disturbance bound relies on; nothing without one.
+pub fn reference_statements<S: Scalar>(plant: &Plant) -> Vec<(String, Matrix<S>)> {
+    let Plant::Spacecraft(craft) = plant else {
+        return Vec::new();
+    };
+    let exchange = &craft.exchange;
+    if exchange.reference_rate == 0.0 && exchange.reference_acceleration == 0.0 {
+        return Vec::new();
+    }
+    let limits = ExchangeLimits::<S>::of(craft);
+    let inertias = inertia_vertices(craft);
+    let numbered = inertias.iter().enumerate();
+    let statements = numbered.flat_map(|(index, inertia)| {
+        let named = limits.statements(inertia).into_iter();
+        named.map(move |(name, matrix)| (format!("reference {name} {}", index + 1), matrix))
+    });
+    statements.collect()
 }
 
 fn exact_limits<'a, S: Scalar>(limits: impl Iterator<Item = &'a f64>) -> Vec<S> {
@@ -136,6 +245,7 @@ fn exact_limits<'a, S: Scalar>(limits: impl Iterator<Item = &'a f64>) -> Vec<S> 
 
 /// The rigid body with A frozen at the given (omega, q0); no limits, no disturbance, no region.
 fn rigid_body<S: Scalar>(inertia: &Matrix<S>, places: &[Vector4<f64>]) -> DescriptorPlant<S> {
+    let zeros = Matrix::zeros(3, 3);
     let mut descriptor = Matrix::identity(6, S::one());
     let mut input = Matrix::zeros(6, 3);
     for row in 0..3 {
@@ -148,7 +258,7 @@ fn rigid_body<S: Scalar>(inertia: &Matrix<S>, places: &[Vector4<f64>]) -> Descri
         descriptor,
         vertices: places
             .iter()
-            .map(|place| frozen_matrix(place, inertia))
+            .map(|place| frozen_matrix(place, inertia, &zeros, &[S::zero(), S::zero(), S::zero()]))
             .collect(),
         disturbance: input.clone(),
         input,
@@ -159,23 +269,34 @@ fn rigid_body<S: Scalar>(inertia: &Matrix<S>, places: &[Vector4<f64>]) -> Descri
     }
 }
 
-/// [ -omega^x J, 0 ; 1/2 q0 I, -1/2 omega^x ] at (omega, q0).
-fn frozen_matrix<S: Scalar>(corner: &Vector4<f64>, inertia: &Matrix<S>) -> Matrix<S> {
-    let rate = |axis: usize| S::from_f64(corner[axis]);
-    let spin = Matrix::from_fn(3, 3, |r, c| match (r, c) {
-        (0, 1) => -rate(2),
-        (0, 2) => rate(1),
-        (1, 0) => rate(2),
-        (1, 2) => -rate(0),
-        (2, 0) => -rate(1),
-        (2, 1) => rate(0),
+/// The skew matrix v^x with v^x w = v x w.
+fn skew<S: Scalar>(vector: &[S; 3]) -> Matrix<S> {
+    let entry = |axis: usize| vector[axis].clone();
+    Matrix::from_fn(3, 3, |r, c| match (r, c) {
+        (0, 1) => -entry(2),
+        (0, 2) => entry(1),
+        (1, 0) => entry(2),
+        (1, 2) => -entry(0),
+        (2, 0) => -entry(1),
+        (2, 1) => entry(0),
         _ => S::zero(),
-    });
-    let gyroscopic = spin.times(inertia);
+    })
+}
+
+/// [ -omega^x J + K omega^x + h^x, 0 ; 1/2 q0 I, -1/2 omega^x ] at (omega, q0) with a momentum h.
+fn frozen_matrix<S: Scalar>(
+    corner: &Vector4<f64>,
+    inertia: &Matrix<S>,
+    form: &Matrix<S>,
+    momentum: &[S; 3],
+) -> Matrix<S> {
+    let spin = skew(&[0, 1, 2].map(|axis| S::from_f64(corner[axis])));
+    let gyroscopic = form.times(&spin).minus(&spin.times(inertia));
+    let gyroscopic = gyroscopic.plus(&skew(momentum));
     let half = S::from_f64(0.5);
     let attitude = half.clone() * S::from_f64(corner[3]);
     Matrix::from_fn(6, 6, |r, c| match (r < 3, c < 3) {
-        (true, true) => -gyroscopic.at(r, c).clone(),
+        (true, true) => gyroscopic.at(r, c).clone(),
         (true, false) => S::zero(),
         (false, true) if r - 3 == c => attitude.clone(),
         (false, true) => S::zero(),

@@ -5,11 +5,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
+use crate::model::bounded::{As, NonNegative};
 use crate::model::{
     check_matrix, check_positive, check_symmetric, Mismatch, Model, ModelError, Plant,
 };
 
-/// u = sat(F x(t_k)), sent when e' W e >= nu x(t_k)' W x(t_k). n states, m inputs.
+/// u = sat(F w), w the state sent last, sent anew when e' W e >= nu w' W w + eps_a. n states, m inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerFile {
@@ -17,6 +18,13 @@ pub struct ControllerFile {
     pub gains: Vec<Vec<Vec<f64>>>,
     /// The trigger weight Upsilon, n x n, symmetric.
     pub trigger_weight: Vec<Vec<f64>>,
+    /// eps_a: the absolute part of the trigger, in the unit of e' Upsilon e; 0 when left out.
+    #[serde(default, skip_serializing_if = "is_zero", with = "As::<NonNegative>")]
+    pub trigger_floor: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// The unknowns of Theorem 1. n states, m inputs.
@@ -69,6 +77,7 @@ impl CertificateFile {
         let controller = ControllerFile {
             gains: certificate.gains().map(rows).collect(),
             trigger_weight: rows(&certificate.trigger_weight),
+            trigger_floor: certificate.trigger_floor,
         };
         let proof = CertificateFile {
             lyapunov: rows(&certificate.lyapunov),
@@ -124,6 +133,7 @@ impl CertificateFile {
             further: rules,
             mismatch: Vec::new(),
             trigger_weight: symmetric("controller.trigger_weight", &controller.trigger_weight)?,
+            trigger_floor: controller.trigger_floor,
             trigger_multiple: 1.0,
             lyapunov: symmetric("certificate.lyapunov", &self.lyapunov)?,
             integral_weight: symmetric("certificate.integral_weight", &self.integral_weight)?,

@@ -63,6 +63,7 @@ pub fn recover(
             })
             .collect(),
         trigger_weight: symmetric(unknowns.trigger_weight.value(values)),
+        trigger_floor: 0.0,
         trigger_multiple: 1.0,
         lyapunov: symmetric(unknowns.lyapunov.value(values)),
         integral_weight: symmetric(unknowns.integral_weight.value(values)),

@@ -10,13 +10,20 @@
 //! four scheduling variables (omega_1, omega_2, omega_3, q0), so on a box of them the plant is the
 //! convex combination of the 16 corner systems: nothing is approximated.
 //!
+//! As omega^x omega = 0, the gyroscopic torque is -(omega^x J - K omega^x) omega for every 3 x 3 matrix K: the plant has
+//! as many exact models, with the same box and the same number of vertices, and the conditions differ.
+//!
+//! Wheels and a moving reference add h^x omega with a bounded h ([`MomentumExchange`]): A is affine in (omega, q0, h)
+//! jointly, so that the corners of the sets of both are the vertices.
+//!
 //! An inertia that is only known to lie in a box is kept on the left-hand side: `diag(J, I) x' =
 //! [-omega^x J, 0; 1/2 q0 I, -1/2 omega^x] x + [I; 0] (sat(u) + tau)` is affine in each of J and (omega, q0)
 //! while the other is fixed, so the corners of both boxes together are the vertices.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector4, Vector6};
 
-use super::{BoxCondition, InertiaUncertainty, TakagiSugeno};
+use super::momentum::InertiaExtremes;
+use super::{BoxCondition, InertiaUncertainty, MomentumExchange, TakagiSugeno};
 
 /// Number of scheduling variables: omega_1, omega_2, omega_3, q0.
 pub const SCHEDULING_VARIABLES: usize = 4;
@@ -38,6 +45,12 @@ pub struct ExactSpacecraft {
     pub rate_bound: Vector3<f64>,
     /// Smallest scalar part q0 of the box, in (0, 1].
     pub scalar_part_min: f64,
+    /// K of the gyroscopic torque's form [kg m^2]; not chosen yet when `None`, and 0 where a number is needed.
+    pub gyroscopic_form: Option<Matrix3<f64>>,
+    /// Wheels, a moving reference, rounded torques.
+    pub exchange: MomentumExchange,
+    /// The vertices are those at omega = 0 alone: see [`ExactSpacecraft::at_rest`].
+    pub at_rest: bool,
 }
 
 /// The skew matrix v^x with v^x w = v x w.
@@ -61,17 +74,24 @@ impl ExactSpacecraft {
         })
     }
 
-    /// A(omega, q0), 6 x 6, for rates in rad/s and the nominal inertia.
+    /// A(omega, q0), 6 x 6, for rates in rad/s, the nominal inertia and no further momentum.
     pub fn state_matrix(&self, scheduling: &Vector4<f64>) -> DMatrix<f64> {
-        self.state_matrix_for(&self.inertia, scheduling)
+        self.state_matrix_for(&self.inertia, scheduling, &Vector3::zeros())
     }
 
-    /// diag(J0, I)^-1 [-omega^x J, 0; 1/2 q0 I, -1/2 omega^x] for the nominal J0 and any J.
-    fn state_matrix_for(&self, inertia: &Matrix3<f64>, scheduling: &Vector4<f64>) -> DMatrix<f64> {
+    /// diag(J0, I)^-1 [-omega^x J + K omega^x + h^x, 0; 1/2 q0 I, -1/2 omega^x] for the nominal J0 and any J and h.
+    fn state_matrix_for(
+        &self,
+        inertia: &Matrix3<f64>,
+        scheduling: &Vector4<f64>,
+        momentum: &Vector3<f64>,
+    ) -> DMatrix<f64> {
         let spin = skew(&scheduling.fixed_rows::<3>(0).into_owned());
+        let form = self.gyroscopic_form.unwrap_or_else(Matrix3::zeros);
+        let gyroscopic = form * spin - spin * inertia + skew(momentum);
         let mut a = DMatrix::zeros(6, 6);
         a.view_mut((0, 0), (3, 3))
-            .copy_from(&(-self.inverse_inertia() * spin * inertia));
+            .copy_from(&(self.inverse_inertia() * gyroscopic));
         a.view_mut((3, 0), (3, 3))
             .copy_from(&(Matrix3::identity() * (0.5 * scheduling[3])));
         a.view_mut((3, 3), (3, 3)).copy_from(&(-0.5 * spin));
@@ -126,8 +146,19 @@ impl ExactSpacecraft {
         }
     }
 
-    /// The T-S model: 16 vertices for each vertex of the inertia's set (the box runs fastest), output
-    /// y = x. With an uncertain inertia the equation of motion is multiplied by the nominal inertia's
+    /// The (omega, q0) of the vertices: the corners of the box, or the two of them at omega = 0.
+    pub(crate) fn corners(&self) -> Vec<Vector4<f64>> {
+        let all = (0..SPACECRAFT_VERTICES).map(|vertex| self.corner(vertex));
+        match self.at_rest {
+            false => all.collect(),
+            true => [self.scalar_part_min, 1.0]
+                .map(|scalar_part| Vector4::new(0.0, 0.0, 0.0, scalar_part))
+                .to_vec(),
+        }
+    }
+
+    /// The T-S model: for each vertex of the inertia's set and each corner of the set of momenta 16 vertices (the box runs
+    /// fastest), output y = x. With an uncertain inertia the equation of motion is multiplied by the nominal inertia's
     /// inverse only.
     pub fn takagi_sugeno(&self) -> TakagiSugeno {
         let mut input = DMatrix::zeros(6, 3);
@@ -135,12 +166,15 @@ impl ExactSpacecraft {
             .view_mut((0, 0), (3, 3))
             .copy_from(&self.inverse_inertia());
         let inertias = self.inertia_uncertainty.vertices(&self.inertia);
+        let extremes = InertiaExtremes::of(&inertias);
+        let momenta = self.exchange.corners(&extremes);
         let certain = inertias.len() == 1;
-        let mut vertices = Vec::with_capacity(inertias.len() * SPACECRAFT_VERTICES);
+        let corners = self.corners();
+        let mut vertices = Vec::with_capacity(inertias.len() * momenta.len() * corners.len());
         let mut descriptors = Vec::new();
-        for inertia in &inertias {
-            for vertex in 0..SPACECRAFT_VERTICES {
-                vertices.push(self.state_matrix_for(inertia, &self.corner(vertex)));
+        for (inertia, momentum) in pairs(&inertias, &momenta) {
+            for corner in &corners {
+                vertices.push(self.state_matrix_for(inertia, corner, momentum));
                 if !certain {
                     descriptors.push(self.descriptor_for(inertia));
                 }
@@ -153,7 +187,7 @@ impl ExactSpacecraft {
             input,
             output: DMatrix::identity(6, 6),
             input_limit: DVector::from_column_slice(self.torque_limit.as_slice()),
-            disturbance_bound: self.disturbance_bound,
+            disturbance_bound: self.disturbance_bound + self.exchange.further_torque(&extremes),
             region: self.region(),
         }
     }
@@ -182,8 +216,27 @@ impl ExactSpacecraft {
         out
     }
 
+    /// The same spacecraft with the vertices at omega = 0 alone. Conditions that are affine in omega and hold at both ends
+    /// of the box hold there, where K plays no part: a proof that no design exists for these vertices covers every K.
+    pub fn at_rest(&self) -> Self {
+        ExactSpacecraft {
+            at_rest: true,
+            ..self.clone()
+        }
+    }
+
     fn inverse_inertia(&self) -> Matrix3<f64> {
         // The inertia was checked to be positive definite when the model was read.
         self.inertia.try_inverse().unwrap_or_else(Matrix3::zeros)
     }
+}
+
+/// Every element of one list with every element of another, which runs fastest.
+pub(crate) fn pairs<'a, A, B>(
+    first: &'a [A],
+    second: &'a [B],
+) -> impl Iterator<Item = (&'a A, &'a B)> {
+    first
+        .iter()
+        .flat_map(move |a| second.iter().map(move |b| (a, b)))
 }

@@ -3,13 +3,17 @@
 mod exact;
 mod inertia_bounds;
 mod inertia_set;
+mod momentum;
 mod rules;
 mod vertices;
 
+pub(crate) use exact::pairs;
 pub use exact::{ExactSpacecraft, SCHEDULING_VARIABLES, SPACECRAFT_VERTICES};
 pub use inertia_bounds::inertia_bounds;
 pub(crate) use inertia_bounds::{exact_inertia, inertia_vertices};
 pub use inertia_set::{triangle_excess, InertiaUncertainty, INERTIA_ENTRIES};
+pub(crate) use momentum::{InertiaExtremes, ROUNDED_AXES};
+pub use momentum::{MomentumExchange, WheelMomentum};
 pub use rules::{BlendError, RuleModel};
 pub use vertices::VertexSystem;
 

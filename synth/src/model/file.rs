@@ -7,6 +7,7 @@ use super::bounded::{
     AngleDeg, As, BelowOne, Finite, InsideUnit, Margin, NonNegative, Percent, Positive, Ratio,
     ShortestInterval, Unit, UpToOne,
 };
+use super::imperfections::{Imperfections, TriggerFloor};
 
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
@@ -26,6 +27,9 @@ pub struct ModelFile {
     pub plant: PlantFile,
     /// What is required of the closed loop.
     pub specs: Specs,
+    /// Bounds on what the loop that flies does otherwise than an ideal one; nothing when left out.
+    #[serde(default, skip_serializing_if = "super::imperfections::is_none")]
+    pub imperfections: Imperfections,
     /// Form of the gains.
     #[serde(default)]
     pub gains: GainForm,
@@ -71,6 +75,12 @@ pub struct ExactPlant {
     /// The box: smallest scalar part q0 of the error quaternion, in (0, 1].
     #[serde(with = "As::<UpToOne>")]
     pub q0_min: f64,
+    /// K of the state-dependent form -(omega^x J - K omega^x) omega of the gyroscopic torque, 3 x 3 [kg m^2]. As
+    /// omega^x omega = 0 it is the same torque for every K; the conditions depend on it. Found when left out; 0 is the form
+    /// of the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<[[Finite; 3]; 3]>>")]
+    pub gyroscopic_form_kg_m2: Option<[[f64; 3]; 3]>,
 }
 
 /// A box of inertia matrices: each of the six entries, independently of the others, within its own
@@ -273,6 +283,10 @@ pub struct Specs {
     /// Largest trigger threshold nu, in [0, 1).
     #[serde(with = "As::<BelowOne>")]
     pub nu: f64,
+    /// Absolute part of the trigger, not negative, in units of the Lyapunov function; or "auto": from the bounds on the
+    /// measurement, so that their errors alone send few messages. 0 when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trigger_floor: Option<TriggerFloor>,
     /// Smallest trigger threshold, at most nu; nu when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<BelowOne>>")]

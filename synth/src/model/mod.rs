@@ -5,6 +5,7 @@ mod error;
 mod explain;
 mod file;
 mod gains;
+mod imperfections;
 mod inertia;
 mod large_set;
 mod ranges;
@@ -21,6 +22,10 @@ pub use file::{
     MODEL_SCHEMA_VERSION,
 };
 pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
+pub use imperfections::{
+    Auto, Effectiveness, ErrorBall, ErrorUnit, Imperfections, MeasurementBounds, MomentumBound,
+    ReferenceMotion, TriggerFloor,
+};
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     check_positive_definite, check_shape, check_symmetric, check_version, finite, Size, MAX_BOUNDS,

@@ -125,6 +125,9 @@ fn body(inertia: &Matrix3<f64>) -> ExactSpacecraft {
         disturbance_bound: 0.0,
         rate_bound: nalgebra::Vector3::repeat(1.0),
         scalar_part_min: 0.0,
+        gyroscopic_form: None,
+        exchange: Default::default(),
+        at_rest: false,
     }
 }
 

@@ -1,12 +1,13 @@
 //! From a model file to checked numbers.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bounded::within_ranges;
 use super::file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
     VerticesPlant, MODEL_SCHEMA_VERSION,
 };
+use super::imperfections::check_imperfections;
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::ranges::{
@@ -17,7 +18,7 @@ use super::rules::rule_model;
 use super::search::check_search;
 use super::{parse, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
-use crate::fuzzy::{ExactSpacecraft, VertexSystem};
+use crate::fuzzy::{ExactSpacecraft, MomentumExchange, VertexSystem};
 use crate::scaling::natural_gain_per_weight;
 
 /// A checked model.
@@ -44,10 +45,14 @@ impl Model {
     fn of_ranges(file: ModelFile) -> Result<Self, ModelError> {
         check_version(file.schema_version, MODEL_SCHEMA_VERSION)?;
         check_line("name", &file.name)?;
-        let plant = Plant::of_ranges(&file.plant)?;
+        let mut plant = Plant::of_ranges(&file.plant)?;
+        if let Plant::Spacecraft(craft) = &mut plant {
+            craft.exchange = file.imperfections.momentum_exchange();
+        }
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
         check_weight_limit(&file.specs, &plant)?;
+        check_imperfections(&file, &plant)?;
         check_large_set(&file)?;
         check_search(&file)?;
         Ok(Model { file, plant })
@@ -184,9 +189,18 @@ pub fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
         disturbance_bound: exact.disturbance_bound_nm,
         rate_bound: Vector3::from(exact.rate_rad_s),
         scalar_part_min: exact.q0_min,
+        gyroscopic_form: gyroscopic_form(exact),
+        exchange: MomentumExchange::default(),
+        at_rest: false,
     };
     check_set(&craft)?;
     Ok(craft)
+}
+
+/// K of the gyroscopic torque's form, where the file gives it.
+fn gyroscopic_form(exact: &ExactPlant) -> Option<Matrix3<f64>> {
+    let rows = exact.gyroscopic_form_kg_m2.as_ref()?;
+    Some(Matrix3::from_fn(|r, c| rows[r][c]))
 }
 
 /// The state matrices of a plant given by vertices: at least one, all square and of one size.

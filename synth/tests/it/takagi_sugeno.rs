@@ -35,6 +35,9 @@ fn spacecraft() -> impl Strategy<Value = ExactSpacecraft> {
             disturbance_bound: 0.01,
             rate_bound: Vector3::from(rates),
             scalar_part_min,
+            gyroscopic_form: None,
+            exchange: Default::default(),
+            at_rest: false,
         }
     })
 }
@@ -255,6 +258,9 @@ fn simple_craft(scalar_part_min: f64) -> ExactSpacecraft {
         disturbance_bound: 0.0,
         rate_bound: Vector3::new(0.1, 0.1, 0.1),
         scalar_part_min,
+        gyroscopic_form: None,
+        exchange: Default::default(),
+        at_rest: false,
     }
 }
 

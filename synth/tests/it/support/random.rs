@@ -98,7 +98,9 @@ pub fn model(stream: &mut Stream, sizes: Sizes, stable: bool) -> Model {
         name: "random".to_string(),
         source: String::new(),
         plant: PlantFile::Vertices(plant),
+        imperfections: Default::default(),
         specs: Specs {
+            trigger_floor: None,
             phi_per_s: 0.2,
             hbar_s: 0.05,
             hmin_s: None,
