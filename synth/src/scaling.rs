@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::balancing::balanced;
 use crate::conditions::units::power_of_two;
 use crate::conditions::xu2020::Containment;
-use crate::conditions::{FurtherSignal, Task};
+use crate::conditions::{FloorSupply, FurtherSignal, LoopImperfections, Task};
 use crate::fuzzy::{BoxCondition, TakagiSugeno};
 
 /// Units of the scaled problem; every entry is a power of two.
@@ -102,7 +102,24 @@ impl Scaling {
             coefficient: &d_inverse * &signal.coefficient * c,
             bound: signal.bound / c,
         });
+        let loop_of = &task.imperfections;
+        let imperfections = LoopImperfections {
+            oldest_sample: loop_of.oldest_sample,
+            gain_error: loop_of
+                .gain_error
+                .as_ref()
+                .map(|error| error.in_units(&self.input)),
+            measurement: loop_of
+                .measurement
+                .as_ref()
+                .map(|error| error.in_units(&self.state, &self.input, c)),
+            floor: FloorSupply {
+                constant: loop_of.floor.constant * c * c,
+                ..loop_of.floor
+            },
+        };
         Task {
+            imperfections,
             further_signals: further.collect(),
             containment,
             gains,
@@ -141,13 +158,7 @@ fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
 /// The size of each state: the smallest extent of the region along it, or what balances the plant.
 fn extents(system: &TakagiSugeno) -> DVector<f64> {
     let known: Vec<Option<f64>> = (0..system.states())
-        .map(|state| {
-            let along = system.region.iter().filter_map(|bound| {
-                let reach = bound.rows.column(state).norm();
-                (reach > 0.0).then(|| bound.bound_squared.max(0.0).sqrt() / reach)
-            });
-            along.reduce(f64::min).filter(|extent| *extent > 0.0)
-        })
+        .map(|state| system.extent(state))
         .collect();
     balanced(system, &known)
 }

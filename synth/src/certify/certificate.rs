@@ -23,6 +23,37 @@ pub struct MismatchSlack {
     pub common: DMatrix<f64>,
 }
 
+/// What a measurement error needs beside the trigger weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasurementWeights {
+    /// Wp, n x n, symmetric: what is left of the trigger weight on the error.
+    pub error_weight: DMatrix<f64>,
+    /// Diagonal of Lam, n entries above 0: the weight of the measurement error in the supply.
+    pub sample_weight: DVector<f64>,
+}
+
+/// The functional before the first message arrives, when there is no torque.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstTorque {
+    /// kappa, above 0: V' <= kappa V + xi |tau|^2 [1/s].
+    pub growth: f64,
+    /// Multiplier of x, n x n.
+    pub state: DMatrix<f64>,
+    /// Multiplier of x', n x n.
+    pub rate: DMatrix<f64>,
+    /// Multiplier of the disturbance, d x n.
+    pub disturbance: DMatrix<f64>,
+}
+
+/// Claimed bounds from rest, and in the end from every certified start. Spacecraft only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinalBounds {
+    /// On the norm of the rate [rad/s].
+    pub rate: f64,
+    /// On the norm of the error quaternion's vector part.
+    pub vector_part: f64,
+}
+
 /// The numbers of a certificate, exactly as a reader of the file gets them. n states, m inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
@@ -62,6 +93,14 @@ pub struct Certificate {
     /// Claimed radius: every attitude at rest whose error quaternion has a vector part up to this
     /// norm lies in the certified set. Spacecraft only.
     pub certified_vector_part: Option<f64>,
+    /// Claimed bounds from rest and in the end.
+    pub final_bounds: Option<FinalBounds>,
+    /// The weights of a measurement error; `None` where the measurement is perfect.
+    pub measurement: Option<MeasurementWeights>,
+    /// T: one number above 0 for each uncertain entry of the actuators' gain, row after row.
+    pub gain_error_weight: DVector<f64>,
+    /// The functional before the first torque; `None` where every message arrives at once.
+    pub first_torque: Option<FirstTorque>,
 }
 
 impl Certificate {
@@ -81,6 +120,16 @@ impl Certificate {
         self.sector_weight *= factor;
         self.disturbance_weight *= factor;
         self.trigger_floor *= factor;
+        self.gain_error_weight *= factor;
+        if let Some(measurement) = &mut self.measurement {
+            measurement.error_weight *= factor;
+            measurement.sample_weight *= factor;
+        }
+        if let Some(first) = &mut self.first_torque {
+            for matrix in [&mut first.state, &mut first.rate, &mut first.disturbance] {
+                *matrix *= factor;
+            }
+        }
     }
 
     /// Number of gains.

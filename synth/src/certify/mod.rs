@@ -22,7 +22,9 @@ use verified::matrix::Matrix;
 use crate::claim::Claim;
 use crate::fuzzy::{ExactSpacecraft, RuleModel};
 use crate::model::{Mismatch, Model, Plant};
-pub use certificate::{Certificate, MismatchSlack, RuleGains};
+pub use certificate::{
+    Certificate, FinalBounds, FirstTorque, MeasurementWeights, MismatchSlack, RuleGains,
+};
 pub use exactly::{check_exactly, decide_all, ExactReport};
 use theorem1::{for_each_condition, Statement};
 

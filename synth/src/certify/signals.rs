@@ -22,6 +22,8 @@ pub enum ProofSignal {
     Error,
     /// The dead zone p of the command.
     DeadZone,
+    /// The actuators' gain errors z, one row for each uncertain entry.
+    GainError,
     /// A signal of bounded norm, by its index in [`bounded`].
     Bounded(usize),
     /// The coordinate s of the integral's Schur complement; for r = 2 only.
@@ -53,16 +55,20 @@ pub fn bounded<S: Scalar>(model: &Model) -> Vec<BoundedSignal<S>> {
     }]
 }
 
-/// `sum weight bound^2 / phi`: x'Ux never exceeds this, or 1, once it started below 1.
+/// `sum weight bound^2`: the most that the signals feed.
+pub fn fed<S: Scalar>(signals: &[BoundedSignal<S>], weight: impl Fn(&BoundedSignal<S>) -> S) -> S {
+    signals.iter().fold(S::zero(), |sum, signal| {
+        sum + weight(signal) * signal.bound.clone() * signal.bound.clone()
+    })
+}
+
+/// `sum weight bound^2 / phi`: x'Ux never exceeds this, or 1, once it started below 1 and nothing else feeds it.
 pub fn reached_level<S: Scalar>(
     signals: &[BoundedSignal<S>],
     weight: impl Fn(&BoundedSignal<S>) -> S,
     phi: &S,
 ) -> S {
-    let sum = signals.iter().fold(S::zero(), |sum, signal| {
-        sum + weight(signal) * signal.bound.clone() * signal.bound.clone()
-    });
-    sum / phi.clone()
+    fed(signals, weight) / phi.clone()
 }
 
 /// A symmetric matrix with one block of rows for each of some signals.

@@ -2,6 +2,7 @@
 
 mod bounded_real;
 pub mod h_infinity;
+mod imperfections;
 pub mod quadratic_stabilisation;
 pub mod saturated_region;
 pub mod state_feedback;
@@ -9,9 +10,17 @@ pub mod units;
 pub mod vertex_plant;
 pub mod xu2020;
 
+pub use imperfections::{
+    FloorSupply, GainErrorSet, LoopImperfections, MeasurementError, MeasurementPoint,
+};
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::fuzzy::TakagiSugeno;
+
+/// c of the split (e + d)'W(e + d) <= (1 + 1/c) e'We + (1 + c) d'Wd: with the threshold nu (1 + c) / c and a perfect
+/// measurement, (18) serves a loop with the threshold nu and the measurement error d.
+pub const ERROR_SPLIT: f64 = 1.0;
 
 /// The requirements of the closed loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,6 +101,8 @@ pub struct Task {
     /// Signals of bounded norm beside the disturbance, in units of its own; each has a weight up to that of the
     /// disturbance.
     pub further_signals: Vec<FurtherSignal>,
+    /// What the loop does otherwise than an ideal one.
+    pub imperfections: LoopImperfections,
     /// `xi` in these units times this number is `xi` in SI units.
     pub disturbance_weight_unit: f64,
     /// The bound on g that is minimised is at least this times xi (SI units); 1 for the gamma of the paper.
@@ -112,11 +123,29 @@ impl Task {
             system,
             specification,
             further_signals: Vec::new(),
+            imperfections: LoopImperfections::default(),
             disturbance_weight_unit: 1.0,
             gain_per_weight: 1.0,
             held_is_sample: false,
             gains: GainPlan::constant(),
             containment: None,
+        }
+    }
+
+    /// The greatest age of the sample behind the torque in force (s): hbar, or h_m.
+    pub fn oldest_sample(&self) -> f64 {
+        let networked = self.imperfections.oldest_sample;
+        networked.unwrap_or(self.specification.sampling_interval_max)
+    }
+
+    /// The threshold of (18): nu; or, with a measurement error for which there is no point of linearisation, the larger one
+    /// of a loop with a perfect measurement whose functional serves this loop as well.
+    pub fn trigger_threshold(&self) -> f64 {
+        let nu = self.specification.trigger_threshold;
+        let error = self.imperfections.measurement.as_ref();
+        match error.is_some_and(|error| error.point.is_none()) {
+            true => nu * (1.0 + ERROR_SPLIT) / ERROR_SPLIT,
+            false => nu,
         }
     }
 

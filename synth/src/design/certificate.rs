@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::imperfections::{self, FinalBoundsFile, FirstTorqueFile, MeasurementFile};
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::model::bounded::{As, NonNegative};
 use crate::model::{
@@ -58,6 +59,18 @@ pub struct CertificateFile {
     /// Radius s: every attitude at rest with |q| <= s is in the certified set. Spacecraft only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certified_vector_part: Option<f64>,
+    /// Bounds from rest and in the end. Spacecraft only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub final_bounds: Option<FinalBoundsFile>,
+    /// For a measurement that is not exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measurement: Option<MeasurementFile>,
+    /// T: one number for each uncertain entry of the actuators' gain matrix, row after row.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gain_error_weight: Vec<f64>,
+    /// For messages that may come late or be lost.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_torque: Option<FirstTorqueFile>,
 }
 
 /// P_j and R with P_j >= +-(N_j - R), N_j the form of gain j on (B'Q'v, M p, x(t_k)); the rows of M p are
@@ -79,7 +92,7 @@ impl CertificateFile {
             trigger_weight: rows(&certificate.trigger_weight),
             trigger_floor: certificate.trigger_floor,
         };
-        let proof = CertificateFile {
+        let mut proof = CertificateFile {
             lyapunov: rows(&certificate.lyapunov),
             integral_weight: rows(&certificate.integral_weight),
             multiplier: rows(&certificate.multiplier),
@@ -99,7 +112,12 @@ impl CertificateFile {
             gamma: certificate.gain_bound,
             guaranteed_gain: certificate.guaranteed_gain,
             certified_vector_part: certificate.certified_vector_part,
+            final_bounds: None,
+            measurement: None,
+            gain_error_weight: Vec::new(),
+            first_torque: None,
         };
+        imperfections::write(certificate, &mut proof);
         (controller, proof)
     }
 
@@ -146,7 +164,12 @@ impl CertificateFile {
             gain_bound: self.gamma,
             guaranteed_gain: self.guaranteed_gain,
             certified_vector_part: self.certified_vector_part,
+            final_bounds: None,
+            measurement: None,
+            gain_error_weight: DVector::zeros(0),
+            first_torque: None,
         };
+        imperfections::read(self, model, &mut certificate)?;
         certificate.mismatch = mismatch_slack(model, &certificate, &self.mismatch)?;
         Ok(certificate)
     }

@@ -2,6 +2,7 @@
 
 mod certificate;
 mod file;
+mod imperfections;
 mod recover;
 
 pub(crate) use certificate::{matrix, rows, symmetric};
@@ -10,5 +11,6 @@ pub use file::{
     prove, Coupling, DesignFile, LargeSetCertificate, OuterFile, ProblemUnits, Provenance,
     SearchRecord, SolverRun, VariedFile, DESIGN_SCHEMA_VERSION,
 };
-pub(crate) use recover::add_claims;
+pub use imperfections::{FinalBoundsFile, FirstTorqueFile, MeasurementFile};
 pub use recover::recover;
+pub(crate) use recover::{add_claims, descriptor_multiplier, measurement_weights};

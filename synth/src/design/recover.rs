@@ -2,8 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
+use crate::certify::theorem1::{
+    certified_start, reached_from_rest, Certificate, FinalBounds, MeasurementWeights,
+    MismatchSlack, RuleGains,
+};
 use crate::conditions::xu2020::{DesignUnknowns, DEAD_ZONE_UNIT};
+use crate::conditions::Task;
 use crate::model::{Model, Plant};
 use crate::scaling::Scaling;
 use sdp::lmi::Affine;
@@ -11,12 +15,12 @@ use sdp::lmi::Affine;
 /// Undoes the congruence and the scaling: Q = Qh^-1, F = Fh Qh^-T, U = Q Uh Q', Upsilon = Q Wh Q',
 /// Y, L1, L2 likewise, N = Nh Qh^-T, M = S^-1. The scaling is by powers of two and adds no error;
 /// whatever the rest adds is seen by the check, which starts from the result. `None` where a matrix that must be
-/// inverted is singular, or a number not finite.
+/// inverted is singular, or a number not finite. `task`: the scaled one.
 pub fn recover(
     model: &Model,
     unknowns: &DesignUnknowns,
     values: &[f64],
-    scaling: &Scaling,
+    (scaling, task): (&Scaling, &Task),
 ) -> Option<Certificate> {
     let multiplier = unknowns.multiplier.value(values).try_inverse()?;
     let to_state = scaling.to_state();
@@ -76,15 +80,65 @@ pub fn recover(
         gain_bound: unknowns.gain_bound.value(values)[(0, 0)],
         guaranteed_gain: 0.0,
         certified_vector_part: None,
+        final_bounds: None,
+        measurement: None,
+        gain_error_weight: DVector::zeros(0),
+        first_torque: None,
     };
     if unknowns.sector.is_none() {
         certificate.sector_weight = large_sector_weights(model, &certificate);
     }
+    add_imperfections(unknowns, values, (scaling, task), &mut certificate);
     if !is_finite(&certificate) {
         return None;
     }
     add_claims(model, &mut certificate)?;
     Some(certificate)
+}
+
+/// How far Wp lies below the largest that its condition allows, relative.
+const PARALLEL_ALLOWANCE: f64 = 1e-6;
+
+/// The numbers that imperfections need: Lam = (lambda delta^2 / taubar^2)^-1 of each ball, Wp a little below (W^-1 +
+/// Lam^-1)^-1, and T = D^-1.
+fn add_imperfections(
+    unknowns: &DesignUnknowns,
+    values: &[f64],
+    (scaling, task): (&Scaling, &Task),
+    certificate: &mut Certificate,
+) {
+    let scalar = |unknown: &Affine| unknown.value(values)[(0, 0)];
+    if let (Some(own), Some(error)) = (&unknowns.measurement, &task.imperfections.measurement) {
+        let shares: Vec<f64> = own.shares.iter().map(scalar).collect();
+        let weight = |state: usize| {
+            let size = error.sizes[state] * scaling.state[state];
+            1.0 / (shares[error.balls[state]] * size * size)
+        };
+        let sample_weight = DVector::from_fn(error.balls.len(), |state, _| weight(state));
+        certificate.measurement = measurement_weights(&certificate.trigger_weight, sample_weight);
+    }
+    if let (Some(own), Some(error)) = (&unknowns.gain_error, &task.imperfections.gain_error) {
+        let diagonal = own.value(values).diagonal();
+        certificate.gain_error_weight = DVector::from_fn(diagonal.len(), |k, _| {
+            let ((_, j), _) = error.entries[k];
+            1.0 / (diagonal[k] * scaling.input[j] * scaling.input[j])
+        });
+    }
+}
+
+/// Lam with Wp a little below (W^-1 + Lam^-1)^-1 = W - W (W + Lam)^-1 W; `None` where W + Lam is not positive definite.
+pub(crate) fn measurement_weights(
+    trigger_weight: &DMatrix<f64>,
+    sample_weight: DVector<f64>,
+) -> Option<MeasurementWeights> {
+    let sum = trigger_weight + DMatrix::from_diagonal(&sample_weight);
+    let factor = sum.cholesky()?;
+    let parallel = trigger_weight - trigger_weight * factor.solve(trigger_weight);
+    let error_weight = 0.5 * (&parallel + parallel.transpose()) * (1.0 - PARALLEL_ALLOWANCE);
+    Some(MeasurementWeights {
+        error_weight,
+        sample_weight,
+    })
 }
 
 /// From the rows (B'Q'v, M p, x(t_k)) in SI units to those of the slack unknowns: the input's units, the
@@ -148,7 +202,7 @@ fn large_sector_weights(model: &Model, certificate: &Certificate) -> DVector<f64
 }
 
 /// The multiplier of the equation in descriptor form: Q E^-1 with E = diag(J, I) for a spacecraft.
-fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn descriptor_multiplier(plant: &Plant, multiplier: DMatrix<f64>) -> DMatrix<f64> {
     match (plant.inertia(), plant.descriptor().try_inverse()) {
         (Some(_), Some(inverse)) => multiplier * inverse,
         _ => multiplier,
@@ -178,20 +232,33 @@ fn is_finite(certificate: &Certificate) -> bool {
 /// Relative allowance in derived claims, so that the check can prove them.
 const CLAIM_ALLOWANCE: f64 = 1e-5;
 
-/// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, and the largest
-/// radius of attitudes at rest inside x'Ux <= 1. `None` where U is singular.
+/// The guaranteed gain sqrt(g xi) with the smallest g such that C'C <= g phi U, the largest radius of attitudes at rest
+/// among the certified starts, and the bounds from rest. `None` where U is singular.
 pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Option<()> {
-    let output = model.plant.takagi_sugeno().output;
+    let system = model.plant.takagi_sugeno();
     let inverse = certificate.lyapunov.clone().try_inverse()?;
-    let spread = &output * inverse * output.transpose() / model.file.specs.phi_per_s;
+    let spread = &system.output * &inverse * system.output.transpose();
+    let reached = reached_from_rest(model, certificate);
     let largest = largest_eigenvalue(&spread);
-    let xi = certificate.disturbance_weight;
-    let gain = (largest * xi).sqrt() * (1.0 + CLAIM_ALLOWANCE);
+    let gain = match system.disturbance_bound > 0.0 {
+        true => (largest * reached).sqrt() / system.disturbance_bound,
+        false => (largest / model.file.specs.phi_per_s * certificate.disturbance_weight).sqrt(),
+    };
+    let gain = gain * (1.0 + CLAIM_ALLOWANCE);
     certificate.guaranteed_gain = gain.min(certificate.gain_bound);
     if let Plant::Spacecraft(_) = model.plant {
+        let start = certified_start(model, certificate).max(0.0);
         let attitude = certificate.lyapunov.view((3, 3), (3, 3)).into_owned();
-        let radius = (1.0 / largest_eigenvalue(&attitude)).sqrt() * (1.0 - CLAIM_ALLOWANCE);
+        let radius = (start / largest_eigenvalue(&attitude)).sqrt() * (1.0 - CLAIM_ALLOWANCE);
         certificate.certified_vector_part = Some(radius.min(1.0));
+        let bound = |first: usize| {
+            let spread = inverse.view((first, first), (3, 3)).into_owned();
+            (largest_eigenvalue(&spread) * reached).sqrt() * (1.0 + CLAIM_ALLOWANCE)
+        };
+        certificate.final_bounds = (reached > 0.0).then(|| FinalBounds {
+            rate: bound(0),
+            vector_part: bound(3),
+        });
     }
     Some(())
 }

@@ -69,7 +69,7 @@ impl Source<'_> {
         let duals = Duals::new(&self.solved.assembled, self.duals, 1.0 / self.size);
         let count = self.solved.task.gains.count;
         let gains = (0..count).map(|rule| self.gain(&duals, rule));
-        let system = self.request.model.plant.nominal().takagi_sugeno();
+        let system = self.request.model.plant.relaxed().takagi_sugeno();
         let n = system.states();
         let bounds = system.region.iter().zip(&self.solved.task.system.region);
         let region = bounds.map(|(bound, scaled)| {

@@ -249,8 +249,8 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         if design || !refutable(&solved.task) {
             return Ok(AttemptResult::Undecided);
         }
-        if request.model.plant.has_uncertain_inertia() {
-            return refute_nominal(request, session, units);
+        if request.model.plant.is_relaxed_for_refutations() {
+            return refute_relaxed(request, session, units);
         }
         Ok(refuted(request, &solved))
     }
@@ -264,23 +264,21 @@ fn solved_task(task: &Task, units: &ProblemUnits) -> (Scaling, Task) {
     (scaling, task)
 }
 
-/// A set of inertias has no design when the nominal one, which belongs to it, has none. Given gains are
-/// undecided.
-fn refute_nominal(
+/// A plant has no design when the one that it is relaxed to has none.
+fn refute_relaxed(
     request: DesignRequest,
     session: &mut Session,
     units: &ProblemUnits,
 ) -> Result<AttemptResult, SynthesisError> {
-    if !request.given.is_empty() {
-        return Ok(AttemptResult::Undecided);
-    }
-    let mut nominal = request.model.clone();
-    nominal.plant = nominal.plant.nominal();
+    let mut relaxed = request.model.clone();
+    relaxed.plant = relaxed.plant.relaxed();
+    let mut task = request.task.clone();
+    task.system = relaxed.plant.takagi_sugeno();
     let mut own = session.fresh(Form::Chordal);
-    let solved = own.solve(solved_task(&nominal.task(), units), Goal::SmallestSlack);
+    let solved = own.solve(solved_task(&task, units), Goal::SmallestSlack);
     session.runs.append(&mut own.runs);
     let request = DesignRequest {
-        model: &nominal,
+        model: &relaxed,
         ..request
     };
     Ok(refuted(request, &solved?))
@@ -353,7 +351,7 @@ fn point(
     let mut unknowns = solved.assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
     let (values, scaling) = (&solved.solution.values, &solved.scaling);
-    let mut certificate = recover(request.model, &unknowns, values, scaling)?;
+    let mut certificate = recover(request.model, &unknowns, values, (scaling, &solved.task))?;
     let xi = certificate.disturbance_weight;
     let guaranteed = certificate.guaranteed_gain;
     let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);

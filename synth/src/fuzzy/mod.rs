@@ -59,6 +59,15 @@ impl TakagiSugeno {
         self.input.nrows()
     }
 
+    /// The smallest extent of the region along a state, from 0; `None` where it is unbounded along it.
+    pub fn extent(&self, state: usize) -> Option<f64> {
+        let along = self.region.iter().filter_map(|bound| {
+            let reach = bound.rows.column(state).norm();
+            (reach > 0.0).then(|| bound.bound_squared.max(0.0).sqrt() / reach)
+        });
+        along.reduce(f64::min).filter(|extent| *extent > 0.0)
+    }
+
     /// Number of inputs m.
     pub fn inputs(&self) -> usize {
         self.input.ncols()

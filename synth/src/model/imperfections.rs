@@ -9,7 +9,9 @@ use super::bounded::{As, NonNegative, Positive};
 use super::file::{GainForm, ModelFile, PlantFile};
 use super::ranges::{check_count, require};
 use super::{ModelError, Plant, RulesSystem, MAX_COLUMNS};
-use crate::fuzzy::{MomentumExchange, WheelMomentum};
+use crate::conditions::{FloorSupply, GainErrorSet, LoopImperfections, MeasurementError};
+use crate::fuzzy::{MomentumExchange, TakagiSugeno, WheelMomentum};
+use nalgebra::DVector;
 
 /// The most consecutive transmissions that a model may let be lost.
 const MOST_LOST: u32 = 100;
@@ -311,14 +313,11 @@ fn check_forms(file: &ModelFile, plant: &Plant) -> Result<(), ModelError> {
         return refuse("torque_quantum_nm", "needs an 'exact' plant");
     }
     let constant = file.gains == GainForm::Constant;
-    let changed = imperfections.measurement_error().is_some()
-        || imperfections.is_networked()
-        || imperfections.changes_gain();
-    match constant || !changed {
+    match constant || is_none(imperfections) {
         true => Ok(()),
         false => Err(ModelError::choice(
             "imperfections",
-            "measurement, delay_s, lost_in_a_row, effectiveness and misalignment are proved for constant gains only",
+            "are proved for constant gains only; leave them out, or use \"constant\"",
         )),
     }
 }
@@ -413,5 +412,83 @@ fn check_floor(file: &ModelFile) -> Result<(), ModelError> {
             "\"auto\" is found from imperfections.measurement, which is missing",
         )),
         false => Ok(()),
+    }
+}
+
+/// The floor's part of the supply where it is found by the program, relative to the rest.
+pub const FLOOR_SHARE: f64 = 0.3;
+
+/// The part of an input's limit that is kept for measurement errors as long as the gain is not known.
+const FIRST_RESERVE: f64 = 0.01;
+
+/// The smallest error that the conditions are stated for, relative to the extent of the region along its state: they divide
+/// by it.
+const SMALLEST_ERROR: f64 = 1e-7;
+
+/// The imperfections of a model as its conditions see them, for its plant in SI units.
+pub(super) fn loop_imperfections(file: &ModelFile, system: &TakagiSugeno) -> LoopImperfections {
+    let imperfections = &file.imperfections;
+    let taubar_squared = system.disturbance_bound.powi(2);
+    let floor = match file.specs.trigger_floor {
+        None => FloorSupply::default(),
+        Some(TriggerFloor::Auto(_)) => FloorSupply {
+            share: FLOOR_SHARE,
+            constant: 0.0,
+        },
+        Some(TriggerFloor::Given(floor)) => FloorSupply {
+            share: 0.0,
+            constant: floor / taubar_squared,
+        },
+    };
+    let networked = imperfections.is_networked();
+    let measurement = imperfections.measurement_error();
+    LoopImperfections {
+        oldest_sample: networked.then(|| imperfections.oldest_sample_s(file.specs.hbar_s)),
+        gain_error: imperfections
+            .changes_gain()
+            .then(|| gain_error(imperfections, system.inputs())),
+        measurement: measurement.map(|bounds| measurement_error(bounds, system)),
+        floor,
+    }
+}
+
+fn gain_error(imperfections: &Imperfections, inputs: usize) -> GainErrorSet {
+    let ends = |input: usize| imperfections.effectiveness_of(input);
+    let entries = imperfections.uncertain_gains(inputs).into_iter();
+    GainErrorSet {
+        centre: DVector::from_fn(inputs, |input, _| {
+            let [lowest, highest] = ends(input);
+            0.5 * (lowest + highest)
+        }),
+        entries: entries
+            .map(|(i, j)| {
+                let [lowest, highest] = ends(i);
+                let width = match i == j {
+                    true => 0.5 * (highest - lowest),
+                    false => imperfections.misalignment,
+                };
+                ((i, j), width)
+            })
+            .collect(),
+    }
+}
+
+fn measurement_error(bounds: &MeasurementBounds, system: &TakagiSugeno) -> MeasurementError {
+    let states = system.states();
+    let (mut sizes, mut balls) = (DVector::zeros(states), vec![0; states]);
+    for (index, ball) in bounds.balls().iter().enumerate() {
+        let extents = ball.states.iter().filter_map(|&state| system.extent(state));
+        let extent = extents.reduce(f64::min).unwrap_or(1.0);
+        let radius = ball.radius().max(SMALLEST_ERROR * extent);
+        for &state in &ball.states {
+            sizes[state] = radius / system.disturbance_bound;
+            balls[state] = index;
+        }
+    }
+    MeasurementError {
+        sizes,
+        balls,
+        point: None,
+        reserve: &system.input_limit * FIRST_RESERVE,
     }
 }

@@ -5,6 +5,7 @@ mod error;
 mod explain;
 mod file;
 mod gains;
+mod gyroscopic;
 mod imperfections;
 mod inertia;
 mod large_set;
@@ -22,9 +23,10 @@ pub use file::{
     MODEL_SCHEMA_VERSION,
 };
 pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
+pub use gyroscopic::GyroscopicForm;
 pub use imperfections::{
     Auto, Effectiveness, ErrorBall, ErrorUnit, Imperfections, MeasurementBounds, MomentumBound,
-    ReferenceMotion, TriggerFloor,
+    ReferenceMotion, TriggerFloor, FLOOR_SHARE,
 };
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
@@ -75,12 +77,25 @@ impl Plant {
         }
     }
 
-    /// The same plant with exactly the nominal inertia.
-    pub fn nominal(&self) -> Self {
+    /// The plant that refutations are about: whatever satisfies the conditions for this plant satisfies them for that one.
+    /// It has the nominal inertia of a set; and its vertices are those at omega = 0, where the form of the gyroscopic torque
+    /// plays no part, as long as that form is free.
+    pub fn relaxed(&self) -> Self {
         match self {
-            Plant::Spacecraft(craft) => Plant::Spacecraft(craft.nominal()),
+            Plant::Spacecraft(craft) => {
+                let nominal = craft.nominal();
+                Plant::Spacecraft(match craft.gyroscopic_form {
+                    Some(_) => nominal,
+                    None => nominal.at_rest(),
+                })
+            }
             other => other.clone(),
         }
+    }
+
+    /// Whether [`Plant::relaxed`] is another plant.
+    pub fn is_relaxed_for_refutations(&self) -> bool {
+        self.relaxed() != *self
     }
 
     /// The factor E of the plant's equation E x' = ...: diag(J, I) for a spacecraft (J the nominal

@@ -7,7 +7,7 @@ use super::file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
     VerticesPlant, MODEL_SCHEMA_VERSION,
 };
-use super::imperfections::check_imperfections;
+use super::imperfections::{check_imperfections, loop_imperfections};
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::ranges::{
@@ -48,6 +48,10 @@ impl Model {
         let mut plant = Plant::of_ranges(&file.plant)?;
         if let Plant::Spacecraft(craft) = &mut plant {
             craft.exchange = file.imperfections.momentum_exchange();
+            if file.gains == GainForm::Scheduled {
+                // Its memberships are those of the sixteen vertices of one form.
+                craft.gyroscopic_form.get_or_insert_with(Matrix3::zeros);
+            }
         }
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
@@ -82,6 +86,7 @@ impl Model {
                 margin: specs.margin,
             },
         );
+        task.imperfections = loop_imperfections(&self.file, &task.system);
         let largest = specs.xi_max.min(task.largest_useful_weight());
         task.specification.disturbance_weight_max = largest;
         if specs.objective == Objective::Gain && specs.search.is_none() {

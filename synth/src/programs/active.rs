@@ -74,10 +74,12 @@ pub(super) fn violated(
     let design = &assembled.design;
     let n = task.system.states();
     let multiplier = design.multiplier.value(&solution.values);
-    let nominal = SamplingEnd::BOTH.map(|interval| {
+    let instants = SamplingEnd::of(task).iter();
+    let nominal = instants.map(|&interval| {
         let lhs = decrease(task, &DMatrix::zeros(n, n), interval, design);
         -lhs.value(&solution.values)
     });
+    let nominal: Vec<DMatrix<f64>> = nominal.collect();
     let smallest = |vertex: usize| {
         let term = vertex_term_at(task, vertex, &multiplier);
         let eigenvalues = nominal.iter().map(|matrix| {

@@ -290,7 +290,7 @@ fn full_decrease(
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let mut out = Vec::new();
-    for interval in SamplingEnd::BOTH {
+    for &interval in SamplingEnd::of(task) {
         for &vertex in chosen {
             if task.gains.matched().is_some() {
                 out.push(xu2020::full_matched_condition(

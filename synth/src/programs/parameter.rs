@@ -1,6 +1,6 @@
 //! The numbers of a model that a design depends on.
 
-use crate::model::{Model, ModelFile, PlantFile, RulesSystem};
+use crate::model::{GyroscopicForm, Model, ModelFile, PlantFile, RulesSystem};
 
 /// A number of the model, or several that are changed by one factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +21,10 @@ pub enum Parameter {
     Rate(usize),
     /// The box: smallest scalar part q0.
     ScalarPart,
+    /// The gyroscopic form's part along the identity.
+    FormMean,
+    /// The gyroscopic form's part along the inertia's deviation.
+    FormDeviation,
     /// The bound on a spacecraft's disturbance torque [N m].
     DisturbanceBound,
     /// The limits of all inputs.
@@ -41,6 +45,7 @@ impl Parameter {
             Parameter::FirstWeight => "specs.eps[0]",
             Parameter::ThirdWeight => "specs.eps[2]",
             Parameter::ScalarPart => "plant.exact.q0_min",
+            Parameter::FormMean | Parameter::FormDeviation => "plant.exact.gyroscopic_form_kg_m2",
             Parameter::DisturbanceBound => "plant.exact.disturbance_bound_nm",
             Parameter::InputLimits => "plant.exact.torque_limit_nm[0]",
             Parameter::Region => "plant.exact.rate_rad_s[0]",
@@ -69,17 +74,42 @@ impl Parameter {
                 system.region.first_mut().map(|bound| &mut bound.bound)
             }
             (Parameter::Region, PlantFile::Rules(rules)) => rules.state_bounds.first_mut(),
+            // These are parts of a matrix.
+            (Parameter::FormMean | Parameter::FormDeviation, _) => None,
             (Parameter::Rate(_) | Parameter::ScalarPart | Parameter::DisturbanceBound, _) => None,
         }
     }
 
     /// Its value in a file, of several the first; `None` where the plant has none.
     pub fn of(self, file: &ModelFile) -> Option<f64> {
-        self.place(&mut file.clone()).copied()
+        match (self, &file.plant) {
+            (Parameter::FormMean, PlantFile::Exact(exact)) => Some(GyroscopicForm::of(exact).mean),
+            (Parameter::FormDeviation, PlantFile::Exact(exact)) => {
+                Some(GyroscopicForm::of(exact).deviation)
+            }
+            _ => self.place(&mut file.clone()).copied(),
+        }
     }
 
     /// Sets its value in a file.
     pub fn set(self, file: &mut ModelFile, value: f64) {
+        if let PlantFile::Exact(exact) = &mut file.plant {
+            let form = GyroscopicForm::of(exact);
+            let form = match self {
+                Parameter::FormMean => Some(GyroscopicForm {
+                    mean: value,
+                    ..form
+                }),
+                Parameter::FormDeviation => Some(GyroscopicForm {
+                    deviation: value,
+                    ..form
+                }),
+                _ => None,
+            };
+            if let Some(form) = form {
+                exact.gyroscopic_form_kg_m2 = Some(form.matrix(exact));
+            }
+        }
         if let Some(place) = self.place(file) {
             *place = value;
         }
@@ -126,9 +156,10 @@ impl Parameter {
     }
 
     /// Its coordinate in a search: the logarithm, which makes steps relative; of a scalar part q0 that of
-    /// |q| / q0.
+    /// |q| / q0, of a part of the gyroscopic form itself.
     pub fn coordinate(self, value: f64) -> f64 {
         match self {
+            Parameter::FormMean | Parameter::FormDeviation => value,
             Parameter::ScalarPart => ((1.0 - value * value).max(0.0).sqrt() / value).ln(),
             _ => value.ln(),
         }
@@ -137,6 +168,7 @@ impl Parameter {
     /// The value at a coordinate.
     pub fn value(self, coordinate: f64) -> f64 {
         match self {
+            Parameter::FormMean | Parameter::FormDeviation => coordinate,
             Parameter::ScalarPart => (1.0 + (2.0 * coordinate).exp()).sqrt().recip(),
             _ => coordinate.exp(),
         }

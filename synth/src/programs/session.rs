@@ -49,7 +49,7 @@ impl Solved {
     pub fn recover(&self, model: &Model) -> Option<Certificate> {
         let values = &self.solution.values;
         let unknowns = with_weight(&self.task, &self.assembled.design, values)?;
-        recover(model, &unknowns, values, &self.scaling)
+        recover(model, &unknowns, values, (&self.scaling, &self.task))
     }
 
     /// The conditions that carry the dual solution.

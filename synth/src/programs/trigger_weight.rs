@@ -31,7 +31,7 @@ pub(crate) fn sufficient(
     let mut weight = DMatrix::zeros(n, n);
     for rule in 0..unknowns.gain_count() {
         let at_rule = unknowns.with_rule(rule);
-        for end in SamplingEnd::BOTH {
+        for &end in SamplingEnd::of(task) {
             let basis = Basis::published(&whole, end, &at_rule);
             for vertex in 0..task.system.vertices.len() {
                 let terms = terms_at(&whole, end, &at_rule, vertex);

@@ -109,7 +109,7 @@ pub fn split_conditions(
     let parts = split(strict.expression(), basis.sizes(), &splits, unknowns)
         .unwrap_or_else(|error| unreachable!("the pattern of (18) is chordal: {error}"));
     let named = parts.into_iter().map(|(clique, part)| {
-        Condition::semidefinite(format!("decrease {place} clique {clique}"), part)
+        Condition::semidefinite(format!("decrease{place} clique {clique}"), part)
     });
     named.collect()
 }

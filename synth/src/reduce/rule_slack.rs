@@ -64,8 +64,8 @@ pub fn conditions(
             lhs += &total.congruence(&basis.mismatch_rows(task));
         }
         let stated = (&basis, common.as_slice(), Some(&ELIMINATED[..]));
-        let place = format!("r={r}");
-        out.extend(split_conditions(lhs, stated, strictness, unknowns, &place));
+        let place = interval.label();
+        out.extend(split_conditions(lhs, stated, strictness, unknowns, place));
         for rule in 0..task.system.vertices.len() {
             let part = &slack - &rule_block(task, rule, design, zone);
             let name = condition_name(interval, rule);

@@ -17,9 +17,10 @@ use crate::conditions::Task;
 use sdp::lmi::{Affine, Condition, Unknowns};
 
 /// The signals that are eliminated from the form in the reduced coordinates, in this order: the cliques {tau, v},
-/// {p, v, w} (with sector unknowns), {w, v, xk}, {s, x, xk} (for r = 2) and the root {x, v, xk}.
-pub const ELIMINATED: [Signal; 4] = [
+/// {z, w, p} (with a gain error), {p, v, w} (with sector unknowns), {w, v, xk}, {s, x, xk} (for r = 2) and the root {x, v, xk}.
+pub const ELIMINATED: [Signal; 5] = [
     Signal::Disturbance,
+    Signal::GainError,
     Signal::DeadZone,
     Signal::Held,
     Signal::Integral,
@@ -58,7 +59,7 @@ pub fn conditions(
 ) -> Vec<Condition> {
     let n = task.system.states();
     let mut out = Vec::new();
-    for interval in SamplingEnd::BOTH {
+    for &interval in SamplingEnd::of(task) {
         let r = interval.index();
         let slack = unknowns.symmetric(&format!("Z{r}{suffix}"), slack_blocks(task) * n);
         let basis = Basis::reduced(task, interval, design);
@@ -67,7 +68,7 @@ pub fn conditions(
         lhs.add_block(0, 0, &slack);
         let order = (cliques == Cliques::Split).then_some(&ELIMINATED[..]);
         let stated = (&basis, common.as_slice(), order);
-        let place = format!("r={r}{suffix}");
+        let place = format!("{}{suffix}", interval.label());
         out.extend(split_conditions(lhs, stated, strictness, unknowns, &place));
         for &vertex in chosen {
             let part = vertex_block(task, vertex, design, (&basis, &slack));

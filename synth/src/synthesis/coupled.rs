@@ -7,7 +7,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::conditions::xu2020::{DesignUnknowns, SectorUnknowns};
+use crate::conditions::xu2020::{
+    gain_error_unknowns, DesignUnknowns, MeasurementUnknowns, SectorUnknowns,
+};
 use crate::conditions::Task;
 use crate::design::Coupling;
 use crate::programs::{state, Form, Goal, Part};
@@ -69,6 +71,8 @@ impl SharedUnknowns {
             free_sample: unknowns.general(&named("L2h"), states, states),
             disturbance_weight: unknowns.scalar(&named("xi")),
             further_weights: Vec::new(),
+            measurement: MeasurementUnknowns::for_task(unknowns, task, &format!(" {suffix}")),
+            gain_error: gain_error_unknowns(unknowns, task, &format!(" {suffix}")),
             multiplier: self.multiplier.clone(),
             gain: self.gain.clone(),
             trigger_weight: self.trigger_weight.clone(),

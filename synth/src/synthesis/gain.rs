@@ -5,10 +5,11 @@
 //! as far along every state.
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
+use super::completion::complete;
 use crate::certify::theorem1::Certificate;
 use crate::conditions::units::power_of_two;
 use crate::conditions::{GainPlan, Task};
-use crate::design::{add_claims, DesignFile, ProblemUnits};
+use crate::design::{DesignFile, ProblemUnits};
 use crate::model::Objective;
 use crate::optimality::Optimality;
 use crate::programs::{
@@ -101,11 +102,9 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
         };
         if model.file.specs.objective == Objective::Gain {
             certificate = with_paper_gamma(self.request.task, certificate, gain_bound);
-            if add_claims(model, &mut certificate).is_none() {
-                return Ok(None);
-            }
         }
-        Ok(self.request.design(&certificate, None, units))
+        let complete = complete(model, certificate, self.session)?;
+        Ok(complete.and_then(|certificate| self.request.design(&certificate, None, units)))
     }
 
     fn objective(file: &DesignFile) -> f64 {

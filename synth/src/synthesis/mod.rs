@@ -1,9 +1,12 @@
 //! From a model to a proved design.
 
 mod attempts;
+mod completion;
 mod coupled;
 mod cross_check;
 mod gain;
+mod gyroscopic_form;
+mod measured;
 mod parameter_search;
 mod run;
 mod two_certificates;

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::attempts::{Attempts, Synthesis};
 use super::gain::{is_enough, GainSynthesis};
-use super::{parameter_search, two_certificates};
+use super::{gyroscopic_form, measured, parameter_search, two_certificates};
 use crate::conditions::GainPlan;
 use crate::design::DesignFile;
 use crate::feasibility;
@@ -29,15 +29,17 @@ pub fn synthesize(
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
+    if parameter_search::wanted(model) && model.file.specs.objective != Objective::Both {
+        return parameter_search::synthesize(model, model_text, solvers, observer);
+    }
+    let model = &gyroscopic_form::chosen(model, solvers, observer.clone())?;
     if model.file.specs.objective == Objective::Both {
         return two_certificates::synthesize(model, model_text, solvers, observer);
     }
-    if parameter_search::wanted(model) {
-        return parameter_search::synthesize(model, model_text, solvers, observer);
-    }
-    let task = model.task();
+    let mut session = Session::new(solvers, observer);
+    let task = measured::linearised(model, &model.task(), &mut session)?;
     let request = DesignRequest::of_model(model, model_text, &task, solvers.first().1);
-    smallest_gain(request, Session::new(solvers, observer))
+    smallest_gain(request, session)
 }
 
 /// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup

@@ -177,9 +177,9 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
         let smallest = Smallest::of(&solution);
         match smallest {
             Smallest::Bound(_) => {
-                let [(scaling, _), _] = &scaled;
+                let [(scaling, task), _] = &scaled;
                 let model = self.request.model;
-                let recovered = recover(model, &coupled.inner, &solution.values, scaling);
+                let recovered = recover(model, &coupled.inner, &solution.values, (scaling, task));
                 let gain = recovered.map_or(f64::NAN, |certificate| certificate.guaranteed_gain);
                 if !gain.is_finite() {
                     return Ok(Smallest::Failed);
@@ -202,10 +202,16 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
         let scaled = choice.scaled(self.request.model, self.outer);
         let goal = Goal::LargestMargin { gain_bound };
         let (coupled, solution) = self.solve(&scaled, choice, goal)?;
-        let [(inner, _), (outer, _)] = &scaled;
+        let [inner, outer] = &scaled;
+        let values = &solution.values;
         let parts = (
-            recover(self.request.model, &coupled.inner, &solution.values, inner),
-            recover(self.outer, &coupled.outer, &solution.values, outer),
+            recover(
+                self.request.model,
+                &coupled.inner,
+                values,
+                (&inner.0, &inner.1),
+            ),
+            recover(self.outer, &coupled.outer, values, (&outer.0, &outer.1)),
         );
         let (Some(first), Some(second)) = parts else {
             return Ok(None);

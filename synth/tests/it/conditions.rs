@@ -219,7 +219,13 @@ fn compare_with_the_check(model: &Model, stream: &mut Stream, sector: Sector) ->
     // The check takes the invariant set's level from xi, synthesis from the largest xi.
     let largest = task.specification.disturbance_weight_max;
     point.set("xi", &DMatrix::from_element(1, 1, largest));
-    let certificate = recover(model, &point.design, &point.values, &scaling).expect("invertible");
+    let certificate = recover(
+        model,
+        &point.design,
+        &point.values,
+        (&scaling, &model.task()),
+    )
+    .expect("invertible");
     let checked = checked_matrices(model, &certificate);
     let to_checked = ToChecked {
         model,

@@ -129,7 +129,13 @@ fn recovery_undoes_the_scaling_to_the_last_bit() {
         let scaling = uneven(&task, &mut stream);
         let point = Point::random(&mut stream, &scaling.apply(&task), Sector::Unknown);
         let at = |scaling: &Scaling| {
-            recover(&model, &point.design, &point.values, scaling).expect("invertible")
+            recover(
+                &model,
+                &point.design,
+                &point.values,
+                (scaling, &model.task()),
+            )
+            .expect("invertible")
         };
         let recovered = at(&scaling);
         let mut expected = in_si(&at(&unit(&task)), &scaling);

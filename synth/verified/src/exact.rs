@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
@@ -95,6 +95,10 @@ impl Scalar for Exact {
         } else {
             self
         }
+    }
+
+    fn approximate(&self) -> f64 {
+        self.0.to_f64().unwrap_or(f64::NAN)
     }
 }
 

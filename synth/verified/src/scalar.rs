@@ -30,6 +30,9 @@ pub trait Scalar:
     /// The greater of two numbers.
     fn max(self, other: Self) -> Self;
 
+    /// A double near the number. It encloses nothing: it serves to choose numbers that are then shown to suffice.
+    fn approximate(&self) -> f64;
+
     /// The number 0.
     #[inline]
     fn zero() -> Self {
@@ -57,5 +60,10 @@ impl Scalar for Interval {
     #[inline]
     fn max(self, other: Self) -> Self {
         Interval::max(self, other)
+    }
+
+    #[inline]
+    fn approximate(&self) -> f64 {
+        self.midpoint()
     }
 }

@@ -181,7 +181,7 @@ impl DualMultipliers {
     /// # Errors
     /// The first that does not fit.
     pub fn check(&self, model: &Model) -> Result<(), ModelError> {
-        let system = model.plant.nominal().takagi_sugeno();
+        let system = model.plant.relaxed().takagi_sugeno();
         let sizes = Sizes {
             states: system.states(),
             inputs: system.inputs(),

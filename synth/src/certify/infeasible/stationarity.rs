@@ -70,7 +70,7 @@ struct Numbers<S> {
 impl<S: Scalar> Numbers<S> {
     fn new(model: &Model, weights: &DualMultipliers, level: Level) -> Self {
         let specs = &model.file.specs;
-        let plant = DescriptorPlant::<S>::explicit(&model.plant);
+        let plant = DescriptorPlant::<S>::explicit(&model.plant.relaxed());
         let phi = S::from_f64(specs.phi_per_s);
         let hbar = S::from_f64(specs.hbar_s);
         let (level, xi_max) = level.with(model, &phi);

@@ -4,13 +4,16 @@ use super::unknowns::DesignUnknowns;
 use crate::conditions::Task;
 use sdp::lmi::{Affine, Condition, Strictness, SymmetricBlocks};
 
-/// `[ ubar_s^2/k2 Uh, (Fh_j - Nh_j)_s' ; *, 1 ] >= 0` for every gain j and input s.
+/// `[ ubar_s^2/k2 Uh, (Fh_j - Nh_j)_s' ; *, 1 ] >= 0` for every gain j and input s. A measurement error takes its part of
+/// the limit.
 pub(super) fn anti_windup(
     task: &Task,
     unknowns: &DesignUnknowns,
     strictness: &Strictness,
 ) -> Vec<Condition> {
     let level = task.invariant_level();
+    let measurement = task.imperfections.measurement.as_ref();
+    let reserve = |input: usize| measurement.map_or(0.0, |error| error.reserve[input]);
     let mut out = Vec::new();
     for rule in 0..unknowns.gain_count() {
         let at_rule = unknowns.with_rule(rule);
@@ -19,6 +22,7 @@ pub(super) fn anti_windup(
             None => at_rule.gain,
         };
         for (input, limit) in task.system.input_limit.iter().enumerate() {
+            let limit = limit - reserve(input);
             let scaled = limit * limit / level * &unknowns.lyapunov;
             let beside = difference.row(input).transposed();
             let lhs = SymmetricBlocks::of(&[&[&scaled, &beside], &[&Affine::identity(1, 1.0)]]);

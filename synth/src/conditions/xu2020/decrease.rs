@@ -66,5 +66,5 @@ pub fn full_matched_condition(
 
 /// Name of (18) at one vertex, counted from 1 as in the paper.
 pub fn condition_name(interval: SamplingEnd, index: usize) -> String {
-    format!("decrease r={} vertex {}", interval.index(), index + 1)
+    format!("decrease{} vertex {}", interval.label(), index + 1)
 }

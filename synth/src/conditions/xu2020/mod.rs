@@ -6,6 +6,8 @@
 
 mod anti_windup;
 mod decrease;
+mod first_torque;
+mod measurement;
 mod mismatch;
 mod peak_gain;
 mod sets;
@@ -14,13 +16,14 @@ mod unknowns;
 
 pub use anti_windup::gain_suffix;
 pub use decrease::{condition_name, decrease, full_condition, full_matched_condition};
+pub use first_torque::{smallest_growth, FirstTorqueUnknowns, Functional};
 pub use sets::containment;
 pub use signals::{
     terms, terms_at, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term,
 };
 pub use unknowns::{
-    DesignUnknowns, MismatchUnknowns, RuleUnknowns, SamplingEnd, Sector, SectorUnknowns,
-    DEAD_ZONE_UNIT,
+    gain_error_unknowns, DesignUnknowns, MeasurementUnknowns, MismatchUnknowns, RuleUnknowns,
+    SamplingEnd, Sector, SectorUnknowns, DEAD_ZONE_UNIT,
 };
 
 pub use super::Containment;
@@ -82,6 +85,7 @@ fn positivity_and_anti_windup(
     out.extend(anti_windup::sector_positive(unknowns, strictness));
     out.extend(anti_windup::anti_windup(task, unknowns, strictness));
     out.extend(mismatch::bounded(task, unknowns, strictness));
+    out.extend(measurement::measurement(task, unknowns, strictness));
     out
 }
 

@@ -24,14 +24,20 @@ pub(super) fn peak_gain(
     strictness.positive("peak gain", lhs)
 }
 
-/// The name and the weight of every bounded signal.
-fn weights<'a>(
-    task: &'a Task,
-    unknowns: &'a DesignUnknowns,
-) -> impl Iterator<Item = (&'static str, &'a Affine)> {
+/// The name and the weight of every bounded signal; of the disturbance the whole supply relative to it: with a measurement
+/// error and the trigger's floor that of all three.
+fn weights(task: &Task, unknowns: &DesignUnknowns) -> Vec<(&'static str, Affine)> {
+    let floor = task.imperfections.floor;
+    let mut supply = unknowns.disturbance_weight.clone();
+    if let Some(own) = &unknowns.measurement {
+        supply += &own.supply;
+    }
+    let supply = (1.0 + floor.share) * supply + Affine::identity(1, floor.constant);
     let names = task.further_signals.iter().map(|signal| signal.name);
-    let further = names.zip(&unknowns.further_weights);
-    std::iter::once(("disturbance", &unknowns.disturbance_weight)).chain(further)
+    let further = names.zip(unknowns.further_weights.iter().cloned());
+    std::iter::once(("disturbance", supply))
+        .chain(further)
+        .collect()
 }
 
 /// gamma >= xi (in the units of xi), or a multiple of xi: see [`Task::gain_per_weight`].
@@ -40,10 +46,10 @@ pub(super) fn gain_above_weight<'a>(
     unknowns: &'a DesignUnknowns,
     strictness: &'a Strictness,
 ) -> impl Iterator<Item = Condition> + 'a {
-    weights(task, unknowns).map(|(name, weight)| {
+    weights(task, unknowns).into_iter().map(|(name, weight)| {
         strictness.positive(
             format!("gain bound above {name} weight"),
-            1.0 / task.gain_unit() * &unknowns.gain_bound - weight.clone(),
+            1.0 / task.gain_unit() * &unknowns.gain_bound - weight,
         )
     })
 }
@@ -54,7 +60,9 @@ pub(super) fn weight_bound<'a>(
     unknowns: &'a DesignUnknowns,
 ) -> impl Iterator<Item = Condition> + 'a {
     let largest = Affine::identity(1, task.specification.disturbance_weight_max);
-    weights(task, unknowns).map(move |(name, weight)| {
-        Condition::semidefinite(format!("{name} weight bound"), &largest - weight)
-    })
+    weights(task, unknowns)
+        .into_iter()
+        .map(move |(name, weight)| {
+            Condition::semidefinite(format!("{name} weight bound"), &largest - &weight)
+        })
 }

@@ -29,6 +29,8 @@ pub enum Signal {
     Multiplied,
     /// The dead zone p of the command, m rows; none without sector unknowns.
     DeadZone,
+    /// The actuators' gain errors z, one row for each uncertain entry.
+    GainError,
     /// The disturbance tau, d rows.
     Disturbance,
     /// Another signal of bounded norm, by its name.
@@ -38,7 +40,8 @@ pub enum Signal {
 }
 
 use Signal::{
-    DeadZone, Disturbance, Error, Further, Held, Integral, Multiplied, Rate, Sample, State,
+    DeadZone, Disturbance, Error, Further, GainError, Held, Integral, Multiplied, Rate, Sample,
+    State,
 };
 
 impl Signal {
@@ -47,6 +50,7 @@ impl Signal {
         match self {
             Disturbance => "disturbance",
             DeadZone => "dead zone",
+            GainError => "gain error",
             Held => "held state",
             Further(name) => name,
             Integral => "integral",
@@ -62,6 +66,7 @@ impl Signal {
                 None => 0,
             },
             Disturbance => task.system.disturbance.ncols(),
+            GainError => unknowns.gain_error.as_ref().map_or(0, Affine::nrows),
             Further(name) => {
                 let mut signals = task.further_signals.iter();
                 let known = signals.find(|signal| signal.name == name);
@@ -130,8 +135,12 @@ pub fn terms_at(
 /// (18) without its vertex terms, with E Qh' given.
 fn terms_with(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, rate: Affine) -> Vec<Term> {
     let specification = &task.specification;
-    let (phi, nu) = (specification.decay_rate, specification.trigger_threshold);
-    let (b, bw) = (&task.system.input, &task.system.disturbance);
+    let (phi, nu) = (specification.decay_rate, task.trigger_threshold());
+    let bw = &task.system.disturbance;
+    let b = &match &task.imperfections.gain_error {
+        None => task.system.input.clone(),
+        Some(error) => &task.system.input * DMatrix::from_diagonal(&error.centre),
+    };
     let DesignUnknowns {
         lyapunov: uh,
         integral_weight: yh,
@@ -158,9 +167,9 @@ fn terms_with(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, rate: Af
         Term::cross(State, Sample, -l1h.clone()),
         Term::cross(Sample, State, l2h.clone()),
         Term::square(Sample, -1.0, &l2h.symmetrised()),
-        // The trigger: e' W e < nu w' W w
+        // The trigger: e' W e < nu w' W w, with Wp on the error where the sample is not the state
         Term::square(Held, nu, wh),
-        Term::square(Error, -1.0, wh),
+        Term::square(Error, -1.0, unknowns.error_weight()),
         Term::square(Disturbance, -1.0, &xi.times_matrix(&identity(bw.ncols()))),
     ]);
     if let Some(sector) = &unknowns.sector {
@@ -174,16 +183,35 @@ fn terms_with(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, rate: Af
         out.push(Term::cross(Multiplied, own, block));
         out.push(Term::square(own, -1.0, &weight.times_matrix(&unit)));
     }
-    match end {
-        SamplingEnd::Start => {
-            out.push(Term::square(Rate, specification.sampling_interval_max, yh));
-        }
-        SamplingEnd::End => {
-            let c = integral_factor(task);
-            out.push(Term::cross(State, Integral, l1h.clone()).weighted(c));
-            out.push(Term::cross(Sample, Integral, l2h.clone()).weighted(c));
-            out.push(Term::square(Integral, -1.0, yh));
-        }
+    out.extend(gain_error_terms(task, unknowns));
+    if end != SamplingEnd::End {
+        out.push(Term::square(Rate, task.oldest_sample(), yh));
+    }
+    if end != SamplingEnd::Start {
+        let c = integral_factor(task);
+        out.push(Term::cross(State, Integral, l1h.clone()).weighted(c));
+        out.push(Term::cross(Sample, Integral, l2h.clone()).weighted(c));
+        out.push(Term::square(Integral, -1.0, yh));
+    }
+    out
+}
+
+/// What the actuators' gain error adds: for D > 0 and b_k = B e_i a_k,
+/// `2 v' sum_k b_k delta_k (F w - p)_j <= sum_k D_k (b_k'v)^2 + (F w - p)_j^2 / D_k`, the last term as a row z.
+fn gain_error_terms(task: &Task, unknowns: &DesignUnknowns) -> Vec<Term> {
+    let (Some(error), Some(weight)) = (&task.imperfections.gain_error, &unknowns.gain_error) else {
+        return Vec::new();
+    };
+    let columns = error.columns(&task.system.input);
+    let selection = error.selection();
+    let mut out = vec![
+        Term::square(Multiplied, 1.0, &weight.congruence(&columns.transpose())),
+        Term::square(GainError, -1.0, weight),
+        Term::cross(GainError, Held, &selection * &unknowns.gain),
+    ];
+    if let Some(sector) = &unknowns.sector {
+        let zone = -(&selection * &sector.weight);
+        out.push(Term::cross(GainError, DeadZone, zone));
     }
     out
 }
@@ -212,11 +240,10 @@ pub fn vertex_terms_at(task: &Task, index: usize, multiplier: &Affine) -> Vec<Te
     vertex_terms((&task.system.vertices[index], descriptor), multiplier)
 }
 
-/// c = sqrt(hbar e^(phi hbar)).
+/// c = sqrt(hbar e^(phi hbar)), with h_m in the place of hbar in a network with delay or loss.
 fn integral_factor(task: &Task) -> f64 {
-    let specification = &task.specification;
-    let hbar = specification.sampling_interval_max;
-    (hbar * (specification.decay_rate * hbar).exp()).sqrt()
+    let oldest = task.oldest_sample();
+    (oldest * (task.specification.decay_rate * oldest).exp()).sqrt()
 }
 
 fn identity(side: usize) -> DMatrix<f64> {
@@ -238,14 +265,22 @@ pub struct Basis {
 impl Basis {
     /// The rows of the published matrix: x, x', x(t_k^l), e, p in units of its own, tau and, for r = 2, s.
     pub fn published(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns) -> Self {
-        let signals = [State, Rate, Sample, Error, DeadZone, Disturbance];
+        let signals = [State, Rate, Sample, Error, DeadZone, GainError, Disturbance];
         Basis::new(task, end, unknowns, &signals)
     }
 
     /// The coordinates of the reduction: x, v, x(t_k^l), x(t_k), p in units of its own, tau and, for r = 2, s;
     /// x' = (v - eps1 x - eps3 x(t_k^l)) / eps2.
     pub fn reduced(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns) -> Self {
-        let signals = [State, Multiplied, Sample, Held, DeadZone, Disturbance];
+        let signals = [
+            State,
+            Multiplied,
+            Sample,
+            Held,
+            DeadZone,
+            GainError,
+            Disturbance,
+        ];
         Basis::new(task, end, unknowns, &signals)
     }
 
@@ -267,7 +302,7 @@ impl Basis {
             .further_signals
             .iter()
             .map(|signal| Further(signal.name));
-        let integral = (end == SamplingEnd::End).then_some(Integral);
+        let integral = (end != SamplingEnd::Start).then_some(Integral);
         let held = task.held_is_sample;
         let own = signals.iter().copied();
         let own = own.filter(|signal| !(held && matches!(signal, Held | Error)));
@@ -380,7 +415,16 @@ impl Basis {
 
     /// The weight of a margin that is the identity on the rows of the published matrix.
     pub fn margin_weight(&self) -> DMatrix<f64> {
-        let rows = [State, Rate, Sample, Error, DeadZone, Disturbance, Integral];
+        let rows = [
+            State,
+            Rate,
+            Sample,
+            Error,
+            DeadZone,
+            GainError,
+            Disturbance,
+            Integral,
+        ];
         let zero = DMatrix::zeros(self.side(), self.side());
         let further = self.signals.iter().filter(|own| matches!(own, Further(_)));
         rows.iter().chain(further).fold(zero, |sum, &signal| {

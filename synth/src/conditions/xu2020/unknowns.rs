@@ -3,14 +3,17 @@
 use crate::conditions::Task;
 use sdp::lmi::{Affine, Unknowns};
 
-/// The two ends of a sampling interval, r in (18): the condition is affine in the time since the
-/// last sample, so its ends suffice, and of all admitted lengths the longest is the worst.
+/// The instants at which (18) is stated. Where every message acts at once these are the two ends of a sampling interval, r
+/// in (18): the condition is affine in the time since the last sample, so its ends suffice, and of all admitted lengths the
+/// longest is the worst. Where messages come late or are lost one condition covers every instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SamplingEnd {
     /// r = 1: just after a sample, where hbar x'Yx' counts.
     Start,
     /// r = 2: just before the next sample, where the integral term counts.
     End,
+    /// Any instant, with the functional of a network with delay or loss: both terms count.
+    Any,
 }
 
 impl SamplingEnd {
@@ -21,7 +24,24 @@ impl SamplingEnd {
     pub fn index(self) -> usize {
         match self {
             SamplingEnd::Start => 1,
-            SamplingEnd::End => 2,
+            SamplingEnd::End | SamplingEnd::Any => 2,
+        }
+    }
+
+    /// The instants of a task.
+    pub fn of(task: &Task) -> &'static [SamplingEnd] {
+        match task.imperfections.oldest_sample {
+            None => &SamplingEnd::BOTH,
+            Some(_) => &[SamplingEnd::Any],
+        }
+    }
+
+    /// What the names of its conditions say of it.
+    pub fn label(self) -> &'static str {
+        match self {
+            SamplingEnd::Start => " r=1",
+            SamplingEnd::End => " r=2",
+            SamplingEnd::Any => "",
         }
     }
 }
@@ -59,6 +79,38 @@ pub enum Sector {
     Unknown,
     /// N = 0 and M as large as needed: the command stays within its limits inside the certified set.
     Unsaturated,
+}
+
+/// The unknowns of a measurement error. n states.
+#[derive(Debug, Clone)]
+pub struct MeasurementUnknowns {
+    /// Wph, n x n, symmetric: what is left of the trigger weight on the error.
+    pub error_weight: Affine,
+    /// s / taubar^2: what the error adds to xi.
+    pub supply: Affine,
+    /// lambda of each ball of states.
+    pub shares: Vec<Affine>,
+}
+
+impl MeasurementUnknowns {
+    /// The unknowns for a task; none for a perfect measurement, or as long as there is no point of linearisation.
+    pub fn for_task(unknowns: &mut Unknowns, task: &Task, suffix: &str) -> Option<Self> {
+        let error = task.imperfections.measurement.as_ref()?;
+        error.point.as_ref()?;
+        let names = (1..=error.count()).map(|ball| format!("lambda{ball}{suffix}"));
+        Some(MeasurementUnknowns {
+            error_weight: unknowns.symmetric(&format!("Wph{suffix}"), task.system.states()),
+            supply: unknowns.scalar(&format!("s{suffix}")),
+            shares: names.map(|name| unknowns.scalar(&name)).collect(),
+        })
+    }
+}
+
+/// D, diagonal: the unknowns of the actuators' gain error, one for each uncertain entry; none where the gain is known.
+pub fn gain_error_unknowns(unknowns: &mut Unknowns, task: &Task, suffix: &str) -> Option<Affine> {
+    let error = task.imperfections.gain_error.as_ref()?;
+    let count = error.entries.len();
+    (count > 0).then(|| unknowns.diagonal(&format!("D{suffix}"), count))
 }
 
 /// The gain of one rule, beyond the first.
@@ -137,6 +189,10 @@ pub struct DesignUnknowns {
     pub disturbance_weight: Affine,
     /// The weights of [`Task::further_signals`], in their order.
     pub further_weights: Vec<Affine>,
+    /// The unknowns of a measurement error; `None` for a perfect measurement.
+    pub measurement: Option<MeasurementUnknowns>,
+    /// D of the actuators' gain error; `None` where the gain is known.
+    pub gain_error: Option<Affine>,
     /// gamma: the bound on the L-infinity gain, in SI units whatever those of the task.
     pub gain_bound: Affine,
 }
@@ -180,8 +236,11 @@ impl DesignUnknowns {
         let further_weights = task.further_signals.iter();
         let further_weights =
             further_weights.map(|signal| unknowns.scalar(&format!("xi {}", signal.name)));
+        let further_weights = further_weights.collect();
         DesignUnknowns {
-            further_weights: further_weights.collect(),
+            measurement: MeasurementUnknowns::for_task(unknowns, task, ""),
+            gain_error: gain_error_unknowns(unknowns, task, ""),
+            further_weights,
             lyapunov,
             integral_weight,
             trigger_weight,
@@ -201,6 +260,12 @@ impl DesignUnknowns {
     pub fn dead_zone_unit(&self) -> f64 {
         let sector = self.sector.as_ref();
         sector.map_or(DEAD_ZONE_UNIT, |sector| sector.row_unit)
+    }
+
+    /// The weight of the trigger error in (18): Wh, or what a measurement error leaves of it.
+    pub fn error_weight(&self) -> &Affine {
+        let own = self.measurement.as_ref();
+        own.map_or(&self.trigger_weight, |own| &own.error_weight)
     }
 
     /// Number of gains.

@@ -9,14 +9,15 @@ use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
 use crate::claim::Claim;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
-use crate::design::{add_claims, matrix, rows, ProblemUnits, SearchRecord, VariedFile};
+use crate::design::{matrix, rows, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
-    scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Session, SynthesisError,
-    Synthesized,
+    scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Parameter, Session,
+    SynthesisError, Synthesized,
 };
 use crate::synthesis::attempts::Smallest;
+use crate::synthesis::completion::complete;
 use crate::synthesis::gain::GainSynthesis;
 
 /// Settings of one attempt at a design; they are tried in order until a design is proved.
@@ -260,10 +261,13 @@ impl Finish<'_> {
             let Some(peak) = peak.or(least) else {
                 return Ok((None, None));
             };
-            let design = solved.recover(&model).and_then(|mut certificate| {
-                let above = peak.max(certificate.disturbance_weight);
-                certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
-                add_claims(&model, &mut certificate)?;
+            let Some(mut certificate) = solved.recover(&model) else {
+                return Ok((least, None));
+            };
+            let above = peak.max(certificate.disturbance_weight);
+            certificate.gain_bound = above * (1.0 + GAMMA_ALLOWANCE);
+            let certificate = complete(&model, certificate, session)?;
+            let design = certificate.and_then(|certificate| {
                 let mut design = request.design(&certificate, None, &units)?;
                 design.file.provenance.search = Some(self.record(point, &model.file));
                 Some(design)
@@ -313,7 +317,14 @@ impl Finish<'_> {
     }
 
     fn record(&self, point: &SearchPoint, file: &ModelFile) -> SearchRecord {
-        let varied = self.plan.space.ranges.iter().filter_map(|range| {
+        let varied = self.plan.space.ranges.iter().filter(|range| {
+            // The form of the gyroscopic torque stands in the model, whole.
+            !matches!(
+                range.parameter,
+                Parameter::FormMean | Parameter::FormDeviation
+            )
+        });
+        let varied = varied.filter_map(|range| {
             let [lowest, highest] = range.limits;
             range.parameter.of(file).map(|value| VariedFile {
                 field: range.parameter.field(),

@@ -7,6 +7,7 @@ use super::space::{Range, Space};
 use crate::model::{Model, ModelFile, Objective, PlantFile, SearchFile};
 use crate::programs::Parameter;
 use crate::scaling::Scaling;
+use crate::synthesis::gyroscopic_form;
 
 /// The search of a model.
 #[derive(Debug, Clone)]
@@ -31,6 +32,12 @@ const COVER_ROOM: f64 = 1e-3;
 
 /// Limits of eps_1 and eps_3, relative to eps_2, where none are given.
 const WEIGHT_FACTOR: [f64; 2] = [0.01, 100.0];
+
+/// Limits of the gyroscopic form's part along the identity.
+const FORM_MEAN: [f64; 2] = [-1.0, 2.0];
+
+/// Limits of its part along the inertia's deviation.
+const FORM_DEVIATION: [f64; 2] = [-3.0, 2.0];
 
 /// The smallest xi, relative to xi_max, where no limits are given.
 const LEAST_WEIGHT: f64 = 1e-6;
@@ -157,6 +164,11 @@ fn unit_fraction(model: &Model, unit: f64, contained: &[DMatrix<f64>], aim: &Aim
 /// What is varied; what has one value only is set in `base`.
 fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range> {
     let specs = &model.file.specs;
+    if gyroscopic_form::is_free(model) {
+        for (parameter, value) in gyroscopic_form::first_parts() {
+            parameter.set(base, value);
+        }
+    }
     let mut out: Vec<Range> = Vec::new();
     let mut push = |parameter: Parameter, [low, high]: [f64; 2]| {
         if low < high {
@@ -184,6 +196,10 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     let weights = WEIGHT_FACTOR.map(|factor| factor * specs.eps[1]);
     push(Parameter::FirstWeight, limits.eps_1.unwrap_or(weights));
     push(Parameter::ThirdWeight, limits.eps_3.unwrap_or(weights));
+    if gyroscopic_form::is_free(model) {
+        push(Parameter::FormMean, FORM_MEAN);
+        push(Parameter::FormDeviation, FORM_DEVIATION);
+    }
     let largest = largest_weight(model, limits);
     let xi = limits.xi_max.unwrap_or([LEAST_WEIGHT * largest, largest]);
     let cap = limits.gamma_max.unwrap_or(f64::INFINITY);

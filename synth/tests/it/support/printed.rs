@@ -106,6 +106,7 @@ pub fn printed(
             out.add(SAMPLE, INTEGRAL, &(c * l2h));
             out.add(INTEGRAL, INTEGRAL, &-yh);
         }
+        SamplingEnd::Any => unreachable!("the paper has no delay"),
     }
     out.finish()
 }

@@ -1,0 +1,143 @@
+//! What holds on the sets x'Ux <= k2 and x'Ux <= 1: saturation, region, starts, gain, pointing.
+
+use super::{gain_suffix, Assembly};
+use crate::model::{Model, Plant};
+use verified::matrix::Matrix;
+use verified::scalar::Scalar;
+
+impl<S: Scalar> Assembly<'_, S> {
+    /// (19) with k2 for every gain and input, on what a measurement error leaves of the limit.
+    pub(super) fn anti_windup(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
+        for (rule, (gain, anti_windup)) in self.gains.iter().enumerate() {
+            let difference = gain.minus(anti_windup);
+            for (input, limit) in self.plant.input_limit.iter().enumerate() {
+                let name = format!("anti-windup input {}", input + 1);
+                let name = name + &gain_suffix(self.gains.len(), rule);
+                let row = difference.row(input);
+                let limit = self.limit_without_error(limit, &row, &name, emit);
+                let factor = limit.clone() * limit / self.level.clone();
+                emit(name, self.inside(factor, &row, S::one()));
+            }
+        }
+    }
+
+    /// (20): C'C <= gamma phi U and gamma above every weight; and the claimed guaranteed gain G: C'C <= G^2/xi phi U
+    /// with the largest weight xi. Where more than the disturbance feeds the functional, r / taubar^2 is in the place of the
+    /// weight.
+    pub(super) fn peak_gain(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
+        let gamma = S::from_f64(self.certificate.gain_bound);
+        let claim = S::from_f64(self.certificate.guaranteed_gain);
+        emit("peak gain".into(), self.gain_block(gamma.clone()));
+        for (signal, weight) in self.weighted() {
+            let above = gamma.clone() - S::from_f64(weight);
+            let name = format!("gain bound above {} weight", signal.name);
+            emit(name, Matrix::identity(1, above));
+        }
+        let squared = claim.clone() * claim;
+        if self.supply.is_mixed {
+            let bound = self.plant.disturbance_bound.clone();
+            let bound = bound.clone() * bound;
+            let above = gamma * bound.clone() - self.supply.total.clone();
+            emit("gain bound above supply".into(), Matrix::identity(1, above));
+            // y'y <= g phi V with g = G^2 taubar^2 / (phi V): phi is in the block.
+            let reached = self.phi.clone() * self.supply.from_rest.clone();
+            let implied = squared * bound / reached;
+            emit("guaranteed gain".into(), self.gain_block(implied));
+            return;
+        }
+        // Comes last: dividing by a weight needs it to be positive, which (18) has shown.
+        let weights = self.weighted().map(|(_, weight)| weight);
+        let largest = S::from_f64(weights.fold(f64::NEG_INFINITY, f64::max));
+        emit("guaranteed gain".into(), self.gain_block(squared / largest));
+    }
+
+    /// A weight above the model's xi_max is no design for the model; a condition of its own only where it fails.
+    pub(super) fn weight_limit(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
+        for (signal, weight) in self.weighted() {
+            let within = weight <= model.file.specs.xi_max;
+            if !within {
+                let name = format!("{} weight within xi_max", signal.name);
+                emit(name, Matrix::identity(1, -S::one()));
+            }
+        }
+    }
+
+    /// `C'C <= bound phi U`.
+    pub(super) fn gain_block(&self, bound: S) -> Matrix<S> {
+        self.inside(self.phi.clone(), &self.plant.output, bound)
+    }
+
+    /// `[ factor U, rows' ; *, unit I ]`: |rows x|^2 <= factor unit x'Ux.
+    pub(super) fn inside(&self, factor: S, rows: &Matrix<S>, unit: S) -> Matrix<S> {
+        let corner = Matrix::identity(rows.nrows(), unit);
+        let upper = [&self.lyapunov.scaled(&factor), &rows.transposed()];
+        Matrix::symmetric(&[&upper, &[&corner]])
+    }
+
+    /// The set x'Ux <= k2 lies in the region of the model.
+    pub(super) fn region(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
+        for bound in &self.plant.region {
+            let factor = bound.bound_squared.clone() / self.level.clone();
+            let inside = self.inside(factor, &bound.rows, S::one());
+            emit(format!("box {}", bound.name), inside);
+        }
+    }
+
+    /// x0' U x0 < rho_0 for every state that the model requires; rho_0 = 1 where the torque acts at once.
+    pub(super) fn must_contain(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
+        for (index, state) in model.file.specs.must_contain.iter().enumerate() {
+            let state = Matrix::from_fn(state.len(), 1, |r, _| S::from_f64(state[r]));
+            let value = state.transposed().times(&self.lyapunov).times(&state);
+            let room = self.supply.certified_start.clone() - value.at(0, 0).clone();
+            emit(
+                format!("must contain state {}", index + 1),
+                Matrix::identity(1, room),
+            );
+        }
+    }
+
+    /// s^2 U_qq < rho_0 I: every attitude at rest with |q| <= s is a certified start.
+    pub(super) fn certified_attitudes(
+        &self,
+        model: &Model,
+        emit: &mut impl FnMut(String, Matrix<S>),
+    ) {
+        let radius = match (&model.plant, self.certificate.certified_vector_part) {
+            (Plant::Spacecraft(_), Some(radius)) => S::from_f64(radius),
+            _ => return,
+        };
+        let square = radius.clone() * radius;
+        let start = &self.supply.certified_start;
+        let room = Matrix::from_fn(3, 3, |r, c| {
+            let unit = if r == c { start.clone() } else { S::zero() };
+            unit - square.clone() * self.lyapunov.at(r + 3, c + 3).clone()
+        });
+        emit("certified attitudes".into(), room);
+    }
+
+    /// s^2 U > V_r P'P: from rest, and in the end from every certified start, |P x| <= s. P is the rate or the vector part
+    /// and V_r the bound on the functional from rest.
+    pub(super) fn final_bounds(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
+        let claims = match (&model.plant, &self.certificate.final_bounds) {
+            (Plant::Spacecraft(_), Some(claims)) => claims,
+            _ => return,
+        };
+        let parts = [
+            ("rate", 0, claims.rate),
+            ("attitude", 3, claims.vector_part),
+        ];
+        for (name, first, claim) in parts {
+            let claim = S::from_f64(claim);
+            let square = claim.clone() * claim;
+            let own = first..first + 3;
+            let room = Matrix::from_fn(6, 6, |r, c| {
+                let scaled = square.clone() * self.lyapunov.at(r, c).clone();
+                match r == c && own.contains(&r) {
+                    true => scaled - self.supply.from_rest.clone(),
+                    false => scaled,
+                }
+            });
+            emit(format!("final {name} bound"), room);
+        }
+    }
+}

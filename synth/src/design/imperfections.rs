@@ -1,0 +1,169 @@
+//! The part of a certificate that only a loop with imperfections needs.
+
+use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::certificate::{rows, symmetric, CertificateFile};
+use crate::certify::theorem1::{Certificate, FinalBounds, FirstTorque, MeasurementWeights};
+use crate::model::{check_matrix, check_positive, Model, ModelError, Plant};
+
+/// What a measurement error d with d'Lam d <= s needs beside the trigger weight. n states.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasurementFile {
+    /// Wp: what is left of the trigger weight on the error. n x n, symmetric.
+    pub error_weight: Vec<Vec<f64>>,
+    /// Diagonal of Lam. n entries.
+    pub sample_weight: Vec<f64>,
+}
+
+/// The functional before the first message arrives. n states, d disturbances.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FirstTorqueFile {
+    /// kappa: V' <= kappa V + xi |tau|^2 [1/s].
+    pub growth_per_s: f64,
+    /// Multiplier of x. n x n.
+    pub state: Vec<Vec<f64>>,
+    /// Multiplier of x'. n x n.
+    pub rate: Vec<Vec<f64>>,
+    /// Multiplier of the disturbance. d x n.
+    pub disturbance: Vec<Vec<f64>>,
+}
+
+/// Bounds from rest, and in the end from every certified start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FinalBoundsFile {
+    /// On the norm of the rate [rad/s].
+    pub rate_rad_s: f64,
+    /// On the norm of the error quaternion's vector part.
+    pub vector_part: f64,
+}
+
+impl MeasurementFile {
+    fn of(weights: &MeasurementWeights) -> Self {
+        MeasurementFile {
+            error_weight: rows(&weights.error_weight),
+            sample_weight: weights.sample_weight.iter().copied().collect(),
+        }
+    }
+
+    fn read(&self, states: usize) -> Result<MeasurementWeights, ModelError> {
+        let field = "certificate.measurement.error_weight";
+        Ok(MeasurementWeights {
+            error_weight: symmetric(field, &self.error_weight, states)?,
+            sample_weight: numbers(
+                "certificate.measurement.sample_weight",
+                &self.sample_weight,
+                states,
+            )?,
+        })
+    }
+}
+
+impl FirstTorqueFile {
+    fn of(numbers: &FirstTorque) -> Self {
+        FirstTorqueFile {
+            growth_per_s: numbers.growth,
+            state: rows(&numbers.state),
+            rate: rows(&numbers.rate),
+            disturbance: rows(&numbers.disturbance),
+        }
+    }
+
+    fn read(&self, (states, disturbances): (usize, usize)) -> Result<FirstTorque, ModelError> {
+        check_positive("certificate.first_torque.growth_per_s", self.growth_per_s)?;
+        let matrix = |key: &str, rows: &[Vec<f64>], height: usize| -> Result<DMatrix<f64>, _> {
+            let field = format!("certificate.first_torque.{key}");
+            check_matrix(&field, rows, (Some(height), Some(states)))
+        };
+        Ok(FirstTorque {
+            growth: self.growth_per_s,
+            state: matrix("state", &self.state, states)?,
+            rate: matrix("rate", &self.rate, states)?,
+            disturbance: matrix("disturbance", &self.disturbance, disturbances)?,
+        })
+    }
+}
+
+/// A list of numbers above 0, of the given length.
+fn numbers(field: &str, list: &[f64], length: usize) -> Result<DVector<f64>, ModelError> {
+    if list.len() != length {
+        let [found, expected] = [list.len(), length].map(|count| format!("{count} entries"));
+        return Err(ModelError::shape(field, found, expected));
+    }
+    for (index, &value) in list.iter().enumerate() {
+        check_positive(&format!("{field}[{index}]"), value)?;
+    }
+    Ok(DVector::from_column_slice(list))
+}
+
+/// Writes a certificate's numbers of this kind.
+pub(super) fn write(certificate: &Certificate, file: &mut CertificateFile) {
+    file.measurement = certificate.measurement.as_ref().map(MeasurementFile::of);
+    file.first_torque = certificate.first_torque.as_ref().map(FirstTorqueFile::of);
+    file.gain_error_weight = certificate.gain_error_weight.iter().copied().collect();
+    file.final_bounds = certificate.final_bounds.map(|bounds| FinalBoundsFile {
+        rate_rad_s: bounds.rate,
+        vector_part: bounds.vector_part,
+    });
+}
+
+/// Reads them: each where the model's imperfections need it, and nowhere else.
+pub(super) fn read(
+    file: &CertificateFile,
+    model: &Model,
+    certificate: &mut Certificate,
+) -> Result<(), ModelError> {
+    let imperfections = &model.file.imperfections;
+    let (n, m, d, _) = model.plant.sizes();
+    let needed = imperfections.measurement_error().is_some();
+    present("measurement", file.measurement.is_some(), needed)?;
+    let needed = imperfections.is_networked();
+    present("first_torque", file.first_torque.is_some(), needed)?;
+    let measurement = file.measurement.as_ref();
+    certificate.measurement = measurement.map(|file| file.read(n)).transpose()?;
+    let first = file.first_torque.as_ref();
+    certificate.first_torque = first.map(|file| file.read((n, d))).transpose()?;
+    let count = imperfections.uncertain_gains(m).len();
+    let field = "certificate.gain_error_weight";
+    certificate.gain_error_weight = numbers(field, &file.gain_error_weight, count)?;
+    certificate.final_bounds = match &file.final_bounds {
+        Some(bounds) => Some(bounds.read(model)?),
+        None => None,
+    };
+    Ok(())
+}
+
+impl FinalBoundsFile {
+    fn read(&self, model: &Model) -> Result<FinalBounds, ModelError> {
+        let Plant::Spacecraft(_) = model.plant else {
+            let reason = "must be left out: the plant is not an exact spacecraft";
+            return Err(ModelError::choice("certificate.final_bounds", reason));
+        };
+        check_positive("certificate.final_bounds.rate_rad_s", self.rate_rad_s)?;
+        check_positive("certificate.final_bounds.vector_part", self.vector_part)?;
+        Ok(FinalBounds {
+            rate: self.rate_rad_s,
+            vector_part: self.vector_part,
+        })
+    }
+}
+
+/// Numbers stand in a certificate exactly where the model needs them.
+fn present(key: &str, found: bool, needed: bool) -> Result<(), ModelError> {
+    let field = format!("certificate.{key}");
+    match (found, needed) {
+        (false, true) => Err(ModelError::choice(
+            field,
+            "is missing; the model's imperfections need it",
+        )),
+        (true, false) => Err(ModelError::choice(
+            field,
+            "must be left out: the model's imperfections do not need it",
+        )),
+        _ => Ok(()),
+    }
+}
