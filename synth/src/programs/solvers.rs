@@ -81,6 +81,13 @@ impl Solvers {
         structured.unwrap_or(self.first().0)
     }
 
+    /// All solvers, the one that searches use first.
+    pub(crate) fn fastest_first(&self) -> Vec<Asked<'_>> {
+        let mut all = self.in_order();
+        all.sort_by_key(|(backend, _)| !is_structured(*backend));
+        all
+    }
+
     /// All solvers in order.
     pub(crate) fn in_order(&self) -> Vec<Asked<'_>> {
         let all = self.asked.iter();

@@ -36,8 +36,12 @@ pub fn synthesize(
     if model.file.specs.objective == Objective::Both {
         return two_certificates::synthesize(model, model_text, solvers, observer);
     }
+    let mut search = Session::each_alone(solvers.fastest_first(), observer.as_ref());
+    let task = measured::linearised(model, &model.task(), &mut search)?;
     let mut session = Session::new(solvers, observer);
-    let task = measured::linearised(model, &model.task(), &mut session)?;
+    for other in &mut search {
+        session.runs.append(&mut other.runs);
+    }
     let request = DesignRequest::of_model(model, model_text, &task, solvers.first().1);
     smallest_gain(request, session)
 }
