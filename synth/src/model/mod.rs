@@ -6,6 +6,7 @@ mod explain;
 mod file;
 mod gains;
 mod inertia;
+mod kind;
 mod large_set;
 mod ranges;
 mod read;
@@ -13,7 +14,7 @@ mod rules;
 mod search;
 mod validate;
 
-pub use error::{kind_of, readable, FileError, Kind, ModelError};
+pub use error::{readable, FileError, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,
     Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear, RulesPlant,
@@ -21,6 +22,7 @@ pub use file::{
     MODEL_SCHEMA_VERSION,
 };
 pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
+pub use kind::{kind_of, Kind};
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     check_positive_definite, check_shape, check_symmetric, check_version, finite, Size, MAX_BOUNDS,
