@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// The largest logarithm of a size that is not known.
 const LARGEST_LOGARITHM: f64 = 300.0;
 
-/// Singular values of the normal equations below this, relative to the largest, count as 0: what they belong to is free.
+/// Singular values of the normal equations, whose entries are counts, below this are 0: what they belong to is free.
 const FREE: f64 = 1e-10;
 
 /// A size of each state: the known ones, and for the others those in which the entries of all A_i (n x n) and of

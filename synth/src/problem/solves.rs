@@ -213,6 +213,10 @@ impl<P: DesignProblem> Search<'_, P> {
         };
         let problem = &program.problem;
         let ran = session.run(problem, &name, goal.accuracy(), vertices);
+        for run in &mut session.runs {
+            run.state_units = scaled.units.state.iter().copied().collect();
+            run.margin = Some(goal.margin(run.objective)).filter(|margin| margin.is_finite());
+        }
         self.runs.append(&mut session.runs);
         let solution = match ran {
             Ok(solution) => solution,
