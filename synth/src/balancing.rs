@@ -1,116 +1,140 @@
-//! Units of states from the plant itself.
+//! Sizes of states from the plant itself.
 //!
-//! A diagonal change of units x = D x' turns A, B, C into D^-1 A D, D^-1 B, C D. Here every column of B and every row
-//! of C counts with a length of one, whatever the units of inputs and outputs, and D makes the row and the column of
-//! each state equally long (E. E. Osborne, "On pre-conditioning of matrices", Journal of the ACM 7 (1960) 338-345). The
-//! result does not depend on the units in which the plant is stated. A common factor that nothing fixes makes the state
-//! that the disturbance reaches within a second about 1.
+//! Diagonal changes of units `x = D x'`, `u = E u'` and of the unit of time turn A and B into `D^-1 A D` and `D^-1 B E`,
+//! both multiplied by the unit of time. Here they make the entries as alike as they can: the squares of their logarithms
+//! have the smallest sum (A. R. Curtis and J. K. Reid, "On the automatic scaling of matrices for Gaussian elimination",
+//! J. Inst. Maths Applics 10 (1972) 118-124). Sizes in other units are the same sizes.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::fuzzy::TakagiSugeno;
+/// The largest logarithm of a size that is not known.
+const LARGEST_LOGARITHM: f64 = 300.0;
 
-/// Passes over the states.
-const PASSES: usize = 1000;
+/// Singular values of the normal equations, whose entries are counts, below this are 0: what they belong to is free.
+const FREE: f64 = 1e-10;
 
-/// Largest logarithm of a change that ends the passes.
-const CONVERGED: f64 = 1e-9;
-
-/// The largest change of a unit, as a power of two: a state that nothing drives or observes keeps a finite one.
-const LARGEST_EXPONENT: f64 = 60.0;
-
-/// An extent for each state: the known ones, and for the others what balances the plant.
-pub fn balanced(system: &TakagiSugeno, known: &[Option<f64>]) -> DVector<f64> {
-    let mut units = DVector::from_iterator(known.len(), known.iter().map(|d| d.unwrap_or(1.0)));
-    if known.iter().all(Option::is_some) {
-        return units;
-    }
-    let plant = Magnitudes::of(system);
-    for _ in 0..PASSES {
-        let mut change: f64 = 0.0;
-        for state in (0..known.len()).filter(|&state| known[state].is_none()) {
-            let (row, column) = plant.lengths(&units, state);
-            if row > 0.0 && column > 0.0 {
-                let factor = (row / column).sqrt();
-                let limit = LARGEST_EXPONENT.exp2();
-                units[state] = (units[state] * factor).clamp(1.0 / limit, limit);
-                change = change.max(factor.ln().abs());
+/// A size of each state: the known ones, and for the others those in which the entries of all A_i (n x n) and of
+/// B (n x m, inputs and whatever else drives the states) are as alike as diagonal units of states, inputs and time can
+/// make them. Where no size is known a common factor of all is free. A known size is above 0 and finite.
+pub fn balanced(
+    vertices: &[DMatrix<f64>],
+    input: &DMatrix<f64>,
+    known: &[Option<f64>],
+) -> DVector<f64> {
+    let (n, m) = input.shape();
+    // Unknowns: the logarithms of the sizes of states and inputs, and of the unit of time.
+    let unknowns = n + m + 1;
+    let mut normal = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let mut right = DVector::<f64>::zeros(unknowns);
+    for entry in entries(vertices, input) {
+        // log|a| + log d_from - log d_to + log t should be 0.
+        let mut row = vec![(n + m, 1.0)];
+        let mut rest = -entry.magnitude.ln();
+        for (place, sign) in entry.ends() {
+            match known.get(place).copied().flatten() {
+                Some(size) => rest -= sign * size.ln(),
+                None => row.push((place, sign)),
             }
         }
-        if change < CONVERGED {
-            break;
+        for &(i, x) in &row {
+            right[i] += x * rest;
+            for &(j, y) in &row {
+                normal[(i, j)] += x * y;
+            }
         }
     }
-    match known.iter().any(Option::is_some) {
-        true => units,
-        false => &units * reached_within_a_second(system, &units),
-    }
-}
-
-/// The largest scaled state that a constant disturbance reaches within a second when nothing else acts; 1 without one.
-fn reached_within_a_second(system: &TakagiSugeno, units: &DVector<f64>) -> f64 {
-    let columns = system.disturbance.column_iter();
-    let lengths = columns.map(|column| column.component_div(units).norm());
-    let reached = lengths.fold(0.0, f64::max) * system.disturbance_bound;
-    match reached.is_normal() {
-        true => reached,
+    let solved = normal.svd(true, true).solve(&right, FREE);
+    let logs = solved.unwrap_or_else(|_| DVector::zeros(unknowns));
+    let found = |log: f64| match log.is_finite() {
+        true => log.clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM).exp(),
         false => 1.0,
+    };
+    DVector::from_fn(n, |state, _| {
+        known[state].unwrap_or_else(|| found(logs[state]))
+    })
+}
+
+/// An entry of [A, B] that is not 0: what it leads from and to, inputs counted after the states.
+struct Entry {
+    from: usize,
+    to: usize,
+    magnitude: f64,
+}
+
+impl Entry {
+    /// Where the sizes stand that multiply and divide the entry; none on the diagonal.
+    fn ends(&self) -> impl Iterator<Item = (usize, f64)> {
+        let ends = [(self.from, 1.0), (self.to, -1.0)];
+        let diagonal = self.from == self.to;
+        ends.into_iter().filter(move |_| !diagonal)
     }
 }
 
-/// Magnitudes of the plant's entries, the largest over all vertices.
-struct Magnitudes {
-    /// n x n, the diagonal left out.
-    state: DMatrix<f64>,
-    /// Inputs and disturbances side by side.
-    driving: DMatrix<f64>,
-    output: DMatrix<f64>,
+/// The largest magnitude of every entry over the vertices.
+fn entries(vertices: &[DMatrix<f64>], input: &DMatrix<f64>) -> Vec<Entry> {
+    let (n, m) = input.shape();
+    let largest = |row: usize, column: usize| {
+        let own = vertices.iter().map(|a| a[(row, column)].abs());
+        own.fold(0.0, f64::max)
+    };
+    let all = (0..n + m).flat_map(|from| (0..n).map(move |to| (from, to)));
+    all.map(|(from, to)| Entry {
+        from,
+        to,
+        magnitude: match from < n {
+            true => largest(to, from),
+            false => input[(to, from - n)].abs(),
+        },
+    })
+    .filter(|entry| entry.magnitude > 0.0)
+    .collect()
 }
 
-impl Magnitudes {
-    fn of(system: &TakagiSugeno) -> Self {
-        let n = system.states();
-        let mut state = DMatrix::<f64>::zeros(n, n);
-        for vertex in &system.vertices {
-            state.zip_apply(vertex, |largest, entry| *largest = largest.max(entry.abs()));
-        }
-        state.fill_diagonal(0.0);
-        let columns = system
-            .input
-            .column_iter()
-            .chain(system.disturbance.column_iter());
-        let columns: Vec<DVector<f64>> = columns.map(|column| column.abs()).collect();
-        Magnitudes {
-            state,
-            driving: DMatrix::from_columns(&columns),
-            output: system.output.abs(),
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plant in which every state is reached, and the same in other units of the states.
+    fn in_two_units(units: &DVector<f64>) -> [(DMatrix<f64>, DMatrix<f64>); 2] {
+        let a = DMatrix::from_row_slice(3, 3, &[-1.0, 2.0, 0.0, 0.5, -0.1, 1.0, 0.3, 0.0, -2.0]);
+        let b = DMatrix::from_row_slice(3, 1, &[0.0, 0.0, 1.0]);
+        let restated = DMatrix::from_fn(3, 3, |r, c| a[(r, c)] * units[c] / units[r]);
+        let input = DMatrix::from_fn(3, 1, |r, _| b[r] / units[r]);
+        [(a, b), (restated, input)]
+    }
+
+    #[test]
+    fn balancing_undoes_a_change_of_units() {
+        let units = DVector::from_vec(vec![1e-6, 1e3, 1.0]);
+        let [before, after] = in_two_units(&units).map(|(a, b)| balanced(&[a], &b, &[None; 3]));
+        let ratio = after.component_mul(&units).component_div(&before);
+        for k in 1..3 {
+            assert!((ratio[k] / ratio[0] - 1.0).abs() < 1e-6, "{ratio}");
         }
     }
 
-    /// The lengths of a state's row in [A, B] and of its column in [A; C], in the given units.
-    fn lengths(&self, units: &DVector<f64>, state: usize) -> (f64, f64) {
-        let unit = units[state];
-        let within =
-            |row: f64, column: f64, other: f64| (row * other / unit, column * unit / other);
-        let (mut row, mut column) = (0.0, 0.0);
-        for other in 0..units.len() {
-            let entry = (self.state[(state, other)], self.state[(other, state)]);
-            let (a, b) = within(entry.0, entry.1, units[other]);
-            row += a * a;
-            column += b * b;
+    #[test]
+    fn known_sizes_are_kept_and_the_others_are_the_same_in_any_units() {
+        let units = DVector::from_vec(vec![1e-6, 1e3, 1.0]);
+        let known = [None, Some(0.3), None];
+        let there = known.iter().zip(&units);
+        let there: Vec<_> = there
+            .map(|(size, unit)| size.map(|size| size / unit))
+            .collect();
+        let [own, other] = in_two_units(&units);
+        let own = balanced(&[own.0], &own.1, &known);
+        let other = balanced(&[other.0], &other.1, &there);
+        assert_eq!((own[1], other[1]), (0.3, 0.3 / 1e3));
+        let ratio = other.component_mul(&units).component_div(&own);
+        for k in 0..3 {
+            assert!((ratio[k] - 1.0).abs() < 1e-6, "{ratio}");
         }
-        for input in self.driving.column_iter() {
-            let length = input.component_div(units).norm();
-            if length > 0.0 {
-                row += (input[state] / unit / length).powi(2);
-            }
-        }
-        for output in self.output.row_iter() {
-            let length = output.transpose().component_mul(units).norm();
-            if length > 0.0 {
-                column += (output[state] * unit / length).powi(2);
-            }
-        }
-        (row.sqrt(), column.sqrt())
+        // All that is known is left alone.
+        let all = [Some(1.0), Some(2.0), Some(3.0)];
+        let [(a, b), _] = in_two_units(&units);
+        assert_eq!(
+            balanced(&[a], &b, &all),
+            DVector::from_vec(vec![1.0, 2.0, 3.0])
+        );
     }
 }

@@ -5,7 +5,7 @@
 //! the matrix sign function", Linear Algebra and its Applications 85 (1987) 267-279. What comes out is a candidate,
 //! good or not: nothing here is relied on in a proof.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// Steps of Newton's method at most.
 const STEPS: usize = 80;
@@ -112,50 +112,6 @@ pub fn positive(matrix: &DMatrix<f64>) -> bool {
     unit.cholesky().is_some()
 }
 
-/// Sizes of states and inputs in which the entries of all A_i and of B are as alike as diagonal units can make them:
-/// the least squares of their logarithms. `x = D x'`, D a diagonal of positive numbers; the units of the states
-/// multiply D exactly, and a common factor of all of them is free.
-pub fn balanced(vertices: &[DMatrix<f64>], input: &DMatrix<f64>) -> DVector<f64> {
-    let (n, m) = input.shape();
-    // Unknowns: log D of the states, log of the units of the inputs, log of the unit of time.
-    let unknowns = n + m + 1;
-    let mut normal = DMatrix::<f64>::zeros(unknowns, unknowns);
-    let mut right = DVector::<f64>::zeros(unknowns);
-    let mut entry = |from: usize, to: usize, value: f64| {
-        if value == 0.0 {
-            return;
-        }
-        // log|a| + d_from - d_to + t should be 0.
-        let mut row = vec![(n + m, 1.0)];
-        if from != to {
-            row.extend([(from, 1.0), (to, -1.0)]);
-        }
-        for &(i, x) in &row {
-            right[i] -= x * value.ln();
-            for &(j, y) in &row {
-                normal[(i, j)] += x * y;
-            }
-        }
-    };
-    for c in 0..n {
-        for r in 0..n {
-            let largest = vertices.iter().map(|a| a[(r, c)].abs());
-            entry(c, r, largest.fold(0.0, f64::max));
-        }
-    }
-    for s in 0..m {
-        for r in 0..n {
-            entry(n + s, r, input[(r, s)].abs());
-        }
-    }
-    let solved = normal.svd(true, true).solve(&right, 1e-10);
-    let logs = solved.unwrap_or_else(|_| DVector::zeros(unknowns));
-    DVector::from_fn(n, |k, _| match logs[k].is_finite() {
-        true => logs[k].clamp(-300.0, 300.0).exp(),
-        false => 1.0,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,20 +137,6 @@ mod tests {
         let root = 3.0_f64.sqrt();
         let known = DMatrix::from_row_slice(2, 2, &[root, 1.0, 1.0, root]);
         assert!((x - known).amax() < 1e-10);
-    }
-
-    #[test]
-    fn balancing_undoes_a_change_of_units() {
-        let a = DMatrix::from_row_slice(3, 3, &[-1.0, 2.0, 0.0, 0.5, -0.1, 1.0, 0.3, 0.0, -2.0]);
-        let b = DMatrix::from_row_slice(3, 1, &[0.0, 0.0, 1.0]);
-        let units = DVector::from_vec(vec![1e-6, 1e3, 1.0]);
-        let restated = DMatrix::from_fn(3, 3, |r, c| a[(r, c)] * units[c] / units[r]);
-        let input = DMatrix::from_fn(3, 1, |r, _| b[r] / units[r]);
-        let (before, after) = (balanced(&[a], &b), balanced(&[restated], &input));
-        let ratio = after.component_mul(&units).component_div(&before);
-        for k in 1..3 {
-            assert!((ratio[k] / ratio[0] - 1.0).abs() < 1e-6, "{ratio}");
-        }
     }
 
     #[test]

@@ -155,12 +155,34 @@ fn state_units(system: &TakagiSugeno, fraction: f64) -> DVector<f64> {
     extents(system).map(|extent| power_of_two(fraction * extent))
 }
 
-/// The size of each state: the smallest extent of the region along it, or what balances the plant.
+/// The size of each state: the smallest extent of the region along it, or what balances the plant. Where the region
+/// bounds no state, the state that the disturbance reaches within a second is about 1.
 fn extents(system: &TakagiSugeno) -> DVector<f64> {
     let known: Vec<Option<f64>> = (0..system.states())
         .map(|state| system.extent(state))
         .collect();
-    balanced(system, &known)
+    if let Some(all) = known.iter().copied().collect::<Option<Vec<f64>>>() {
+        return DVector::from_vec(all);
+    }
+    let inputs = system.input.column_iter();
+    let driving: Vec<_> = inputs.chain(system.disturbance.column_iter()).collect();
+    let sizes = balanced(&system.vertices, &DMatrix::from_columns(&driving), &known);
+    match known.iter().any(Option::is_some) {
+        true => sizes,
+        false => &sizes * reached_within_a_second(system, &sizes),
+    }
+}
+
+/// The largest state, relative to the sizes, that a constant disturbance reaches within a second when nothing else acts;
+/// 1 without one.
+fn reached_within_a_second(system: &TakagiSugeno, sizes: &DVector<f64>) -> f64 {
+    let columns = system.disturbance.column_iter();
+    let lengths = columns.map(|column| column.component_div(sizes).norm());
+    let reached = lengths.fold(0.0, f64::max) * system.disturbance_bound;
+    match reached.is_normal() {
+        true => reached,
+        false => 1.0,
+    }
 }
 
 /// The largest natural disturbance, relative to its bound: limits that are hardly any are no measure.

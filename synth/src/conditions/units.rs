@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::vertex_plant::VertexPlant;
-use crate::riccati::{balanced, stabilising};
+use crate::balancing::balanced;
+use crate::riccati::stabilising;
 
 /// The power of two nearest to a positive number in ratio; 1 for anything else.
 pub fn power_of_two(value: f64) -> f64 {
@@ -50,7 +51,8 @@ impl Sizes {
     /// From the plant: balanced, then `D_ii = X_ii^(-1/2)` of the linear-quadratic regulator of the mean vertex, which
     /// decays at the given rate [1/s].
     pub fn of(plant: &VertexPlant, rate: f64) -> Self {
-        let first = balanced(&plant.vertices, &plant.input);
+        let nothing_known = vec![None; plant.states()];
+        let first = balanced(&plant.vertices, &plant.input, &nothing_known);
         let sizes = Sizes {
             state: first.clone(),
             input: None,

@@ -109,6 +109,13 @@ pub struct SolverRun {
     pub iterations: u32,
     /// Wall time (s).
     pub seconds: f64,
+    /// Unit of each state in the program, a power of two; empty where no program was solved, or where two certificates
+    /// have units of their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub state_units: Vec<f64>,
+    /// Margin of the strict inequalities at the solver's point, in scaled units: asked for or, where it was sought, reached.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
 }
 
 /// How a search chose the numbers of the design's model. The proof is about the model as it stands in the

@@ -1,42 +1,6 @@
 //! What can be wrong with a file.
 
-use std::fmt;
-
-/// The kinds of files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A model file.
-    Model,
-    /// A design file.
-    Design,
-    /// A scenario file.
-    Scenario,
-    /// An infeasibility certificate.
-    Infeasibility,
-    /// A problem file: a model file with a `problem` in place of `specs`.
-    Problem,
-    /// The design file of a problem.
-    ProblemDesign,
-    /// A gains file.
-    Gains,
-    /// A requirements file of the parameter search.
-    Requirements,
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Kind::Model => "model",
-            Kind::Design => "design",
-            Kind::Scenario => "scenario",
-            Kind::Infeasibility => "infeasibility",
-            Kind::Problem => "problem",
-            Kind::ProblemDesign => "problem design",
-            Kind::Gains => "gains",
-            Kind::Requirements => "requirements",
-        })
-    }
-}
+use super::kind::Kind;
 
 /// Why a file could not be used. The file's name is added by whoever reports it.
 #[derive(Debug, thiserror::Error)]
@@ -255,32 +219,5 @@ pub fn readable(value: f64) -> String {
         value.to_string()
     } else {
         format!("{value:e}")
-    }
-}
-
-/// The kind of a file, from keys that only this kind has; `None` when it is none of them.
-pub fn kind_of(text: &str) -> Option<Kind> {
-    let value: serde_json::Value = serde_json::from_str(text).ok()?;
-    let keys = value.as_object()?;
-    let asks = |value: &serde_json::Value| value.get("problem").is_some();
-    if keys.contains_key("infeasibility") {
-        Some(Kind::Infeasibility)
-    } else if keys.contains_key("certificate") {
-        match keys.get("model").is_some_and(asks) {
-            true => Some(Kind::ProblemDesign),
-            false => Some(Kind::Design),
-        }
-    } else if keys.contains_key("duration_s") {
-        Some(Kind::Scenario)
-    } else if asks(&value) {
-        Some(Kind::Problem)
-    } else if keys.contains_key("manoeuvre") {
-        Some(Kind::Requirements)
-    } else if keys.contains_key("specs") {
-        Some(Kind::Model)
-    } else if keys.get("gains").is_some_and(serde_json::Value::is_array) {
-        Some(Kind::Gains)
-    } else {
-        None
     }
 }

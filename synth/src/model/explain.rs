@@ -5,7 +5,8 @@ use serde::Serialize;
 use serde_json::error::Category;
 use serde_json::Value;
 
-use super::error::{kind_of, FileError, Kind};
+use super::error::FileError;
+use super::kind::{kind_of, Kind};
 
 type LocatedError = serde_path_to_error::Error<serde_json::Error>;
 
@@ -132,25 +133,32 @@ fn plain_expected(expected: &str) -> String {
 pub fn list_for_object<T: Serialize>(text: &str, parsed: &T) -> Option<String> {
     let given: Value = serde_json::from_str(text).ok()?;
     let parsed = serde_json::to_value(parsed).ok()?;
-    first_list_for_object(&given, &parsed, String::new())
+    first_list_for_object(&given, &parsed)
 }
 
-fn first_list_for_object(given: &Value, parsed: &Value, field: String) -> Option<String> {
+/// Its path, built only where there is one.
+fn first_list_for_object(given: &Value, parsed: &Value) -> Option<String> {
     match (given, parsed) {
-        (Value::Array(_), Value::Object(_)) => Some(field),
+        (Value::Array(_), Value::Object(_)) => Some(String::new()),
         (Value::Array(given), Value::Array(parsed)) => {
             let mut pairs = given.iter().zip(parsed).enumerate();
             pairs.find_map(|(i, (given, parsed))| {
-                first_list_for_object(given, parsed, format!("{field}[{i}]"))
+                let rest = first_list_for_object(given, parsed)?;
+                Some(format!("[{i}]{}", joined(&rest)))
             })
         }
         (Value::Object(given), Value::Object(parsed)) => given.iter().find_map(|(key, given)| {
-            let path = match field.as_str() {
-                "" => key.clone(),
-                parent => format!("{parent}.{key}"),
-            };
-            first_list_for_object(given, parsed.get(key)?, path)
+            let rest = first_list_for_object(given, parsed.get(key)?)?;
+            Some(format!("{key}{}", joined(&rest)))
         }),
         _ => None,
+    }
+}
+
+/// The rest of a path with what joins it to what is before.
+fn joined(rest: &str) -> String {
+    match rest.chars().next() {
+        None | Some('[') => rest.to_string(),
+        Some(_) => format!(".{rest}"),
     }
 }

@@ -8,6 +8,7 @@ mod gains;
 mod gyroscopic;
 mod imperfections;
 mod inertia;
+mod kind;
 mod large_set;
 mod ranges;
 mod read;
@@ -15,7 +16,7 @@ mod rules;
 mod search;
 mod validate;
 
-pub use error::{kind_of, readable, FileError, Kind, ModelError};
+pub use error::{readable, FileError, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,
     Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear, RulesPlant,
@@ -28,6 +29,7 @@ pub use imperfections::{
     Auto, Effectiveness, ErrorBall, ErrorUnit, Imperfections, MeasurementBounds, MomentumBound,
     ReferenceMotion, TriggerFloor, FLOOR_SHARE,
 };
+pub use kind::{kind_of, Kind};
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     check_positive_definite, check_shape, check_symmetric, check_version, finite, Size, MAX_BOUNDS,

@@ -65,6 +65,19 @@ impl ProblemGoal {
         }
     }
 
+    /// The margin of the strict inequalities at a point with this objective.
+    pub(super) fn margin(self, objective: f64) -> f64 {
+        match self {
+            ProblemGoal::SmallestObjective => MARGIN,
+            ProblemGoal::LargestMargin { .. } | ProblemGoal::AnyObjective => {
+                -MARGIN_UNIT * objective
+            }
+            ProblemGoal::SmallestEffort { margin, .. } => MARGIN_UNIT * margin,
+            ProblemGoal::SmallestSlack => SLACK_MARGIN - objective,
+            ProblemGoal::Margin(margin) => margin,
+        }
+    }
+
     pub(super) fn accuracy(self) -> Accuracy {
         let (relative_gap, objective_unit) = match self {
             ProblemGoal::SmallestObjective => (1e-8, 1e-3),

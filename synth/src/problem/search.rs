@@ -165,6 +165,8 @@ impl<'a, P: DesignProblem> Search<'a, P> {
             objective: objective.unwrap_or(0.0),
             iterations: tried,
             seconds: start.elapsed().as_secs_f64(),
+            state_units: Vec::new(),
+            margin: None,
         });
     }
 

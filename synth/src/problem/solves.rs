@@ -6,12 +6,9 @@ use super::scaled::{sizes_of, Scaled};
 use super::search::Search;
 use crate::conditions::state_feedback::{DesignProblem, StateFeedback};
 use crate::conditions::units::Sizes;
-use crate::programs::{has_point, largest_magnitude, Session, SynthesisError};
-use crate::riccati::{positive, symmetric};
+use crate::programs::{has_point, largest_magnitude, satisfied, Session, SynthesisError};
+use crate::riccati::symmetric;
 use sdp::solve::{Solution, Status};
-
-/// What the conditions may miss, relative to the diagonals of their matrices, at a solver's optimum that counts.
-const VIOLATION: f64 = 1e-6;
 
 /// Part of the largest margin that is kept while the effort is minimised.
 const KEPT_MARGIN: f64 = 0.25;
@@ -56,7 +53,8 @@ impl<P: DesignProblem> Search<'_, P> {
                 return Ok(sizes);
             }
         }
-        if satisfied(&answer) {
+        let stated = answer.program.stated.iter().map(|stated| &stated.matrix);
+        if satisfied(&answer.solution, stated) {
             self.saw(objective);
         }
         let q = symmetric(&answer.program.transformed.inverse.value(values));
@@ -215,6 +213,10 @@ impl<P: DesignProblem> Search<'_, P> {
         };
         let problem = &program.problem;
         let ran = session.run(problem, &name, goal.accuracy(), vertices);
+        for run in &mut session.runs {
+            run.state_units = scaled.units.state.iter().copied().collect();
+            run.margin = Some(goal.margin(run.objective)).filter(|margin| margin.is_finite());
+        }
         self.runs.append(&mut session.runs);
         let solution = match ran {
             Ok(solution) => solution,
@@ -227,21 +229,6 @@ impl<P: DesignProblem> Search<'_, P> {
         let usable = largest.is_finite() && solution.values.len() == problem.unknowns.count();
         Ok(usable.then_some(Answer { program, solution }))
     }
-}
-
-/// True where a solver's point satisfies every condition but for rounding, each relative to its own diagonal.
-fn satisfied(answer: &Answer) -> bool {
-    let values = &answer.solution.values;
-    has_point(&answer.solution)
-        && answer.program.stated.iter().all(|stated| {
-            let mut matrix = stated.matrix.value(values);
-            let diagonal = matrix.diagonal().abs();
-            let least = VIOLATION * diagonal.max();
-            for k in 0..diagonal.len() {
-                matrix[(k, k)] += VIOLATION * diagonal[k] + VIOLATION * least;
-            }
-            positive(&matrix)
-        })
 }
 
 impl<P: DesignProblem> Search<'_, P> {

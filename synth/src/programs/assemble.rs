@@ -88,6 +88,17 @@ impl Goal {
         }
     }
 
+    /// The margin of the strict inequalities at a point with this objective, where a fixed margin is the specification's.
+    pub(crate) fn margin(self, fixed: f64, objective: f64) -> f64 {
+        match self {
+            Goal::LargestMargin { .. } | Goal::LargestMarginAtPeak { .. } => {
+                -MARGIN_UNIT * objective
+            }
+            Goal::SmallestSlack => fixed - objective,
+            Goal::SmallestGain | Goal::SmallestPeak | Goal::LargestScale { .. } => fixed,
+        }
+    }
+
     /// Its name in files and reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -170,6 +170,8 @@ impl<'a> Session<'a> {
             },
             iterations: solution.iterations,
             seconds: start.elapsed().as_secs_f64(),
+            state_units: Vec::new(),
+            margin: None,
         });
         Ok(solution)
     }
@@ -181,7 +183,13 @@ impl<'a> Session<'a> {
         (scaling, task): (Scaling, Task),
         goal: Goal,
     ) -> Result<Solved, SynthesisError> {
+        let before = self.runs.len();
         let (assembled, solution) = self.solve_task(&task, goal)?;
+        for run in self.runs.iter_mut().skip(before) {
+            run.state_units = scaling.state.iter().copied().collect();
+            let margin = goal.margin(task.specification.margin, run.objective);
+            run.margin = Some(margin).filter(|margin| margin.is_finite());
+        }
         Ok(Solved {
             scaling,
             task,

@@ -3,7 +3,8 @@
 //! A [`Synthesis`] says how one attempt is made; its settings and back-offs are data, and [`Attempts`] keeps what
 //! came of them. Nothing that a solver reports is trusted: only the check decides whether a design is proved.
 
-use crate::programs::{has_point, Session, SynthesisError, Synthesized};
+use crate::programs::{has_point, satisfied, Session, SynthesisError, Synthesized};
+use sdp::lmi::{Condition, LmiProblem};
 use sdp::solve::{Solution, Status};
 
 /// A problem at whose design attempts are made.
@@ -31,8 +32,13 @@ pub(crate) trait Synthesis {
 
 /// The result of a solve for the smallest bound.
 pub(crate) enum Smallest {
-    /// The bound, above 0 and finite.
-    Bound(f64),
+    /// A bound that the solver reports.
+    Bound {
+        /// Above 0 and finite.
+        bound: f64,
+        /// Whether its point satisfies the conditions: else the bound says nothing about the optimum.
+        satisfied: bool,
+    },
     /// The solver reports that there is none.
     Infeasible,
     /// The solver returned no usable point.
@@ -40,12 +46,18 @@ pub(crate) enum Smallest {
 }
 
 impl Smallest {
-    /// What a solver returned.
-    pub fn of(solution: &Solution) -> Self {
+    /// What a solver returned for a problem.
+    pub fn of(problem: &LmiProblem, solution: &Solution) -> Self {
         let bound = solution.objective;
         match solution.status {
             Status::Infeasible => Smallest::Infeasible,
-            _ if has_point(solution) && bound.is_finite() && bound > 0.0 => Smallest::Bound(bound),
+            _ if has_point(solution) && bound.is_finite() && bound > 0.0 => Smallest::Bound {
+                bound,
+                satisfied: satisfied(
+                    solution,
+                    problem.conditions.iter().map(Condition::expression),
+                ),
+            },
             _ => Smallest::Failed,
         }
     }
@@ -72,6 +84,8 @@ pub(crate) struct Attempts<Settings, File> {
     pub unproved: Option<Box<Synthesized<File>>>,
     /// The settings that gave a bound, with the solver's smallest in each.
     pub bounds: Vec<(Settings, f64)>,
+    /// The smallest bound whose point satisfies the conditions; infinite without one.
+    pub best_seen: f64,
     /// How often the solver called the problem infeasible.
     pub infeasible: u32,
 }
@@ -82,6 +96,7 @@ impl<Settings, File> Default for Attempts<Settings, File> {
             best: None,
             unproved: None,
             bounds: Vec::new(),
+            best_seen: f64::INFINITY,
             infeasible: 0,
         }
     }
@@ -100,6 +115,7 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
                 found.keep::<S>(other.best);
                 found.unproved = found.unproved.or(other.unproved);
                 found.bounds.extend(other.bounds);
+                found.best_seen = found.best_seen.min(other.best_seen);
                 found.infeasible += other.infeasible;
             }
         }
@@ -112,7 +128,7 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
         self.best = both.min_by(|a, b| S::objective(&a.file).total_cmp(&S::objective(&b.file)));
     }
 
-    /// The smallest bound that a solver reported.
+    /// The smallest bound that a solver reported, whatever its point.
     pub fn smallest_bound(&self) -> f64 {
         let bounds = self.bounds.iter().map(|(_, bound)| *bound);
         bounds.fold(f64::INFINITY, f64::min)
@@ -126,7 +142,12 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
     ) -> Result<Smallest, SynthesisError> {
         let smallest = synthesis.smallest(settings)?;
         match smallest {
-            Smallest::Bound(bound) => self.bounds.push((settings.clone(), bound)),
+            Smallest::Bound { bound, satisfied } => {
+                self.bounds.push((settings.clone(), bound));
+                if satisfied {
+                    self.best_seen = self.best_seen.min(bound);
+                }
+            }
             Smallest::Infeasible => self.infeasible += 1,
             Smallest::Failed => {}
         }
@@ -141,7 +162,7 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
         back_offs: &[f64],
     ) -> Result<Attempt, SynthesisError> {
         match self.smallest(synthesis, settings)? {
-            Smallest::Bound(bound) => {
+            Smallest::Bound { bound, .. } => {
                 self.back_off(synthesis, &[(settings.clone(), bound)], back_offs)
             }
             Smallest::Infeasible => Ok(Attempt::Infeasible),

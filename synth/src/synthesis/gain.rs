@@ -79,9 +79,12 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
             }
             _ => false,
         };
-        let smallest = Smallest::of(&solved.solution);
+        let smallest = Smallest::of(&solved.assembled.problem, &solved.solution);
         Ok(match smallest {
-            Smallest::Bound(bound) => Smallest::Bound(bound / self.gain_ratio()),
+            Smallest::Bound { bound, satisfied } => Smallest::Bound {
+                bound: bound / self.gain_ratio(),
+                satisfied,
+            },
             _ => smallest,
         })
     }
@@ -326,7 +329,8 @@ fn best_objective(found: &UnitAttempts) -> f64 {
     })
 }
 
-/// Whether the best design is much worse than the smallest bound that a solver reported.
+/// Whether the best design is much worse than the smallest bound that a solver reported, which is reason enough to go on
+/// even where its point violates the conditions.
 fn is_poor(found: &UnitAttempts) -> bool {
     let optimality = Optimality::of_smallest(best_objective(found), found.smallest_bound());
     optimality.is_some_and(|optimality| optimality.is_poor())

@@ -146,7 +146,7 @@ impl FormSearch<'_> {
         let request = DesignRequest::of_model(&model, "", &task, self.session.form);
         let mut synthesis = GainSynthesis::new(request, None, &mut self.session);
         Ok(match synthesis.smallest(&FIRST_UNITS)? {
-            Smallest::Bound(bound) => bound,
+            Smallest::Bound { bound, .. } => bound,
             _ => f64::INFINITY,
         })
     }

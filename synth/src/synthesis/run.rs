@@ -91,7 +91,7 @@ fn smallest_gain(request: DesignRequest, mut session: Session) -> Result<Outcome
             let asked = request.model.file.specs.gamma;
             GainSynthesis::new(request, asked, session).in_all_settings()
         })?;
-    let best_seen = found.smallest_bound();
+    let best_seen = found.best_seen;
     let solved = |design: Box<Synthesized>, session: &Session| {
         let mut design = design.with_runs(&session.runs);
         let objective = GainSynthesis::objective(&design.file);

@@ -174,9 +174,9 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
         let scaled = choice.scaled(self.request.model, self.outer);
         let (coupled, solution) = self.solve(&scaled, choice, Goal::SmallestGain)?;
         self.couplings += 1;
-        let smallest = Smallest::of(&solution);
+        let smallest = Smallest::of(&coupled.problem, &solution);
         match smallest {
-            Smallest::Bound(_) => {
+            Smallest::Bound { .. } => {
                 let [(scaling, task), _] = &scaled;
                 let model = self.request.model;
                 let recovered = recover(model, &coupled.inner, &solution.values, (scaling, task));

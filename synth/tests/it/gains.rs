@@ -198,11 +198,39 @@ fn contradictions() -> u64 {
     asked.and_then(|count| count.parse().ok()).unwrap_or(40)
 }
 
+/// Of the first model; each next one has the next.
+const FIRST_SEED: u64 = 1000;
+
+/// After so many models the counts are printed.
+const COUNTED: u64 = 100;
+
+/// What came of the models so far.
+#[derive(Default)]
+struct Counts {
+    designs: u64,
+    refuted: u64,
+    open: u64,
+}
+
+impl std::fmt::Display for Counts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let models = self.designs + self.refuted + self.open;
+        write!(
+            f,
+            "seeds {FIRST_SEED} to {}: {models} models, {} proved designs, {} proved refutations, {} undecided",
+            (FIRST_SEED + models).saturating_sub(1),
+            self.designs,
+            self.refuted,
+            self.open
+        )
+    }
+}
+
 #[test]
 fn no_model_near_its_edge_has_a_proved_design_and_a_proved_refutation() {
-    let (mut designs, mut refuted, mut open) = (0, 0, 0);
-    for seed in 0..contradictions() {
-        let mut stream = Stream(1000 + seed);
+    let mut counts = Counts::default();
+    for seed in (FIRST_SEED..).take(contradictions() as usize) {
+        let mut stream = Stream(seed);
         let sizes = Sizes {
             states: 2,
             inputs: 1,
@@ -230,15 +258,15 @@ fn no_model_near_its_edge_has_a_proved_design_and_a_proved_refutation() {
             !(yes && no),
             "seed {seed}: a proved design and a proved refutation"
         );
-        designs += u64::from(yes);
-        refuted += u64::from(no);
-        open += u64::from(!yes && !no);
+        counts.designs += u64::from(yes);
+        counts.refuted += u64::from(no);
+        counts.open += u64::from(!yes && !no);
+        if (seed - FIRST_SEED + 1) % COUNTED == 0 {
+            eprintln!("{counts}");
+        }
     }
-    eprintln!("{designs} designs, {refuted} refuted, {open} undecided");
-    assert!(
-        designs > 0 && refuted > 0,
-        "{designs} designs, {refuted} refuted"
-    );
+    eprintln!("{counts}");
+    assert!(counts.designs > 0 && counts.refuted > 0, "{counts}");
 }
 
 #[test]

@@ -145,6 +145,15 @@ impl Affine {
         out
     }
 
+    /// The sum of the magnitudes of the terms of each entry at a point: what rounding is relative to.
+    pub fn magnitudes(&self, values: &[f64]) -> DMatrix<f64> {
+        let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+        self.map_entries(self.rows, self.columns, |entries| {
+            entries.iter().map(|(&at, v)| (at, v.abs())).collect()
+        })
+        .value(&sizes)
+    }
+
     /// True where some entry of the expression is not identically zero inside the given block.
     pub fn touches(&self, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> bool {
         let hit = |entries: &Entries| {

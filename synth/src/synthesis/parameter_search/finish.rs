@@ -254,8 +254,8 @@ impl Finish<'_> {
         // The design of a solver's point, checked.
         let mut design = |goal: Goal, peak: Option<f64>| {
             let solved = session.solve(scaled(&task, &units), goal)?;
-            let least = match Smallest::of(&solved.solution) {
-                Smallest::Bound(least) => Some(least),
+            let least = match Smallest::of(&solved.assembled.problem, &solved.solution) {
+                Smallest::Bound { bound, .. } => Some(bound),
                 _ => None,
             };
             let Some(peak) = peak.or(least) else {
