@@ -150,7 +150,7 @@ fn scheduled(design: &Design) -> bool {
 fn law(design: &Design) -> Vec<String> {
     let mut out = vec![
         "At the times t_k at which the state is sent: u = sat(F x(t_k)), held until the next message. \
-         The state is sent when e' W e >= threshold x(t_k)' W x(t_k), with e = x - x(t_k) and W = \
+         The state is sent when e' W e >= threshold x(t_k)' W x(t_k) + trigger_floor, with e = x - x(t_k) and W = \
          trigger_weight; nu is the largest threshold."
             .to_string(),
     ];
@@ -200,6 +200,8 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
     let mut out = vec![
         Quantity::new("gains", per_state, &controller.gains)
             .means("the gains F_j, one for each rule"),
+        Quantity::new("trigger_floor", "1/s", &controller.trigger_floor)
+            .means("eps_a: send when e'We >= nu w'Ww + eps_a"),
         Quantity::new("trigger_weight", WEIGHT, &controller.trigger_weight)
             .means("W of the trigger (Upsilon)"),
         Quantity::new(limit_name, limit_unit, limit.as_slice())
@@ -314,6 +316,14 @@ fn certificate(proof: &CertificateFile) -> Vec<Quantity> {
         Quantity::new("guaranteed_gain", GAIN, &proof.guaranteed_gain)
             .means("the sharper bound on sup|y| / sup|tau| from rest"),
     ];
+    if let Some(bounds) = &proof.final_bounds {
+        out.extend([
+            Quantity::new("final_rate_rad_s", "rad/s", &bounds.rate_rad_s)
+                .means("bound on the norm of the rate from rest and in the end"),
+            Quantity::new("final_vector_part", "1", &bounds.vector_part)
+                .means("bound on |q| from rest and in the end"),
+        ]);
+    }
     out.extend(proof.certified_vector_part.map(|radius| {
         Quantity::new("certified_vector_part", "1", &radius)
             .means("every attitude at rest with |q| up to this is a certified start")

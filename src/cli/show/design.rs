@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 use serde::Serialize;
-use synth::certify::reach::{angle_of_vector_part_deg, Along};
+use synth::certify::reach::{angle_above_vector_part_deg, angle_of_vector_part_deg, Along};
+use synth::certify::theorem1::certified_start;
 use synth::certify::{Report, Verdict};
 use synth::design::{DesignFile, LargeSetCertificate, SearchRecord};
 use synth::model::Model;
@@ -153,6 +154,12 @@ pub struct DesignClaims {
     pub guaranteed_gain: Option<f64>,
     /// The weight of the disturbance.
     xi: Option<f64>,
+    /// Pointing error from rest, and in the end from every certified start, at most (deg); null without such a claim.
+    pointing_deg: Option<f64>,
+    /// The rate likewise [rad/s].
+    rate_bound_rad_s: Option<f64>,
+    /// Starts with x0'U x0 up to this are certified: 1 where the torque acts at once.
+    certified_start: Option<f64>,
     /// Largest angle such that every attitude at rest within it is a certified start (deg).
     certified_angle_deg: Option<f64>,
     /// Every attitude at rest up to this angle, about any axis, is in the set (deg).
@@ -196,7 +203,7 @@ impl DesignClaims {
             return DesignClaims::default();
         }
         let part = &design.certificate;
-        let along = reached(model, &part.lyapunov);
+        let along = reached(model, design);
         let angles = along.iter().filter_map(|one| one.angle_deg);
         let smallest = angles.reduce(f64::min);
         let transmissions = TransmissionBound::of_model(model);
@@ -206,6 +213,14 @@ impl DesignClaims {
             gamma: Some(part.gamma),
             guaranteed_gain: Some(part.guaranteed_gain),
             xi: Some(part.xi),
+            pointing_deg: part
+                .final_bounds
+                .map(|bounds| angle_above_vector_part_deg(bounds.vector_part)),
+            rate_bound_rad_s: part.final_bounds.map(|bounds| bounds.rate_rad_s),
+            certified_start: design
+                .certificate(model)
+                .ok()
+                .map(|certificate| certified_start(model, &certificate)),
             certified_angle_deg: certified_angle_deg(part.certified_vector_part),
             certified_angle_any_axis_deg: part.certified_vector_part.map(angle_of_vector_part_deg),
             certified_angle_along_deg: smallest,
@@ -227,7 +242,23 @@ impl DesignClaims {
         let angle = self.certified_angle_deg.map(Claim::AtLeast);
         let angle =
             angle.map(|angle| format!("certified set: every attitude at rest up to {angle} deg"));
-        [gamma, gain, angle].into_iter().flatten().collect()
+        let bounds = self.pointing_deg.zip(self.rate_bound_rad_s);
+        let bounds = bounds.map(|(pointing, rate)| {
+            format!(
+                "from rest and in the end: pointing error at most {} deg, rate at most {} rad/s",
+                Claim::AtMost(pointing),
+                Claim::AtMost(rate)
+            )
+        });
+        let start = self.certified_start.filter(|start| *start < 1.0);
+        let start = start.map(|start| {
+            format!(
+                "certified starts: x'Ux up to {}, because no torque acts before the first message",
+                Claim::AtLeast(start)
+            )
+        });
+        let lines = [gamma, gain, angle, start, bounds];
+        lines.into_iter().flatten().collect()
     }
 
     /// One line for each further claim.

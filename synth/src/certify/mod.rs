@@ -3,6 +3,7 @@
 //! Nothing but the numbers of the file is used. Each condition of Theorem 1 is assembled in interval
 //! arithmetic and its positive definiteness proved in floating point; no solver takes part.
 
+mod assumptions;
 mod certificate;
 mod exactly;
 pub mod infeasible;
@@ -19,9 +20,8 @@ use verified::definite::{prove_positive_definite, IntervalMatrix};
 use verified::interval::Interval;
 use verified::matrix::Matrix;
 
-use crate::claim::Claim;
-use crate::fuzzy::{ExactSpacecraft, RuleModel};
-use crate::model::{Mismatch, Model, Plant};
+use crate::model::Model;
+use assumptions::not_covered;
 pub use certificate::{
     Certificate, FinalBounds, FirstTorque, MeasurementWeights, MismatchSlack, RuleGains,
 };
@@ -113,83 +113,4 @@ pub(crate) fn judge(statement: &Statement<Interval>) -> (bool, f64) {
         // "Not proved" must never look proved, whatever the estimate says.
         Err(reason) => (false, reason.estimate.clamp(f64::MIN, -f64::MIN_POSITIVE)),
     }
-}
-
-fn not_covered(model: &Model, certificate: &Certificate) -> Vec<String> {
-    let specs = &model.file.specs;
-    let mut out = vec![
-        "the state is measured without error".to_string(),
-        "no delay between sample, trigger, controller and actuator".to_string(),
-        format!(
-            "no gap between samples longer than {} s, dropouts included",
-            specs.hbar_s
-        ),
-        "a first sample at the start, t = 0, that is sent".to_string(),
-        format!(
-            "a trigger threshold that never exceeds {} (clamped at run time)",
-            specs.nu
-        ),
-    ];
-    if let Some(shortest) = model.sampling_interval_min() {
-        out.push(format!(
-            "no two samples closer than {shortest} s, for the number of messages only"
-        ));
-    }
-    if let (Mismatch::Kappa(kappa), true) = (model.file.mismatch, certificate.is_matched(model)) {
-        out.push(format!(
-            "memberships at the last sent state that differ from the present ones by at most kappa = \
-             {kappa} in each rule"
-        ));
-    }
-    match &model.plant {
-        Plant::Rules(rules) => rules_not_covered(rules, &mut out),
-        Plant::Spacecraft(craft) => {
-            out.push(inertia_assumed(model, craft));
-            out.push("a scalar part q0 that starts positive".to_string());
-            out.push(format!(
-                "a disturbance torque whose norm stays within {} N m",
-                craft.disturbance_bound
-            ));
-        }
-        Plant::Vertices(system) => {
-            out.push("a plant inside the convex hull of the vertex systems".to_string());
-            out.push(format!(
-                "a disturbance whose norm stays within {}",
-                system.disturbance_bound
-            ));
-        }
-    }
-    out
-}
-
-fn inertia_assumed(model: &Model, craft: &ExactSpacecraft) -> String {
-    if !model.plant.has_uncertain_inertia() {
-        return "an inertia equal to the model's, and a rigid body".to_string();
-    }
-    let set = &craft.inertia_uncertainty;
-    let amount = match set.off_diagonal_amount {
-        0.0 => String::new(),
-        amount => format!(" + {amount} kg m^2"),
-    };
-    format!(
-        "a constant inertia, each diagonal entry within {} % and each off-diagonal entry within {} %{amount} of \
-         the model's, and a rigid body",
-        set.diagonal_percent, set.off_diagonal_percent
-    )
-}
-
-fn rules_not_covered(rules: &RuleModel, out: &mut Vec<String>) {
-    out.push("a plant that is the blend of the local rules, not what they interpolate".to_string());
-    if let Some(error) = rules.worst_model_error() {
-        out.push(format!(
-            "no difference between the blend and the rigid spacecraft; over the box it reaches at least \
-             {:.4} N m in torque and {:.4} 1/s in q'",
-            Claim::AtLeast(error.torque_nm),
-            Claim::AtLeast(error.attitude_rate_per_s)
-        ));
-    }
-    out.push(format!(
-        "a disturbance whose norm stays within {}",
-        rules.system.disturbance_bound
-    ));
 }

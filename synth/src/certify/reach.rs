@@ -1,4 +1,4 @@
-//! What the certified set x'Ux <= 1 contains, as numbers that are proved: rounded down in verified arithmetic.
+//! What the set of certified starts contains, as numbers that are proved: rounded down in verified arithmetic.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -17,9 +17,9 @@ pub struct Along {
 /// Digits of an angle in degrees.
 const ANGLE_UNIT_DEG: f64 = 1e-6;
 
-/// How far x'Ux <= 1 goes along a state; 0 where nothing is proved. `spacecraft`: the last three of six states
+/// How far x'Ux <= start goes along a state, the set of certified starts; 0 where nothing is proved. `spacecraft`: the last three of six states
 /// are the vector part of a quaternion and the first three a rate.
-pub fn along(lyapunov: &DMatrix<f64>, state: &DVector<f64>, spacecraft: bool) -> Along {
+pub fn along(lyapunov: &DMatrix<f64>, start: f64, state: &DVector<f64>, spacecraft: bool) -> Along {
     let exactly = |value: f64| Interval::from(value);
     let mut form = Interval::from(0.0);
     for r in 0..state.len() {
@@ -27,7 +27,7 @@ pub fn along(lyapunov: &DMatrix<f64>, state: &DVector<f64>, spacecraft: bool) ->
             form += exactly(state[r]) * exactly(lyapunov[(r, c)]) * exactly(state[c]);
         }
     }
-    let inverse = Interval::from(1.0) / form;
+    let inverse = Interval::from(start.max(0.0)) / form;
     let squared = if form.lo() > 0.0 { inverse.lo() } else { 0.0 };
     let at_rest =
         spacecraft && state.len() == 6 && state.rows(0, 3).iter().all(|&rate| rate == 0.0);
@@ -43,6 +43,23 @@ pub fn along(lyapunov: &DMatrix<f64>, state: &DVector<f64>, spacecraft: bool) ->
 /// The angle of the rotations whose quaternions have a vector part up to this norm, rounded down (deg).
 pub fn angle_of_vector_part_deg(norm: f64) -> f64 {
     angle_below(Interval::from(norm.max(0.0)).sqr().lo())
+}
+
+/// The angle of the rotations whose quaternions have a vector part up to this norm, rounded up (deg).
+pub fn angle_above_vector_part_deg(norm: f64) -> f64 {
+    let square = Interval::from(norm.max(0.0)).sqr().hi();
+    if square.is_nan() || square >= 1.0 {
+        return 180.0;
+    }
+    let steps = ((2.0 * square.sqrt().asin()).to_degrees() / ANGLE_UNIT_DEG).ceil();
+    for ahead in 0..4 {
+        let angle = (steps + f64::from(ahead)) * ANGLE_UNIT_DEG;
+        let radians = Interval::from(angle) * Interval::PI / Interval::from(180.0);
+        if half_angle_sine_squared(radians).lo() >= square {
+            return angle;
+        }
+    }
+    180.0
 }
 
 /// The largest multiple of the unit whose half-angle sine, squared, is proved to be at most `square`.
@@ -83,22 +100,35 @@ mod tests {
     }
 
     #[test]
+    fn the_angle_above_a_vector_part_is_never_below_the_true_one() {
+        for degrees in [1e-3, 0.1435, 8.0, 117.0, 179.9] {
+            let norm = (0.5 * f64::to_radians(degrees)).sin();
+            let angle = angle_above_vector_part_deg(norm);
+            assert!(
+                angle >= degrees - 1e-12 && angle < degrees + 3e-6,
+                "{angle} of {degrees}"
+            );
+        }
+        assert_eq!(angle_above_vector_part_deg(2.0), 180.0);
+    }
+
+    #[test]
     fn a_state_on_the_edge_of_the_set_has_a_scale_just_below_one() {
         let lyapunov =
             DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 1.0, 1.0, 4.0, 4.0, 4.0]));
         let edge = DVector::from_vec(vec![0.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
-        let found = along(&lyapunov, &edge, true);
+        let found = along(&lyapunov, 1.0, &edge, true);
         assert!(found.scale <= 1.0 && found.scale > 1.0 - 1e-12, "{found:?}");
         let angle = found.angle_deg.expect("an angle at rest");
         assert!(angle <= 60.0 && angle > 60.0 - 3e-6, "{angle}");
         let moving = DVector::from_vec(vec![0.1, 0.0, 0.0, 0.5, 0.0, 0.0]);
-        assert_eq!(along(&lyapunov, &moving, true).angle_deg, None);
+        assert_eq!(along(&lyapunov, 1.0, &moving, true).angle_deg, None);
     }
 
     #[test]
     fn nothing_is_claimed_along_a_direction_that_the_matrix_does_not_bound() {
         let lyapunov = DMatrix::from_element(1, 1, -1.0);
         let state = DVector::from_element(1, 1.0);
-        assert_eq!(along(&lyapunov, &state, false).scale, 0.0);
+        assert_eq!(along(&lyapunov, 1.0, &state, false).scale, 0.0);
     }
 }

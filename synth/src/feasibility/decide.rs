@@ -3,6 +3,7 @@
 use super::candidate::Source;
 
 use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
+use crate::conditions::LoopImperfections;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
@@ -27,27 +28,74 @@ pub fn decide(
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
-    let task = model.task();
-    let request = DesignRequest::of_model(model, model_text, &task, Form::Chordal);
-    decide_after(request, &mut Session::new(solvers, observer))
+    let mut session = Session::new(solvers, observer);
+    let mut candidates = model.in_candidate_forms();
+    let last = candidates.pop().unwrap_or_else(|| model.clone());
+    for candidate in &candidates {
+        let task = candidate.task();
+        let request = DesignRequest::of_model(candidate, model_text, &task, Form::Chordal);
+        let decision = in_order(request, DecisionGoal::Design, &mut session)?;
+        if let Answer::Feasible(_) = decision.answer {
+            return Ok(decision);
+        }
+    }
+    let task = last.task();
+    let request = DesignRequest::of_model(&last, model_text, &task, Form::Chordal);
+    decide_after(request, model, &mut session)
 }
 
-/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are
-/// asked in order.
+/// Looks for a design only, with the first form of the gyroscopic torque where it is free: an answer that is not
+/// [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are asked in order.
 pub(super) fn look_for_a_design(
     model: &Model,
     solvers: &[Asked],
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut sessions = Session::each_alone(solvers.iter().copied(), observer.as_ref());
+    let candidates = model.in_candidate_forms();
+    let model = candidates.first().unwrap_or(model);
     let task = model.task();
     let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
     SolverSequence::new(&mut sessions, DecisionGoal::Design).decide(request)
 }
 
-/// The same after other runs, which are counted.
+/// Whether a design exists for a model, of which the request's has a form of the gyroscopic torque, after other runs, which
+/// are counted. Only what covers every form refutes the model.
 pub(crate) fn decide_after(
     request: DesignRequest,
+    own: &Model,
+    session: &mut Session,
+) -> Result<Decision, SynthesisError> {
+    let same = request.model == own && request.task.imperfections == LoopImperfections::default();
+    if same {
+        return in_order(request, DecisionGoal::Proof, session);
+    }
+    let decision = in_order(request, DecisionGoal::Design, session)?;
+    if let Answer::Feasible(_) = decision.answer {
+        return Ok(decision);
+    }
+    let task = own.task();
+    let ideal = Task {
+        imperfections: LoopImperfections::default(),
+        gains: request.task.gains.clone(),
+        ..task
+    };
+    let of_own = DesignRequest {
+        model: own,
+        task: &ideal,
+        ..request
+    };
+    let goal = match own.is_refuted_by_ideal_loop() {
+        true => DecisionGoal::Proof,
+        false => DecisionGoal::Design,
+    };
+    in_order(of_own, goal, session)
+}
+
+/// Runs the session's solvers in order for a goal.
+fn in_order(
+    request: DesignRequest,
+    goal: DecisionGoal,
     session: &mut Session,
 ) -> Result<Decision, SynthesisError> {
     // The full form's dual solution has not the blocks of a proof.
@@ -65,7 +113,7 @@ pub(crate) fn decide_after(
         form: Form::Chordal,
         ..request
     };
-    let found = SolverSequence::new(&mut sessions, DecisionGoal::Proof).decide(request);
+    let found = SolverSequence::new(&mut sessions, goal).decide(request);
     for other in &mut sessions {
         session.runs.append(&mut other.runs);
     }

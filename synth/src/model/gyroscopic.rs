@@ -4,7 +4,8 @@
 
 use nalgebra::Matrix3;
 
-use super::file::ExactPlant;
+use super::file::{ExactPlant, GainForm, PlantFile};
+use super::Model;
 
 /// The two numbers of a form K.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +17,20 @@ pub struct GyroscopicForm {
 }
 
 impl GyroscopicForm {
+    /// Forms that are tried first: one that is good for bodies whose moments are not too unlike, the symmetrised one for
+    /// slender bodies, and the paper's.
+    pub const CANDIDATES: [GyroscopicForm; 3] = [
+        GyroscopicForm {
+            mean: 0.5,
+            deviation: -0.75,
+        },
+        GyroscopicForm {
+            mean: 1.0,
+            deviation: -0.5,
+        },
+        GyroscopicForm::NONE,
+    ];
+
     /// The form of the paper.
     pub const NONE: GyroscopicForm = GyroscopicForm {
         mean: 0.0,
@@ -52,4 +67,37 @@ fn parts(exact: &ExactPlant) -> (f64, Matrix3<f64>) {
     let inertia = Matrix3::from_fn(|r, c| exact.inertia_kg_m2[r][c]);
     let mean = inertia.trace() / 3.0;
     (mean, inertia - Matrix3::identity() * mean)
+}
+
+impl Model {
+    /// Whether the form of the gyroscopic torque is free: scheduled gains have the paper's.
+    pub fn has_free_form(&self) -> bool {
+        match &self.file.plant {
+            PlantFile::Exact(exact) => {
+                exact.gyroscopic_form_kg_m2.is_none() && self.file.gains == GainForm::Constant
+            }
+            _ => false,
+        }
+    }
+
+    /// The model with a form; `None` for a plant without one.
+    pub fn with_form(&self, form: GyroscopicForm) -> Option<Model> {
+        let mut file = self.file.clone();
+        let PlantFile::Exact(exact) = &mut file.plant else {
+            return None;
+        };
+        exact.gyroscopic_form_kg_m2 = Some(form.matrix(exact));
+        Model::new(file).ok()
+    }
+
+    /// The models with each of the forms that are tried first; the model itself where its form is not free.
+    pub fn in_candidate_forms(&self) -> Vec<Model> {
+        match self.has_free_form() {
+            true => GyroscopicForm::CANDIDATES
+                .iter()
+                .filter_map(|&form| self.with_form(form))
+                .collect(),
+            false => vec![self.clone()],
+        }
+    }
 }

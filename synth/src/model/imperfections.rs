@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::bounded::{As, NonNegative, Positive};
 use super::file::{GainForm, ModelFile, PlantFile};
 use super::ranges::{check_count, require};
-use super::{ModelError, Plant, RulesSystem, MAX_COLUMNS};
+use super::{Model, ModelError, Plant, RulesSystem, MAX_COLUMNS};
 use crate::conditions::{FloorSupply, GainErrorSet, LoopImperfections, MeasurementError};
 use crate::fuzzy::{MomentumExchange, TakagiSugeno, WheelMomentum};
 use nalgebra::DVector;
@@ -490,5 +490,17 @@ fn measurement_error(bounds: &MeasurementBounds, system: &TakagiSugeno) -> Measu
         balls,
         point: None,
         reserve: &system.input_limit * FIRST_RESERVE,
+    }
+}
+
+impl Model {
+    /// Whether no design exists for this model when none exists for an ideal loop: every imperfection may also be absent.
+    /// Actuators whose effectiveness is never 1 are none that could be ideal.
+    pub fn is_refuted_by_ideal_loop(&self) -> bool {
+        let imperfections = &self.file.imperfections;
+        (0..self.plant.sizes().1).all(|input| {
+            let [lowest, highest] = imperfections.effectiveness_of(input);
+            lowest <= 1.0 && 1.0 <= highest
+        })
     }
 }

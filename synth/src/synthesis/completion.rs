@@ -39,6 +39,39 @@ pub(super) fn complete(
         return Ok(None);
     }
     certificate.trigger_floor = floor(model, &certificate);
+    with_claims(model, certificate, session)
+}
+
+/// The certificates of one controller with two, whose trigger weight is the first one's; the second functional uses
+/// `multiple` times that weight, which is what its own numbers hold.
+pub(super) fn complete_both(
+    models: [&Model; 2],
+    certificates: [Certificate; 2],
+    multiple: f64,
+    session: &mut Session,
+) -> Result<Option<[Certificate; 2]>, SynthesisError> {
+    let [mut first, mut second] = certificates;
+    if !(add_measurement(models[0], &mut first) && add_measurement(models[1], &mut second)) {
+        return Ok(None);
+    }
+    let shared = floor(models[0], &first).min(floor(models[1], &second) / multiple);
+    let shared = match models[0].file.specs.trigger_floor {
+        Some(TriggerFloor::Given(given)) => given,
+        _ => shared,
+    };
+    second.trigger_multiple = multiple;
+    (first.trigger_floor, second.trigger_floor) = (shared, shared);
+    let first = with_claims(models[0], first, session)?;
+    let second = with_claims(models[1], second, session)?;
+    Ok(first.zip(second).map(<[Certificate; 2]>::from))
+}
+
+/// The certificate with the numbers of the first torque, gamma and the claims that follow.
+fn with_claims(
+    model: &Model,
+    mut certificate: Certificate,
+    session: &mut Session,
+) -> Result<Option<Certificate>, SynthesisError> {
     if !add_first_torque(model, &mut certificate, session)? {
         return Ok(None);
     }
@@ -53,7 +86,7 @@ const SPLIT_ALLOWANCE: f64 = 1e-6;
 
 /// The weights of a measurement error for a certificate of (18) with a perfect measurement and the threshold nu (1 + c) /
 /// c: with W (1 + c) / c for W and Lam >= (1 + c) W, nu W is what it was and Wp at least W. False where there are none.
-pub(super) fn add_measurement(model: &Model, certificate: &mut Certificate) -> bool {
+fn add_measurement(model: &Model, certificate: &mut Certificate) -> bool {
     let Some(bounds) = model.file.imperfections.measurement_error() else {
         return true;
     };
@@ -82,7 +115,7 @@ pub(super) fn add_measurement(model: &Model, certificate: &mut Certificate) -> b
 }
 
 /// Adds the numbers of the first torque, where messages may come late; false where there are none.
-pub(super) fn add_first_torque(
+fn add_first_torque(
     model: &Model,
     certificate: &mut Certificate,
     session: &mut Session,
@@ -95,7 +128,7 @@ pub(super) fn add_first_torque(
 }
 
 /// eps_a: the model's own; or as much as two measurement errors can make of e'We, up to its share of the supply.
-pub(super) fn floor(model: &Model, certificate: &Certificate) -> f64 {
+fn floor(model: &Model, certificate: &Certificate) -> f64 {
     match model.file.specs.trigger_floor {
         None => 0.0,
         Some(TriggerFloor::Given(floor)) => floor,

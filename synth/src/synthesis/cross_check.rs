@@ -30,7 +30,7 @@ pub struct CrossCheck {
 }
 
 /// Minimises gamma with each of the solvers, in its form of the problem, in the given units and with (18) at every
-/// vertex.
+/// vertex. The model is one whose form of the gyroscopic torque has been chosen.
 pub fn cross_check(
     model: &Model,
     units: &ProblemUnits,

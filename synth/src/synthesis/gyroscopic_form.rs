@@ -5,25 +5,12 @@
 
 use super::attempts::{Smallest, Synthesis};
 use super::gain::GainSynthesis;
-use crate::model::{GyroscopicForm, Model, PlantFile};
+use crate::conditions::GainPlan;
+use crate::model::{GyroscopicForm, Model};
 use crate::programs::{
     DesignRequest, Form, Parameter, Session, Solvers, SynthesisError, FIRST_UNITS,
 };
 use sdp::solve::Observer;
-
-/// Forms that are tried first: one that is good for bodies whose moments are not too unlike, the symmetrised one for
-/// slender bodies, and the paper's.
-const CANDIDATES: [GyroscopicForm; 3] = [
-    GyroscopicForm {
-        mean: 0.5,
-        deviation: -0.75,
-    },
-    GyroscopicForm {
-        mean: 1.0,
-        deviation: -0.5,
-    },
-    GyroscopicForm::NONE,
-];
 
 /// Steps of the two numbers about the best candidate.
 const STEP: f64 = 0.2;
@@ -34,28 +21,9 @@ const ROUNDS: usize = 2;
 /// An improvement below this, relative, ends the search.
 const IMPROVEMENT: f64 = 1e-3;
 
-/// Whether the form is free.
-pub(crate) fn is_free(model: &Model) -> bool {
-    match &model.file.plant {
-        PlantFile::Exact(exact) => {
-            exact.gyroscopic_form_kg_m2.is_none() && model.file.gains == Default::default()
-        }
-        _ => false,
-    }
-}
-
-/// The model with a form.
-pub(crate) fn with_form(model: &Model, form: GyroscopicForm) -> Option<Model> {
-    let mut file = model.file.clone();
-    if let PlantFile::Exact(exact) = &mut file.plant {
-        exact.gyroscopic_form_kg_m2 = Some(form.matrix(exact));
-    }
-    Model::new(file).ok()
-}
-
 /// The parts of the first candidate, from which other searches start.
 pub(super) fn first_parts() -> [(Parameter, f64); 2] {
-    let first = CANDIDATES[0];
+    let first = GyroscopicForm::CANDIDATES[0];
     [
         (Parameter::FormMean, first.mean),
         (Parameter::FormDeviation, first.deviation),
@@ -63,31 +31,46 @@ pub(super) fn first_parts() -> [(Parameter, f64); 2] {
 }
 
 /// The model with the form of the smallest gain, where its form is free; the first candidate where none has a solution.
-pub(crate) fn chosen(
+///
+/// # Errors
+/// Stopped by the observer; a problem that the solver refuses.
+pub fn with_chosen_form(
     model: &Model,
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Model, SynthesisError> {
-    if !is_free(model) {
+    chosen(model, &GainPlan::constant(), solvers, observer)
+}
+
+/// The same for these gains.
+pub(super) fn chosen(
+    model: &Model,
+    gains: &GainPlan,
+    solvers: &Solvers,
+    observer: Option<Observer>,
+) -> Result<Model, SynthesisError> {
+    if !model.has_free_form() {
         return Ok(model.clone());
     }
     let mut search = FormSearch {
         model,
+        gains,
         session: Session::alone((solvers.for_searches(), Form::VertexRelaxed), observer),
     };
     let form = search.best()?;
-    Ok(with_form(model, form).unwrap_or_else(|| model.clone()))
+    Ok(model.with_form(form).unwrap_or_else(|| model.clone()))
 }
 
 struct FormSearch<'a> {
     model: &'a Model,
+    gains: &'a GainPlan,
     session: Session<'a>,
 }
 
 impl FormSearch<'_> {
     fn best(&mut self) -> Result<GyroscopicForm, SynthesisError> {
-        let mut best = (CANDIDATES[0], f64::INFINITY);
-        for candidate in CANDIDATES {
+        let mut best = (GyroscopicForm::CANDIDATES[0], f64::INFINITY);
+        for candidate in GyroscopicForm::CANDIDATES {
             let value = self.value(candidate)?;
             if value < best.1 {
                 best = (candidate, value);
@@ -137,12 +120,13 @@ impl FormSearch<'_> {
 
     /// The smallest gain that the solver reports with a form; infinite without one.
     fn value(&mut self, form: GyroscopicForm) -> Result<f64, SynthesisError> {
-        let Some(mut model) = with_form(self.model, form) else {
+        let Some(mut model) = self.model.with_form(form) else {
             return Ok(f64::INFINITY);
         };
         // A set of inertias has many vertices; the nominal one shows which form is good.
         model.plant = model.plant.relaxed();
-        let task = model.task();
+        let mut task = model.task();
+        task.gains = self.gains.clone();
         let request = DesignRequest::of_model(&model, "", &task, self.session.form);
         let mut synthesis = GainSynthesis::new(request, None, &mut self.session);
         Ok(match synthesis.smallest(&FIRST_UNITS)? {

@@ -12,6 +12,7 @@ mod run;
 mod two_certificates;
 
 pub use cross_check::{cross_check, CrossCheck, SolverOptimum};
+pub use gyroscopic_form::with_chosen_form;
 pub use parameter_search::reached;
 pub use run::{analyse, synthesize};
 pub use two_certificates::{coupled_problem, CouplingChoice};

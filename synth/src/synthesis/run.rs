@@ -4,7 +4,8 @@ use nalgebra::DMatrix;
 
 use super::attempts::{Attempts, Synthesis};
 use super::gain::{is_enough, GainSynthesis};
-use super::{gyroscopic_form, measured, parameter_search, two_certificates};
+use super::gyroscopic_form::{self, with_chosen_form};
+use super::{measured, parameter_search, two_certificates};
 use crate::conditions::GainPlan;
 use crate::design::DesignFile;
 use crate::feasibility;
@@ -32,7 +33,8 @@ pub fn synthesize(
     if parameter_search::wanted(model) && model.file.specs.objective != Objective::Both {
         return parameter_search::synthesize(model, model_text, solvers, observer);
     }
-    let model = &gyroscopic_form::chosen(model, solvers, observer.clone())?;
+    let own = model;
+    let model = &with_chosen_form(model, solvers, observer.clone())?;
     if model.file.specs.objective == Objective::Both {
         return two_certificates::synthesize(model, model_text, solvers, observer);
     }
@@ -43,7 +45,7 @@ pub fn synthesize(
         session.runs.append(&mut other.runs);
     }
     let request = DesignRequest::of_model(model, model_text, &task, solvers.first().1);
-    smallest_gain(request, session)
+    smallest_gain(request, own, session)
 }
 
 /// Finds the smallest gain bound that can be proved for given gains (m x n each), with anti-windup
@@ -58,6 +60,9 @@ pub fn analyse(
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
+    let own = model;
+    let constant = GainPlan::given(gains, None);
+    let model = &gyroscopic_form::chosen(model, &constant, solvers, observer.clone())?;
     let mut task = model.task();
     let mismatch = match model.file.mismatch {
         Mismatch::Kappa(kappa) if Some(gains.len()) == model.plant.membership_count() => {
@@ -76,14 +81,23 @@ pub fn analyse(
         gains_text: Some(gains_text),
         ..DesignRequest::of_model(model, model_text, &task, solvers.first().1)
     };
-    if let Some(decision) = feasibility::refute_given(request, solvers, observer.clone())? {
+    let of_own = DesignRequest {
+        model: own,
+        ..request
+    };
+    if let Some(decision) = feasibility::refute_given(of_own, solvers, observer.clone())? {
         return Ok(Outcome::Infeasible(decision));
     }
-    smallest_gain(request, Session::new(solvers, observer))
+    smallest_gain(request, own, Session::new(solvers, observer))
 }
 
-/// The design with the smallest gain bound that can be proved; without one, whether any design exists.
-fn smallest_gain(request: DesignRequest, mut session: Session) -> Result<Outcome, SynthesisError> {
+/// The design with the smallest gain bound that can be proved; without one, whether any design exists for the model `own`,
+/// of which the request's has a form of the gyroscopic torque.
+fn smallest_gain(
+    request: DesignRequest,
+    own: &Model,
+    mut session: Session,
+) -> Result<Outcome, SynthesisError> {
     let mut found =
         Attempts::with_each_solver::<GainSynthesis>(&mut session, is_enough, |session| {
             let form = session.form;
@@ -108,7 +122,7 @@ fn smallest_gain(request: DesignRequest, mut session: Session) -> Result<Outcome
     if let Some(design) = found.best.take() {
         return Ok(solved(design, &session));
     }
-    let decision = feasibility::decide_after(request, &mut session)?;
+    let decision = feasibility::decide_after(request, own, &mut session)?;
     let slack = decision.slack;
     let blocked = slack.map_or(found.infeasible > 0, |slack| slack > 0.0);
     Ok(match (&decision.answer, found.unproved.take()) {

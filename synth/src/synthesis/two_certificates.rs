@@ -6,8 +6,9 @@
 //! admits as much saturation as it can prove.
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
+use super::completion::complete_both;
 use super::coupled::{assemble, Coupled, UNBOUNDED_GAIN};
-use crate::certify::theorem1::Certificate;
+use crate::certify::theorem1::{reached_from_rest, relative_supply, Certificate};
 use crate::conditions::Task;
 use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits};
 use crate::model::{Model, ModelError};
@@ -216,12 +217,18 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
         let (Some(first), Some(second)) = parts else {
             return Ok(None);
         };
+        let multiple = choice.coupling.trigger_multiple;
+        let models = [self.request.model, self.outer];
+        let complete = complete_both(models, [first, second], multiple, self.session)?;
+        let Some([first, second]) = complete else {
+            return Ok(None);
+        };
         // The controller is the inner certificate's; that of the large set differs in the last digits only.
         let (_, mut certificate) = CertificateFile::split(&second);
-        certificate.gamma = smallest_gamma(&second);
+        certificate.gamma = smallest_gamma(self.outer, &second);
         certificate.xi = certificate.xi.min(self.outer.file.specs.xi_max);
         let second = OuterFile {
-            trigger_multiple: choice.coupling.trigger_multiple,
+            trigger_multiple: multiple,
             certificate,
         };
         let units = ProblemUnits::of_fraction(1.0, choice.containment_weight);
@@ -335,10 +342,17 @@ impl CoupledSynthesis<'_, '_, '_> {
     }
 }
 
-/// The smallest gamma with C'C <= gamma phi U and gamma >= xi, with a small allowance: from the guaranteed
-/// gain sqrt(g xi), which was computed under a bound on gamma that does not bind.
-fn smallest_gamma(certificate: &Certificate) -> f64 {
+/// The smallest gamma with C'C <= gamma phi U that is not below what feeds the functional, with a small allowance: from
+/// the guaranteed gain, which was computed under a bound on gamma that does not bind.
+fn smallest_gamma(model: &Model, certificate: &Certificate) -> f64 {
     let xi = certificate.disturbance_weight;
-    let g = certificate.guaranteed_gain.powi(2) / xi;
-    g.max(xi).min(UNBOUNDED_GAIN) * (1.0 + CLAIM_ALLOWANCE)
+    let taubar = model.task().system.disturbance_bound;
+    let reached = reached_from_rest(model, certificate);
+    let gain = certificate.guaranteed_gain;
+    let g = match taubar > 0.0 {
+        true => (gain * taubar).powi(2) / (reached * model.file.specs.phi_per_s),
+        false => gain.powi(2) / xi,
+    };
+    let least = relative_supply(model, certificate).max(xi);
+    g.max(least).min(UNBOUNDED_GAIN) * (1.0 + CLAIM_ALLOWANCE)
 }

@@ -7,7 +7,8 @@ use synth::lmi::Semidefinite;
 use synth::model::{kind_of, Kind, Model, Objective};
 use synth::problem::{first_program, Problem, ProblemDesignFile};
 use synth::synthesis::{
-    assemble, coupled_problem, scaled_task, CouplingChoice, Form, Goal, FIRST_UNITS,
+    assemble, coupled_problem, scaled_task, with_chosen_form, CouplingChoice, Form, Goal, Solvers,
+    FIRST_UNITS,
 };
 
 use crate::base::provenance::GENERATOR;
@@ -33,6 +34,9 @@ pub fn export(path: &Path, form: Option<Form>) -> Result<String, CliError> {
         }
         _ => {
             let model = files::parse(path, &text, Model::from_json)?;
+            // The form of the gyroscopic torque that synthesis chooses.
+            let model = with_chosen_form(&model, &Solvers::suited_to(&model), None)
+                .map_err(|error| CliError::synthesis(path, error))?;
             model_program(path, form, &model, None)?
         }
     };

@@ -72,8 +72,11 @@ impl Conclusion<'_> {
         };
         let candidates = Solvers::both_with_form(order, self.form);
         let units = &design.file.provenance.problem;
+        // The design's own model has the form of the gyroscopic torque that was chosen.
+        let model = Model::new(design.file.model.clone());
+        let model = model.map_err(|error| CliError::value(self.model_path, error))?;
         let checked = watched("cross-check", |observer| {
-            cross_check(self.model, units, &candidates, Some(&observer))
+            cross_check(&model, units, &candidates, Some(&observer))
         });
         checked.map_err(|error| CliError::synthesis(self.model_path, error.into()))
     }

@@ -83,7 +83,7 @@ pub fn refute(model: &Model, weights: &DualMultipliers) -> Refutation {
 
 fn refute_at(model: &Model, weights: &DualMultipliers, level: Level) -> Refutation {
     let mut conditions = Vec::new();
-    if !weights.fits(model) {
+    if !(weights.fits(model) && model.is_refuted_by_ideal_loop()) {
         return Refutation {
             proved: false,
             conditions,
@@ -118,7 +118,7 @@ fn refute_at(model: &Model, weights: &DualMultipliers, level: Level) -> Refutati
 /// bound. The last statement is named `sum of the conditions`.
 pub fn refute_exactly(model: &Model, weights: &DualMultipliers, found: &Refutation) -> ExactReport {
     decide_all(|emit| {
-        if !weights.fits(model) {
+        if !(weights.fits(model) && model.is_refuted_by_ideal_loop()) {
             return emit(SUM.to_string(), Matrix::identity(1, -Exact::one()));
         }
         let sum = for_each_statement::<Exact>(model, weights, found.level, |statement| {

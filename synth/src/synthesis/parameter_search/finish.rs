@@ -6,10 +6,11 @@ use super::evaluator::{Aim, Evaluator, SearchPoint, REGION_MARGIN};
 use super::plan::Plan;
 use super::sensitivities::sensitivities;
 use crate::certify::reach::{along, angle_of_vector_part_deg, Along};
+use crate::certify::theorem1::certified_start;
 use crate::claim::Claim;
 use crate::conditions::xu2020::Containment;
 use crate::conditions::Task;
-use crate::design::{matrix, rows, ProblemUnits, SearchRecord, VariedFile};
+use crate::design::{matrix, rows, DesignFile, ProblemUnits, SearchRecord, VariedFile};
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
@@ -376,7 +377,7 @@ impl Finish<'_> {
 
     /// The smallest scale over the requested states, and the smallest angle (deg).
     fn extent(&self, design: &Synthesized) -> (Option<f64>, Option<f64>) {
-        let reached = reached(self.model, &design.file.certificate.lyapunov);
+        let reached = reached(self.model, &design.file);
         let scale = reached.iter().map(|along| along.scale).reduce(f64::min);
         let angles = reached.iter().filter_map(|along| along.angle_deg);
         (scale, angles.reduce(f64::min))
@@ -403,13 +404,24 @@ impl Finish<'_> {
 }
 
 /// How far x'Ux <= 1 goes along every state that a model must contain: proved, rounded down.
-pub fn reached(model: &Model, lyapunov: &[Vec<f64>]) -> Vec<Along> {
-    let matrix = matrix(lyapunov);
+pub fn reached(model: &Model, design: &DesignFile) -> Vec<Along> {
+    // A certificate that cannot be read starts from nowhere.
+    let certificate = Model::new(design.model.clone())
+        .and_then(|own| Ok(certified_start(&own, &design.certificate(&own)?)));
+    let start = certificate.unwrap_or(0.0);
+    let matrix = matrix(&design.certificate.lyapunov);
     let spacecraft = matches!(model.plant, Plant::Spacecraft(_));
     let states = model.file.specs.must_contain.iter();
     let states = states.filter(|state| state.len() == matrix.nrows());
     states
-        .map(|state| along(&matrix, &DVector::from_column_slice(state), spacecraft))
+        .map(|state| {
+            along(
+                &matrix,
+                start,
+                &DVector::from_column_slice(state),
+                spacecraft,
+            )
+        })
         .collect()
 }
 

@@ -164,7 +164,7 @@ fn unit_fraction(model: &Model, unit: f64, contained: &[DMatrix<f64>], aim: &Aim
 /// What is varied; what has one value only is set in `base`.
 fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range> {
     let specs = &model.file.specs;
-    if gyroscopic_form::is_free(model) {
+    if model.has_free_form() {
         for (parameter, value) in gyroscopic_form::first_parts() {
             parameter.set(base, value);
         }
@@ -196,7 +196,7 @@ fn ranges(model: &Model, limits: &SearchFile, base: &mut ModelFile) -> Vec<Range
     let weights = WEIGHT_FACTOR.map(|factor| factor * specs.eps[1]);
     push(Parameter::FirstWeight, limits.eps_1.unwrap_or(weights));
     push(Parameter::ThirdWeight, limits.eps_3.unwrap_or(weights));
-    if gyroscopic_form::is_free(model) {
+    if model.has_free_form() {
         push(Parameter::FormMean, FORM_MEAN);
         push(Parameter::FormDeviation, FORM_DEVIATION);
     }
