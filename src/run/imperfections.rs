@@ -46,7 +46,8 @@ impl Coverage {
         } else {
             format!(" {unit}")
         };
-        let run = Claim::AtMost(run);
+        // Within the room for rounding a number is on its bound, not beyond it.
+        let run = Claim::AtMost(if inside { run.min(proved) } else { run });
         let text = match proved == 0.0 {
             true => format!("{name}: {run}{unit}; the proof is for none"),
             false => format!("{name}: {run}{unit}; proved for up to {proved}{unit}"),

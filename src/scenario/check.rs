@@ -224,6 +224,11 @@ fn check_continuous(
         );
     }
     match system {
+        System::RigidBody(body) if body.sensors.bounded.is_some() => {
+            let field = "system.rigid_body.sensors.bounded_error";
+            let expected = "none, as every sensor error, when sampling.instants is continuous";
+            Err(ModelError::shape(field, "an error", expected))
+        }
         System::RigidBody(body) if !body.sensors.is_perfect() => {
             let noise = body.sensors.attitude_noise_rad.to_degrees();
             refuse(

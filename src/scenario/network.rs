@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use synth::model::{finite, ModelError};
+use synth::model::ModelError;
 
 use crate::base::bounded::{As, NonNegative};
 use crate::base::ranges::require;
@@ -77,22 +77,13 @@ pub(crate) fn check_network(
             "one of them: a network carries the controller's messages, a link its torques";
         return Err(ModelError::shape("network", "network and link", expected));
     }
-    let shortest_s = match *instants {
-        Instants::Continuous { resolution_s } => {
-            let field = "sampling.instants.continuous.resolution_s";
-            let allowed = "left out, because a network needs periodic or aperiodic sampling";
-            return Err(require(false, field, resolution_s, allowed)
-                .err()
-                .unwrap_or(ModelError::shape(field, "a resolution", allowed)));
-        }
-        Instants::Periodic { interval_s, .. } => interval_s,
-        Instants::Aperiodic {
-            shortest_s,
-            longest_s,
-        } => 0.5 * (shortest_s + longest_s),
-    };
-    finite("network.delay_s", file.delay_s)?;
-    let ok = file.delay_s <= MOST_ON_THE_WAY * shortest_s;
+    if let Instants::Continuous { resolution_s } = *instants {
+        let field = "sampling.instants.continuous.resolution_s";
+        let allowed = "left out, because a network needs periodic or aperiodic sampling";
+        require(false, field, resolution_s, allowed)?;
+    }
+    let samples = instants.expected_samples(file.delay_s).unwrap_or(0.0);
+    let ok = samples <= MOST_ON_THE_WAY;
     let allowed = "at most 1e4 intervals between samples";
     require(ok, "network.delay_s", file.delay_s, allowed)?;
     Ok(NetworkChoice {

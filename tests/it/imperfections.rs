@@ -123,6 +123,11 @@ fn lost_messages_break_the_bound_unless_they_are_repeated() {
     let design = allowing(json!({ "lost_in_a_row": 2 }));
     let losses = json!({ "lost_in_a_row": 2, "loss": "worst" });
     let scenario = with(spacecraft(), "/network", losses);
+    let scenario = with(
+        scenario,
+        &format!("{BODY}/disturbance"),
+        json!({ "worst_nm": 0.01 }),
+    );
     let repeated = run(&scenario, &design);
     assert_eq!(network(&repeated).repeats, 2);
     assert_eq!(network(&repeated).longest_loss, 2);
@@ -133,12 +138,14 @@ fn lost_messages_break_the_bound_unless_they_are_repeated() {
         "messages lost in a row: 2; proved for up to 2",
         true,
     );
-    assert!(certificate(&repeated).largest_lyapunov_ratio < 1.1);
+    assert_eq!(certificate(&repeated).bound_broken_steps, 0);
+    assert!(certificate(&repeated).largest_lyapunov_ratio < 1.0);
 
     let scenario = with(scenario, "/network/repeats", json!(0));
     let once = run(&scenario, &design);
     assert_eq!(network(&once).transmissions, network(&once).values);
-    assert!(certificate(&once).largest_lyapunov_ratio > 2.0);
+    assert!(certificate(&once).bound_broken_steps > 100);
+    assert!(certificate(&once).largest_lyapunov_ratio > 1.5);
     let lines = &certificate(&once).not_covered;
     let expected = "a value is sent again at 0 following samples; the proof is for 2";
     assert!(lines.iter().any(|line| line == expected), "{lines:?}");
@@ -153,7 +160,14 @@ fn late_messages_overtake_and_their_delay_is_compared_with_the_proved_one() {
         ("largest", 1.5, false),
     ] {
         let late = json!({ "delay_s": 0.5 * factor, "delay": kind });
-        let summary = run(&with(spacecraft(), "/network", late), &design);
+        // Noise makes so many samples trigger that messages can overtake each other.
+        let noise = json!({ "rate_rad_s": 1e-4, "attitude_deg": 0.03, "kind": "random" });
+        let noisy = with(
+            spacecraft(),
+            &format!("{BODY}/sensors"),
+            json!({ "bounded_error": noise }),
+        );
+        let summary = run(&with(noisy, "/network", late), &design);
         let network = network(&summary);
         assert_said(
             certificate(&summary),
