@@ -79,6 +79,7 @@ fn fuzzy<S: Membership<6, R>, const R: usize>(
             maximum: threshold,
         },
         torque_limit: Vector3::repeat(2.0),
+        trigger_floor: 0.0,
         longest_interval_s: Some(0.1),
     })
     .expect("valid parameters");

@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         trigger_weight: Matrix2::identity(),
         threshold_update: ThresholdUpdate::Fixed { threshold: 0.05 },
         torque_limit: Vector1::new(2.0),
+        trigger_floor: 0.0,
         longest_interval_s: Some(STEP_S),
     })?;
     // Angle (rad) and rate (rad/s).

@@ -214,6 +214,10 @@ pub struct AttitudeMeasurement {
 impl AttitudeMeasurement {
     /// State of Xu and Huang 2020, section 2: the rate in rad/s, then the vector part of the error
     /// quaternion, with the sign for which its scalar part is not negative (their Remark 1).
+    ///
+    /// The sign is that of the measured scalar part, so a sensor may return either quaternion of an attitude. When the
+    /// measured attitude is off by an angle a (rad) and the true scalar part is above 2 sin(a/4), both signs agree, and
+    /// the vector part is off by at most 2 sin(a/4) <= a/2.
     pub fn rigid_body_state(&self) -> Vector6<f64> {
         let [[w1, w2, w3]] = self.rate_rad_s.data.0;
         let [[q1, q2, q3]] = self.error.shortest().vector.data.0;

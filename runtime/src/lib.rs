@@ -29,6 +29,7 @@
 //! | [`trigger`] | event trigger on sampled states, and its threshold |
 //! | [`membership`], [`local_rules`] | membership functions of scheduled gains |
 //! | [`saturation`] | saturation of each axis |
+//! | [`repeat`] | messages that may be lost or late: sent again, old ones dropped |
 //! | [`compression`] | codec between torque commands and words on a link |
 //!
 //! # Example
@@ -55,6 +56,7 @@
 //!     trigger_weight: Matrix6::identity(),
 //!     threshold_update: ThresholdUpdate::Fixed { threshold: 0.2 },
 //!     torque_limit: Vector3::new(2.0, 2.0, 2.0),
+//!     trigger_floor: 0.0,
 //!     longest_interval_s: Some(0.1),
 //! })?;
 //!
@@ -83,6 +85,7 @@ pub mod error;
 pub mod lei2022;
 pub mod local_rules;
 pub mod membership;
+pub mod repeat;
 pub mod saturation;
 pub mod trigger;
 pub mod wu2018;

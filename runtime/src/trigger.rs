@@ -131,12 +131,16 @@ impl ThresholdUpdate {
 
 /// The sensor side of the loop: decides at each sample whether the state is sent.
 ///
-/// A sample x is sent when it is the first, or when `e' W e >= nu z' W z` with z the state sent last,
+/// A sample x is sent when it is the first, or when `e' W e >= nu z' W z + floor` with z the state sent last,
 /// e = x - z, W the trigger weight (Upsilon) and nu the threshold.
+///
+/// The threshold is relative, so near rest it vanishes and sensor noise alone makes most samples trigger; the absolute
+/// floor, 0 by default, prevents that. A certificate covers it when it was made for this floor or a larger one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AperiodicTrigger<const N: usize> {
     weight: SMatrix<f64, N, N>,
     update: ThresholdUpdate,
+    floor: f64,
     threshold: f64,
     sent: Option<Sent<N>>,
 }
@@ -163,9 +167,24 @@ impl<const N: usize> AperiodicTrigger<N> {
         Ok(Self {
             weight,
             update,
+            floor: 0.0,
             threshold: update.initial(),
             sent: None,
         })
+    }
+
+    /// The same trigger with an absolute floor, in the unit of the quadratic form, not negative.
+    ///
+    /// # Errors
+    /// A floor that is not finite or negative.
+    pub fn with_floor(self, floor: f64) -> Result<Self, ParameterError> {
+        AllowedRange::NON_NEGATIVE.check_scalar("trigger_floor", floor)?;
+        Ok(Self { floor, ..self })
+    }
+
+    /// The absolute floor.
+    pub fn floor(&self) -> f64 {
+        self.floor
     }
 
     /// The threshold nu(t_k) now in force.
@@ -190,7 +209,7 @@ impl<const N: usize> AperiodicTrigger<N> {
             return self.quadratic_form(state).map(|_| true);
         };
         let error = self.quadratic_form(&(state - sent.state))?;
-        Some(error >= self.threshold * sent.quadratic_form)
+        Some(error >= self.threshold * sent.quadratic_form + self.floor)
     }
 
     /// Records that `state` was sent and moves the threshold. A state for which [`Self::fires`] has

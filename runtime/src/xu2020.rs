@@ -23,6 +23,8 @@ pub struct Parameters<S, const N: usize, const M: usize, const R: usize> {
     pub trigger_weight: SMatrix<f64, N, N>,
     /// Evolution of the trigger's threshold.
     pub threshold_update: ThresholdUpdate,
+    /// Absolute part eps_a of the trigger, in the unit of e' Upsilon e, not negative; zero for none.
+    pub trigger_floor: f64,
     /// Largest torque of each axis, N m (or the input's unit), positive.
     pub torque_limit: SVector<f64, M>,
     /// Longest sampling interval of the design, s, positive (the upper bound in (9)): a longer one
@@ -112,7 +114,8 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
                 parameters.membership,
                 parameters.torque_limit,
             )?,
-            trigger: AperiodicTrigger::new(parameters.trigger_weight, parameters.threshold_update)?,
+            trigger: AperiodicTrigger::new(parameters.trigger_weight, parameters.threshold_update)?
+                .with_floor(parameters.trigger_floor)?,
             longest_interval_s: parameters.longest_interval_s,
             clock: SampleClock::default(),
             torque: SVector::zeros(),

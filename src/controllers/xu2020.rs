@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use synth::model::{check_matrix, check_positive_definite, ModelError};
 
 use super::law::{AttitudeLaw, Flown, LawFile, Surroundings};
-use crate::base::bounded::{plain, BelowOne, Finite, NonNegative, Positive};
+use crate::base::bounded::{plain, As, BelowOne, Finite, NonNegative, Positive};
 use crate::base::ranges::require;
 use crate::plants::RigidBodySystem;
 use crate::sim::controller::{Controller, Use};
@@ -31,6 +31,9 @@ pub struct XuFile {
     pub trigger_weight: [[f64; 6]; 6],
     /// The threshold nu.
     pub threshold: ThresholdFile,
+    /// Absolute part eps_a of the trigger, in the unit of e' Upsilon e, not negative.
+    #[serde(default, skip_serializing_if = "is_zero", with = "As::<NonNegative>")]
+    pub trigger_floor: f64,
     /// Largest torque of each axis, above 0 [N m].
     pub torque_limit_nm: [Positive; 3],
     /// Longest sampling interval of the design, above 0 (s).
@@ -76,6 +79,10 @@ pub enum ThresholdFile {
         /// mu_1, mu_2, mu_3, each not negative.
         mu: [NonNegative; 3],
     },
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A claim of a paper.
@@ -163,6 +170,7 @@ impl XuFile {
             trigger_weight: Matrix6::from_fn(|r, c| self.trigger_weight[r][c]),
             threshold_update: self.threshold.update(),
             torque_limit: self.torque_limit(),
+            trigger_floor: self.trigger_floor,
             longest_interval_s: self.longest_interval_s.map(Positive::get),
         })?;
         Ok(then.with(XuInLoop::new(controller, 6)))

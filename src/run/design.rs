@@ -1,6 +1,6 @@
 //! A design on a scenario: does it fit, and does its proof cover the run?
 
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use synth::certify::reach::angle_of_vector_part_deg;
 use synth::certify::theorem1::Certificate;
@@ -15,8 +15,6 @@ use crate::plants::rigid_body::RigidBodySystem;
 use crate::plants::takagi_sugeno::TakagiSugenoSystem;
 use crate::plants::{Mixing, RigidBody, System};
 use crate::scenario::Scenario;
-use crate::sim::embedding;
-use crate::sim::lyapunov::Claims;
 use crate::sim::sampling::Instants;
 
 /// A design file, checked.
@@ -195,7 +193,8 @@ impl Design {
         }
     }
 
-    /// What of the scenario the proof does not cover, known before the run. Empty when it covers all.
+    /// What of the scenario the proof does not cover, known before the run. What the model's imperfections may allow is
+    /// compared with the run itself: see [`super::imperfections`].
     pub fn not_covered(&self, scenario: &Scenario) -> Vec<String> {
         let mut out = Vec::new();
         if !self.proved() {
@@ -261,58 +260,6 @@ impl Design {
         }
         out
     }
-
-    /// The claims that hold from the start on, padded to `N` states: the outer certificate's where there
-    /// are two.
-    pub fn claims<const N: usize>(&self) -> Claims<N> {
-        match &self.outer {
-            Some(outer) => claims(&outer.model, &outer.certificate),
-            None => claims(&self.model, &self.certificate),
-        }
-    }
-
-    /// The inner certificate's claims, where there are two.
-    pub fn inner_claims<const N: usize>(&self) -> Option<Claims<N>> {
-        let claims = || claims(&self.model, &self.certificate);
-        self.outer.as_ref().map(|_| claims())
-    }
-}
-
-/// A certificate's claims, padded to `N` states.
-fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N> {
-    let plant = model.plant.takagi_sugeno();
-    let mut bounds = Vec::new();
-    let mut component_bounds = SVector::repeat(f64::INFINITY);
-    let mut vector_part_bound = None;
-    for condition in &plant.region {
-        let bound = condition.bound_squared.sqrt();
-        let row: Vec<f64> = condition.rows.iter().copied().collect();
-        match (condition.rows.nrows(), unit_component(&row)) {
-            (1, Some(component)) => {
-                let least: &mut f64 = &mut component_bounds[component];
-                *least = least.min(bound);
-            }
-            (1, None) => bounds.push((embedding::vector(&row), bound)),
-            _ => vector_part_bound = Some(bound),
-        }
-    }
-    Claims {
-        lyapunov: embedding::matrix(&certificate.lyapunov),
-        decay_rate: model.file.specs.phi_per_s,
-        disturbance_weight: certificate.disturbance_weight,
-        disturbance_bound: plant.disturbance_bound,
-        bounds,
-        component_bounds,
-        vector_part_bound,
-        output: (!plant.output.is_identity(0.0)).then(|| embedding::matrix(&plant.output)),
-    }
-}
-
-/// The component that a row picks out, when it is one of the identity's.
-fn unit_component(row: &[f64]) -> Option<usize> {
-    let component = row.iter().position(|&value| value != 0.0)?;
-    let rest = &row[component + 1..];
-    (row[component] == 1.0 && rest.iter().all(|&value| value == 0.0)).then_some(component)
 }
 
 /// The trigger's threshold as a model's specifications have it; never above the proved one.
@@ -401,22 +348,10 @@ fn rigid_body_not_covered(
             ));
         }
     }
-    let mut when = |holds: bool, reason: String| out.extend(holds.then_some(reason));
     let dead_band = actuators.dead_band.amax();
-    let text = format!("a dead band of up to {dead_band} N m");
-    when(dead_band > 0.0, text);
-    let text = format!("a delay of {} s from command to torque", actuators.delay_s);
-    when(actuators.delay_s > 0.0, text);
-    let text = "the actuators' matrix is not the identity";
-    when(actuators.matrix != Matrix3::identity(), text.into());
-    let faults = actuators.effects.len();
-    when(faults > 0, format!("{faults} actuator faults"));
-    when(
-        !system.reference.is_fixed(),
-        "a reference that moves".into(),
-    );
-    let text = "sensors with noise or quantisation";
-    when(!system.sensors.is_perfect(), text.into());
+    if dead_band > 0.0 {
+        out.push(format!("a dead band of up to {dead_band} N m"));
+    }
 }
 
 fn vertices_not_covered(
@@ -439,15 +374,6 @@ fn vertices_not_covered(
                 input + 1
             ));
         }
-    }
-    if scenario.state_noise > 0.0 {
-        out.push("a noisy measurement of the state".to_string());
-    }
-    if scenario.input_delay_s > 0.0 {
-        out.push(format!(
-            "a delay of {} s from command to input",
-            scenario.input_delay_s
-        ));
     }
 }
 

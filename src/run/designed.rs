@@ -103,6 +103,7 @@ where
         trigger_weight: embedding::with_unit_diagonal(&certificate.trigger_weight),
         threshold_update: threshold_update(specs),
         torque_limit: limit,
+        trigger_floor: certificate.trigger_floor,
         longest_interval_s: Some(specs.hbar_s),
     })
 }

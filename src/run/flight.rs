@@ -1,15 +1,19 @@
 //! One run of a plant in its surroundings, with any controller.
 
+use nalgebra::SMatrix;
+
 use super::design::Design;
 use super::judge::{self, About};
 use super::log::Log;
 use super::outcome::{Recording, RunOutcome};
 use super::summary::Summary;
-use crate::scenario::Scenario;
+use crate::scenario::{has_worst, Scenario};
 use crate::sim::bench::{Bench, Gauge};
 use crate::sim::closed_loop::{ClosedLoop, End};
 use crate::sim::controller::{Controller, Use};
+use crate::sim::input_gradient::InputGradient;
 use crate::sim::link::Link;
+use crate::sim::network::Network;
 use crate::sim::plant::Plant;
 use crate::sim::sampling::Sampling;
 use crate::sim::sensor::Sensor;
@@ -42,7 +46,7 @@ impl<P, S, G, const N: usize, const M: usize, const D: usize, const L: usize> Us
 where
     P: Plant<N, M, D>,
     S: Sensor<N>,
-    G: Gauge<N, M, D, L, Seen = S::Measurement>,
+    G: Gauge<N, M, D, L, Seen = S::Measurement> + Clone,
 {
     type Output = (End, Log<G, N, M, D, L>);
 
@@ -54,6 +58,20 @@ where
             mut link,
             recording,
         } = self;
+        let repeats = design.map_or(0, Design::repeats);
+        let network = scenario
+            .network
+            .as_ref()
+            .map(|network| network.data(repeats));
+        let mut network = network.map(|data| Network::new(&data, scenario.seed));
+        let worst = has_worst(&scenario.system, scenario.network.as_ref());
+        let against = design.map(|design| design.worst_case::<L, M, D>());
+        let gradient = against.as_ref().filter(|_| worst);
+        let gradient =
+            gradient.map(|against| along::<G, N, M, D, L, M>(&bench.gauge, against.by_input));
+        let push = against.filter(|_| bench.disturbance.worst > 0.0);
+        let disturbance_gradient =
+            push.map(|against| along::<G, N, M, D, L, D>(&bench.gauge, against.by_disturbance));
         let breakpoints_s = bench.discontinuities_s(scenario.duration_s);
         let columns = (controller.signal_names(), link.is_some());
         let jumps_s = bench.reference_jumps_s.clone();
@@ -64,6 +82,9 @@ where
             sensor: bench.sensor,
             controller,
             link: link.as_mut(),
+            network: network.as_mut(),
+            gradient,
+            disturbance_gradient,
             sampling: Sampling::new(
                 scenario.instants,
                 scenario.dropout_probability,
@@ -73,11 +94,32 @@ where
             breakpoints_s,
             method: scenario.method,
             duration_s: scenario.duration_s,
+            seed: scenario.seed,
         };
         let end = closed_loop.run(&bench.initial, &mut log);
         log.link = link.map(|link| link.outcome());
+        let until_s = match end {
+            End::Completed => scenario.duration_s,
+            End::Diverged { time_s } => time_s,
+        };
+        log.network = network.map(|mut network| network.outcome(until_s));
         (end, log)
     }
+}
+
+/// How x'Ux grows along a matrix times the certificate's state.
+fn along<'a, G, const N: usize, const M: usize, const D: usize, const L: usize, const K: usize>(
+    gauge: &G,
+    matrix: SMatrix<f64, K, L>,
+) -> InputGradient<'a, N, K>
+where
+    G: Gauge<N, M, D, L> + Clone + 'a,
+{
+    let gauge = gauge.clone();
+    InputGradient::new(move |time_s, state| {
+        let seen = gauge.see(time_s, state);
+        matrix * gauge.certified(&seen)
+    })
 }
 
 /// A controller without a trigger of its own sends what the encoder behind it sends.
@@ -107,7 +149,8 @@ where
     let certificate = design.zip(log.lyapunov.as_ref());
     let certificate = certificate.map(|(design, monitor)| {
         let monitors = (monitor, log.inner.as_ref());
-        judge::certificate(scenario, design, monitors, &log.events, from_rest)
+        let flown = log.imperfections();
+        judge::certificate(scenario, design, monitors, (&log.events, &flown), from_rest)
     });
     let sends_by_link = about.sends_by_link;
     let mut summary = judge::summary(scenario, design, &log, (about, end), certificate);

@@ -93,7 +93,7 @@ impl<const N: usize> InnerMonitor<N> {
             bound_broken_steps: monitor.bound_broken,
             outside_steps: monitor.outside,
             peak_output: monitor.output_squared.sqrt(),
-            ultimate_level: monitor.claims().ultimate_level(),
+            ultimate_level: monitor.claims().ultimate_level,
             gamma,
             guaranteed_gain,
         }
@@ -121,7 +121,9 @@ mod tests {
         Claims {
             lyapunov: Matrix1::new(1.0),
             decay_rate: 0.5,
-            disturbance_weight: 0.1,
+            ultimate_level: 0.2,
+            start_level: 1.0,
+            networked: false,
             disturbance_bound: 1.0,
             bounds: Vec::new(),
             component_bounds: Vector1::repeat(f64::INFINITY),

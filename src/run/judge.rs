@@ -4,10 +4,11 @@ use synth::claim::Claim;
 use synth::model::Mismatch;
 
 use super::design::Design;
+use super::imperfections::{self, Flown};
 use super::inner::InnerMonitor;
 use super::log::{has_every_sample, Log};
 use super::summary::{
-    CertificateOutcome, InnerOutcome, RunProvenance, RunVerdict, Scales, Summary,
+    CertificateOutcome, InnerOutcome, OutputBound, RunProvenance, RunVerdict, Scales, Summary,
     SUMMARY_SCHEMA_VERSION,
 };
 use crate::base::provenance::GENERATOR;
@@ -90,6 +91,7 @@ where
         largest_membership_mismatch: events.largest_mismatch,
         certificate,
         link: log.link.clone(),
+        network: log.network.clone(),
         funnel: log.funnel.clone(),
         threshold: log.threshold.clone(),
         notes,
@@ -137,10 +139,12 @@ pub(crate) fn certificate<const N: usize>(
     scenario: &Scenario,
     design: &Design,
     (monitor, inner): (&LyapunovMonitor<N>, Option<&InnerMonitor<N>>),
-    events: &EventCount,
+    (events, flown): (&EventCount, &Flown),
     from_rest_in_origin: bool,
 ) -> CertificateOutcome {
     let mut not_covered = design.not_covered(scenario);
+    let imperfections = imperfections::compare(design, scenario, flown);
+    not_covered.extend(imperfections.not_covered);
     let start = monitor.start_level;
     let bound = monitor.claims().disturbance_bound;
     let peak_disturbance = monitor.disturbance_squared.sqrt();
@@ -165,10 +169,14 @@ pub(crate) fn certificate<const N: usize>(
     // What is not proved claims nothing.
     let gains = [certificate.gain_bound, certificate.guaranteed_gain];
     let [gamma, guaranteed_gain] = gains.map(|gain| design.proved().then_some(gain));
-    let inner = inner.map(|inner| inner.outcome(not_covered.is_empty(), [gamma, guaranteed_gain]));
-    if exceeds(start, 1.0 + ROUNDING) {
+    let claims = monitor.claims();
+    // At the sample of the entry the functional of a loop with late messages is not x'Ux alone.
+    let enters = not_covered.is_empty() && !claims.networked;
+    let inner = inner.map(|inner| inner.outcome(enters, [gamma, guaranteed_gain]));
+    let level = claims.start_level;
+    if exceeds(start, level * (1.0 + ROUNDING)) {
         not_covered.push(format!(
-            "the start is not in the certified set: x'Ux is {}, the set is x'Ux <= 1",
+            "the start is not in the certified set: x'Ux is {}, the set is x'Ux <= {level}",
             Claim::AtMost(start)
         ));
     }
@@ -181,6 +189,7 @@ pub(crate) fn certificate<const N: usize>(
         worst_margin: worst.map(|condition| condition.margin),
         covers_run: not_covered.is_empty(),
         not_covered,
+        covered: imperfections.covered,
         start_level: start,
         largest_lyapunov_ratio: monitor.largest_ratio,
         largest_lyapunov_ratio_at_s: monitor.largest_ratio_s,
@@ -194,7 +203,8 @@ pub(crate) fn certificate<const N: usize>(
         from_rest_in_origin,
         gamma,
         guaranteed_gain,
-        ultimate_level: monitor.claims().ultimate_level(),
+        ultimate_level: claims.ultimate_level,
+        output_bound: design.output_bound(),
         inner,
     }
 }
@@ -220,9 +230,13 @@ impl CertificateOutcome {
 
     /// True when the proof covers the run and the run broke it.
     pub fn broken(&self) -> bool {
-        let measured = self.peak_ratio.zip(self.guaranteed_gain);
+        let measured = match self.output_bound {
+            OutputBound::Gain => self.peak_ratio.zip(self.guaranteed_gain),
+            OutputBound::Peak(peak) => Some((self.peak_output, peak)),
+            OutputBound::None => None,
+        };
         let gain = self.from_rest_in_origin
-            && measured.is_some_and(|(ratio, gain)| ratio > gain * (1.0 + ROUNDING));
+            && measured.is_some_and(|(value, bound)| value > bound * (1.0 + ROUNDING));
         let inner = self.inner.as_ref().is_some_and(InnerOutcome::broken);
         inner || self.covers_run && (self.bound_broken_steps > 0 || self.outside_steps > 0 || gain)
     }

@@ -5,6 +5,7 @@ use runtime::command::Command;
 use runtime::lei2022::SwitchCount;
 
 use super::design::Design;
+use super::imperfections::Flown;
 use super::inner::InnerMonitor;
 use super::outcome::Recording;
 use crate::base::table::Table;
@@ -18,6 +19,7 @@ use crate::sim::events::EventCount;
 use crate::sim::link::LinkOutcome;
 use crate::sim::lyapunov::LyapunovMonitor;
 use crate::sim::metrics::Measured;
+use crate::sim::network::NetworkOutcome;
 use crate::sim::pointing::ErrorStatistics;
 use crate::sim::profile::Profile;
 use crate::sim::recorder::Recorder;
@@ -58,6 +60,10 @@ where
     pub inner: Option<InnerMonitor<L>>,
     /// What the link carried, where there is one.
     pub link: Option<LinkOutcome>,
+    /// What the network did, where there is one.
+    pub network: Option<NetworkOutcome>,
+    /// The largest errors of the sensor.
+    pub measurement_errors: Vec<f64>,
     /// Use of the controller's prescribed bounds.
     pub funnel: Option<BoundUtilisation>,
     /// Use of its trigger's threshold.
@@ -116,6 +122,8 @@ where
             lyapunov,
             inner,
             link: None,
+            network: None,
+            measurement_errors: Vec::new(),
             funnel: None,
             threshold: None,
             switches: None,
@@ -128,6 +136,15 @@ where
                 .then(|| Recorder::new(columns, scenario.output_interval_s)),
             input: SVector::zeros(),
             disturbance: SVector::zeros(),
+        }
+    }
+
+    /// What the run had of what a design's model may allow.
+    pub fn imperfections(&self) -> Flown {
+        Flown {
+            measurement: self.measurement_errors.clone(),
+            network: self.network.clone(),
+            momentum: self.gauge.momentum_peaks(),
         }
     }
 
@@ -216,7 +233,11 @@ where
         (self.start, self.last) = (Some(seen), Some(seen));
         self.disturbance = *disturbance;
         self.error.start(self.gauge.settling_square(&seen));
-        let square = disturbance.norm_squared();
+        let none = SVector::zeros();
+        let square = self
+            .gauge
+            .acting_disturbance(state, &none, disturbance)
+            .norm_squared();
         if let Some(monitor) = &mut self.lyapunov {
             monitor.start(&self.gauge.certified(&seen), square);
         }
@@ -252,6 +273,20 @@ where
                 let seen = self.gauge.see(time_s, state);
                 self.write(time_s, &seen, [true, sent], controller);
             }
+        }
+    }
+
+    fn measured(&mut self, largest_errors: &[f64]) {
+        self.measurement_errors.clear();
+        self.measurement_errors.extend_from_slice(largest_errors);
+    }
+
+    fn in_force(&mut self, time_s: f64) {
+        if let Some(monitor) = &mut self.lyapunov {
+            monitor.in_force(time_s);
+        }
+        if let Some(inner) = &mut self.inner {
+            inner.monitor.in_force(time_s);
         }
     }
 
@@ -310,12 +345,13 @@ where
         let magnitude = gauge.settling_square(&seen);
         self.error
             .record(time_s, step_s, magnitude, || gauge.tail_square(&seen));
+        let acting = gauge.acting_disturbance(state, &self.input, disturbance);
         if let Some(monitor) = &mut self.lyapunov {
-            let square = disturbance.norm_squared();
+            let square = acting.norm_squared();
             monitor.step(time_s, step_s, &gauge.certified(&seen), square);
         }
         if let Some(inner) = &mut self.inner {
-            let square = disturbance.norm_squared();
+            let square = acting.norm_squared();
             inner.step(time_s, step_s, &gauge.certified(&seen), square);
         }
         self.watch(time_s, state, &seen, controller);

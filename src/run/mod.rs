@@ -1,9 +1,11 @@
 //! From a scenario (and a design) to the outcome of its run.
 
+mod claims;
 pub mod design;
 mod designed;
 pub mod files;
 mod flight;
+mod imperfections;
 pub mod inner;
 mod judge;
 mod log;
@@ -11,7 +13,7 @@ pub mod outcome;
 pub mod summary;
 
 use synth::fuzzy::RuleModel;
-use synth::model::Plant;
+use synth::model;
 
 use design::Design;
 use designed::{designed, designed_attitude};
@@ -21,10 +23,13 @@ use outcome::{Recording, RunOutcome, SimulateError};
 
 use crate::controllers::law::{Flown, Surroundings};
 use crate::controllers::ControllerChoice;
-use crate::plants::rigid_body::gauge::SettleRule;
+use crate::plants::rigid_body::gauge::{AttitudeGauge, SettleRule};
 use crate::plants::{Mixing, RigidBodySystem, System, SystemKind, TakagiSugenoSystem};
 use crate::scenario::Scenario;
+use crate::sim::bench::Bench;
 use crate::sim::link::Link;
+use crate::sim::plant::Plant;
+use crate::sim::sensor::AttitudeSensor;
 
 /// Runs a scenario. `trajectory`: whether to keep it.
 ///
@@ -89,11 +94,36 @@ fn run_spacecraft(
         Some(tolerance) => SettleRule::Component(tolerance),
         None => SettleRule::Angle(scenario.settle_tolerance_rad),
     };
+    let worst = design.map(|design| design.worst_case::<6, 3, 3>().by_error);
+    let bench = system.bench(settle, worst, scenario.seed);
+    match system.wheels {
+        None => fly(scenario, system, design, bench, recording),
+        Some(wheels) => fly(
+            scenario,
+            system,
+            design,
+            bench.with_wheels(wheels),
+            recording,
+        ),
+    }
+}
+
+/// Runs a scenario on a spacecraft with or without wheels.
+fn fly<P, const N: usize>(
+    scenario: &Scenario,
+    system: &RigidBodySystem,
+    design: Option<&Design>,
+    bench: Bench<P, AttitudeSensor, AttitudeGauge, N, 3, 3>,
+    recording: &Recording,
+) -> Result<RunOutcome, SimulateError>
+where
+    P: Plant<N, 3, 3>,
+{
     let link = scenario.link.as_ref();
     let link = link.map(|data| Link::new(data, scenario.seed));
-    let flight = Flight::<_, _, _, 7, 3, 3, 6> {
+    let flight = Flight::<_, _, _, N, 3, 3, 6> {
         scenario,
-        bench: system.bench(settle, scenario.seed),
+        bench,
         design,
         link: link.transpose().map_err(SimulateError::Link)?,
         recording,
@@ -156,9 +186,10 @@ fn run_padded<const N: usize, const M: usize>(
 ) -> Result<RunOutcome, SimulateError> {
     let tolerance = scenario.settle_tolerance_state;
     let rules = mixing_rules(system, design)?;
+    let worst = design.worst_case::<N, M, N>().by_error;
     let flight = Flight::<_, _, _, N, M, N, N> {
         scenario,
-        bench: system.bench::<N, M>(tolerance, rules, scenario.seed),
+        bench: system.bench::<N, M>(tolerance, rules, worst, scenario.seed),
         design: Some(design),
         link: None,
         recording,
@@ -183,7 +214,7 @@ fn mixing_rules(
 ) -> Result<Option<RuleModel>, SimulateError> {
     let vertices = system.system.state_matrices.len();
     match (&system.mixing, &design.model.plant) {
-        (Mixing::Model, Plant::Rules(rules)) if rules.sets.len() == vertices => {
+        (Mixing::Model, model::Plant::Rules(rules)) if rules.sets.len() == vertices => {
             Ok(Some(rules.clone()))
         }
         (Mixing::Model, _) => Err(SimulateError::NoRules { vertices }),

@@ -11,6 +11,7 @@ use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{Limit, Measured, Metric, Readings};
+use crate::sim::network::NetworkOutcome;
 
 /// The version of the summary's format.
 pub const SUMMARY_SCHEMA_VERSION: u32 = 1;
@@ -125,6 +126,9 @@ pub struct Summary {
     /// What the link to the actuators carried, where there is one.
     #[serde(default)]
     pub link: Option<LinkOutcome>,
+    /// What the network of the controller's messages did, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<NetworkOutcome>,
     /// Use of the prescribed bounds on the error, for a controller that has them.
     #[serde(default)]
     pub funnel: Option<BoundUtilisation>,
@@ -181,9 +185,12 @@ pub struct CertificateOutcome {
     pub covers_run: bool,
     /// Why it does not.
     pub not_covered: Vec<String>,
+    /// What of the run's imperfections lies within the bounds that were proved, each with both numbers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covered: Vec<String>,
     /// x'Ux at the start; the certified set is x'Ux <= 1.
     pub start_level: f64,
-    /// Largest x'Ux over its bound e^(-phi t) V(0) + (1 - e^(-phi t)) xi taubar^2 / phi.
+    /// Largest x'Ux over its bound e^(-phi t) V(0) + (1 - e^(-phi t)) r / phi.
     pub largest_lyapunov_ratio: f64,
     /// When that was, s.
     pub largest_lyapunov_ratio_at_s: f64,
@@ -207,12 +214,34 @@ pub struct CertificateOutcome {
     pub gamma: Option<f64>,
     /// The design's sharper bound; null where it is not proved.
     pub guaranteed_gain: Option<f64>,
-    /// xi taubar^2 / phi.
+    /// r / phi: xi taubar^2 / phi for an ideal loop.
     pub ultimate_level: f64,
+    /// What is proved of sup|y| from rest.
+    #[serde(default, skip_serializing_if = "OutputBound::is_gain")]
+    pub output_bound: OutputBound,
     /// What became of the inner certificate, for a design with two. The claims above are then those of
     /// the outer one; gamma and the guaranteed gain are the inner one's, which holds at the origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner: Option<InnerOutcome>,
+}
+
+/// What is proved of sup|y| of a run from rest.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OutputBound {
+    /// It is at most the guaranteed gain times sup|tau|.
+    #[default]
+    Gain,
+    /// It is at most this: not only the disturbance moves the state.
+    Peak(f64),
+    /// Nothing.
+    None,
+}
+
+impl OutputBound {
+    fn is_gain(&self) -> bool {
+        *self == OutputBound::Gain
+    }
 }
 
 /// What became of the inner certificate of a design with two.
@@ -235,7 +264,7 @@ pub struct InnerOutcome {
     pub outside_steps: u64,
     /// sup|y| from there on.
     pub peak_output: f64,
-    /// xi taubar^2 / phi.
+    /// r / phi: xi taubar^2 / phi for an ideal loop.
     pub ultimate_level: f64,
     /// gamma of the inner certificate; null where it is not proved.
     pub gamma: Option<f64>,

@@ -5,6 +5,7 @@ use synth::model::{check_line, finite, parse, FileError, Kind, ModelError};
 use super::dispersions::{check_dispersions, Dispersions};
 use super::file::{MetricsFile, RequirementFile, ScenarioFile, SCENARIO_SCHEMA_VERSION};
 use super::link::check_link;
+use super::network::{check_network, check_worst, NetworkChoice};
 use crate::base::bounded::{HalfTurn, InsideUnit, Positive, Tail};
 use crate::base::provenance::sha256_of;
 use crate::base::ranges::require;
@@ -52,6 +53,8 @@ pub struct Scenario {
     pub controller: ControllerChoice,
     /// The link to the actuators.
     pub link: Option<LinkData<3>>,
+    /// The network of the controller's messages.
+    pub network: Option<NetworkChoice>,
     /// How the plant is integrated.
     pub method: Method,
     /// When an attitude error counts as settled, rad.
@@ -110,6 +113,11 @@ impl Scenario {
         }
         let link = file.link.as_ref();
         let link = link.map(|link| check_link(link, &system, &instants));
+        let network = file.network.as_ref();
+        let network = network.map(|network| check_network(network, &instants, link.is_some()));
+        let network = network.transpose()?;
+        check_worst(&system, network.as_ref(), &controller, (&instants, &method))?;
+        check_wheels(&system, &method)?;
         check_continuous(&instants, &method, &system, &controller)?;
         check_metrics(&file.metrics, file.duration_s)?;
         check_requirements(&file.requirements)?;
@@ -133,6 +141,7 @@ impl Scenario {
             dropout_probability: file.sampling.dropout_probability,
             controller,
             link: link.transpose()?,
+            network,
             method,
             settle_tolerance_rad: angle_deg
                 .map_or(DEFAULT_SETTLE_TOLERANCE_DEG, HalfTurn::get)
@@ -177,6 +186,15 @@ fn check_sampling(instants: &Instants, duration: f64) -> Result<(), ModelError> 
     }
 }
 
+fn check_wheels(system: &System, method: &Method) -> Result<(), ModelError> {
+    match system {
+        System::RigidBody(body) => body
+            .wheels
+            .map_or(Ok(()), |wheels| wheels.check_step(method)),
+        System::TakagiSugeno(_) => Ok(()),
+    }
+}
+
 /// Root finding asks the sensor again and again about the same moment.
 fn check_continuous(
     instants: &Instants,
@@ -206,6 +224,11 @@ fn check_continuous(
         );
     }
     match system {
+        System::RigidBody(body) if body.sensors.bounded.is_some() => {
+            let field = "system.rigid_body.sensors.bounded_error";
+            let expected = "none, as every sensor error, when sampling.instants is continuous";
+            Err(ModelError::shape(field, "an error", expected))
+        }
         System::RigidBody(body) if !body.sensors.is_perfect() => {
             let noise = body.sensors.attitude_noise_rad.to_degrees();
             refuse(
@@ -213,6 +236,11 @@ fn check_continuous(
                 noise,
                 "0, as every sensor error,",
             )
+        }
+        System::TakagiSugeno(model) if model.measurement_error.is_some() => {
+            let field = "system.takagi_sugeno.measurement_error";
+            let expected = "none, as every sensor error, when sampling.instants is continuous";
+            Err(ModelError::shape(field, "an error", expected))
         }
         System::TakagiSugeno(model) if model.state_noise > 0.0 => {
             refuse("system.takagi_sugeno.state_noise", model.state_noise, "0")

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispersions::DispersionsFile;
 use super::link::LinkFile;
+use super::network::NetworkFile;
 use crate::base::bounded::{As, BelowOne, HalfTurn, InsideUnit, Positive, Tail};
 use crate::controllers::ControllerFile;
 use crate::plants::SystemFile;
@@ -42,6 +43,9 @@ pub struct ScenarioFile {
     /// command acts as it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<LinkFile>,
+    /// The network that carries the controller's messages, in the place of a link; without it they arrive at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<NetworkFile>,
     /// How the plant is integrated between events.
     #[serde(default)]
     pub integrator: Method,

@@ -5,8 +5,11 @@ use std::collections::VecDeque;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use synth::model::ModelError;
 
 use super::effect::{Effect, Fault};
+use super::gain_error::{GainError, GainErrorFile, GainKind};
+use super::random::{Purpose, Random};
 use crate::base::bounded::{As, Finite, NonNegative, Positive};
 
 /// Makes the list of effects from the types that implement [`Effect`].
@@ -66,20 +69,38 @@ pub struct ActuatorsFile {
     /// when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matrix: Option<[[Finite; 3]; 3]>,
+    /// Uncertain gains, in the place of `matrix`; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_error: Option<GainErrorFile>,
+    /// Step to which the torque about each axis is rounded, not negative; 0 for none [N m].
+    #[serde(default, with = "As::<NonNegative>")]
+    pub torque_quantum_nm: f64,
 }
 
 impl ActuatorsFile {
     /// Actuators without faults.
-    pub fn data(&self) -> ActuatorData<3> {
-        ActuatorData {
+    ///
+    /// # Errors
+    /// Gains that are stated twice or out of their range.
+    pub fn data(&self) -> Result<ActuatorData<3>, ModelError> {
+        let gain_error = self.gain_error.as_ref().map(|file| file.data(3));
+        let gain_error = gain_error.transpose();
+        let gain_error = gain_error.map_err(|error| error.within("actuators.gain_error"))?;
+        if self.matrix.is_some() && gain_error.is_some() {
+            let expected = "one of matrix and gain_error";
+            return Err(ModelError::shape("actuators", "both", expected));
+        }
+        Ok(ActuatorData {
             limit: Vector3::from(self.torque_limit_nm.unwrap_or([f64::INFINITY; 3])),
             dead_band: Vector3::from(self.dead_band_nm),
             delay_s: self.delay_s,
             matrix: self.matrix.map_or(Matrix3::identity(), |rows| {
                 Matrix3::from_fn(|row, column| rows[row][column].get())
             }),
+            gain_error,
+            quantum: self.torque_quantum_nm,
             effects: Vec::new(),
-        }
+        })
     }
 }
 
@@ -94,6 +115,10 @@ pub struct ActuatorData<const M: usize> {
     pub delay_s: f64,
     /// Torque about each axis per unit torque of each actuator.
     pub matrix: SMatrix<f64, M, M>,
+    /// Uncertain gains after the matrix.
+    pub gain_error: Option<GainError<M>>,
+    /// Step to which the torque about each axis is rounded at last, N m; zero for none.
+    pub quantum: f64,
     /// What changes the torque before the matrix, in this order.
     pub effects: Vec<AnyEffect>,
 }
@@ -106,6 +131,8 @@ impl<const M: usize> ActuatorData<M> {
             dead_band: SVector::zeros(),
             delay_s: 0.0,
             matrix: SMatrix::identity(),
+            gain_error: None,
+            quantum: 0.0,
             effects: Vec::new(),
         }
     }
@@ -124,6 +151,8 @@ pub struct Actuators<'a, const M: usize> {
     effects: Vec<AnyEffect>,
     /// What the actuators give now, before the matrix.
     given: SVector<f64, M>,
+    gain: SMatrix<f64, M, M>,
+    random: Random,
     ideal: bool,
     pending: VecDeque<(f64, SVector<f64, M>)>,
     commanded: SVector<f64, M>,
@@ -131,12 +160,16 @@ pub struct Actuators<'a, const M: usize> {
 }
 
 impl<'a, const M: usize> Actuators<'a, M> {
-    /// Actuators at rest.
-    pub fn new(data: &'a ActuatorData<M>) -> Self {
+    /// Actuators at rest, for a scenario's seed.
+    pub fn new(data: &'a ActuatorData<M>, seed: u64) -> Self {
+        let mut random = Random::new(seed, Purpose::ActuatorGain);
+        let gain = data.gain_error.as_ref();
         Self {
             data,
             effects: data.effects.clone(),
             given: SVector::zeros(),
+            gain: gain.map_or(SMatrix::identity(), |gain| gain.draw(&mut random)),
+            random,
             ideal: *data == ActuatorData::ideal(),
             pending: VecDeque::new(),
             commanded: SVector::zeros(),
@@ -162,6 +195,19 @@ impl<'a, const M: usize> Actuators<'a, M> {
         self.pending
             .front()
             .map_or(f64::INFINITY, |(time, _)| *time)
+    }
+
+    /// New gains where they change in time; `gradient` says how x'Ux grows with the torque, where that is known.
+    #[inline]
+    pub fn renew(&mut self, gradient: Option<&SVector<f64, M>>) {
+        let Some(gain) = &self.data.gain_error else {
+            return;
+        };
+        match (gain.kind, gradient) {
+            (GainKind::Random, _) => self.gain = gain.draw(&mut self.random),
+            (GainKind::Worst, Some(gradient)) => self.gain = gain.worst(gradient, &self.given),
+            (GainKind::Constant, _) | (GainKind::Worst, None) => {}
+        }
     }
 
     /// The torque that acts from `time_s` on, N m.
@@ -192,7 +238,14 @@ impl<'a, const M: usize> Actuators<'a, M> {
             effect.change(time_s, &mut torque);
         }
         self.given = torque;
-        data.matrix * torque
+        let mut torque = data.matrix * torque;
+        if data.gain_error.is_some() {
+            torque = self.gain * torque;
+        }
+        if data.quantum > 0.0 {
+            torque = torque.map(|value| (value / data.quantum).round() * data.quantum);
+        }
+        torque
     }
 
     /// The torque acted for `span_s` seconds.
@@ -221,7 +274,7 @@ mod tests {
             dead_band: Vector2::new(0.1, 0.0),
             ..ActuatorData::ideal()
         };
-        let mut actuators = Actuators::new(&data);
+        let mut actuators = Actuators::new(&data, 1);
         actuators.command(0.0, &Vector2::new(-3.0, 1.5));
         assert_eq!(actuators.torque(0.0), Vector2::new(-1.0, 1.5));
         actuators.command(1.0, &Vector2::new(0.09, 5.0));
@@ -234,7 +287,7 @@ mod tests {
             delay_s: 0.5,
             ..ActuatorData::ideal()
         };
-        let mut actuators = Actuators::new(&data);
+        let mut actuators = Actuators::new(&data, 1);
         let (first, second) = (Vector2::new(1.0, 0.0), Vector2::new(2.0, 0.0));
         actuators.command(0.0, &first);
         actuators.command(0.25, &second);
@@ -256,7 +309,7 @@ mod tests {
             })],
             ..ActuatorData::ideal()
         };
-        let mut actuators = Actuators::new(&data);
+        let mut actuators = Actuators::new(&data, 1);
         actuators.command(0.0, &Vector2::new(1.0, 1.0));
         let second = |actuators: &mut Actuators<2>, time| actuators.torque(time).y;
         assert_eq!(second(&mut actuators, 0.999), 1.0);
@@ -271,9 +324,61 @@ mod tests {
             matrix: nalgebra::Matrix2::new(1.0, 0.5, 0.0, -2.0),
             ..ActuatorData::ideal()
         };
-        let mut actuators = Actuators::new(&data);
+        let mut actuators = Actuators::new(&data, 1);
         actuators.command(0.0, &Vector2::new(0.25, 4.0));
         assert_eq!(actuators.torque(0.0), Vector2::new(0.75, -2.0));
         assert_eq!(*actuators.last_command(), Vector2::new(0.25, 4.0));
+    }
+
+    fn uncertain(kind: GainKind) -> ActuatorData<2> {
+        ActuatorData {
+            gain_error: Some(GainError {
+                range: [[0.5, 1.0], [0.8, 0.9]],
+                misalignment: 0.1,
+                inputs: 2,
+                kind,
+            }),
+            ..ActuatorData::ideal()
+        }
+    }
+
+    #[test]
+    fn the_worst_gains_give_the_most_of_what_harms_and_the_least_of_what_helps() {
+        let data = uncertain(GainKind::Worst);
+        let mut actuators = Actuators::new(&data, 1);
+        actuators.command(0.0, &Vector2::new(2.0, -1.0));
+        actuators.torque(0.0);
+        actuators.renew(Some(&Vector2::new(1.0, 1.0)));
+        let torque = actuators.torque(0.0);
+        assert!((torque - Vector2::new(2.0 + 0.1, -0.8 + 0.2)).amax() < 1e-15);
+    }
+
+    #[test]
+    fn random_gains_change_and_constant_ones_do_not_and_both_keep_within_their_bounds() {
+        for (kind, changes) in [(GainKind::Random, true), (GainKind::Constant, false)] {
+            let data = uncertain(kind);
+            let mut actuators = Actuators::new(&data, 1);
+            actuators.command(0.0, &Vector2::new(1.0, 0.0));
+            let first = actuators.torque(0.0);
+            let mut changed = false;
+            for _ in 0..100 {
+                actuators.renew(None);
+                let torque = actuators.torque(0.0);
+                assert!((0.5..=1.0).contains(&torque.x) && torque.y.abs() <= 0.1);
+                changed |= torque != first;
+            }
+            assert_eq!(changed, changes);
+        }
+    }
+
+    #[test]
+    fn a_rounded_torque_is_off_by_half_a_step_at_most() {
+        let data = ActuatorData {
+            quantum: 0.25,
+            ..ActuatorData::ideal()
+        };
+        let mut actuators = Actuators::new(&data, 1);
+        actuators.command(0.0, &Vector2::new(0.3, -0.4));
+        assert_eq!(actuators.torque(0.0), Vector2::new(0.25, -0.5));
     }
 }

@@ -24,6 +24,22 @@ pub trait Gauge<const N: usize, const M: usize, const D: usize, const L: usize> 
     /// Takes the state at the start and at the end of each step.
     fn watch(&mut self, _state: &SVector<f64, N>) {}
 
+    /// The disturbance that acts on a certificate's plant: `disturbance`, and what the actuators give beside the torque
+    /// `input` that is asked of them.
+    fn acting_disturbance(
+        &self,
+        _state: &SVector<f64, N>,
+        _input: &SVector<f64, M>,
+        disturbance: &SVector<f64, D>,
+    ) -> SVector<f64, D> {
+        *disturbance
+    }
+
+    /// The largest norm and components of the wheels' momentum so far, N m s; `None` without wheels.
+    fn momentum_peaks(&self) -> Option<[f64; 4]> {
+        None
+    }
+
     /// The state that a certificate is about.
     fn certified(&self, seen: &Self::Seen) -> SVector<f64, L>;
 

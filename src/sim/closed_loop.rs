@@ -7,8 +7,10 @@ use super::actuator::{ActuatorData, Actuators};
 use super::controller::{Controller, Truth};
 use super::disturbance::{Disturbance, DisturbanceCursor};
 use super::dormand_prince::DormandPrince;
+use super::input_gradient::InputGradient;
 use super::integrator::{runge_kutta_step, Method};
 use super::link::Link;
+use super::network::Network;
 use super::plant::Plant;
 use super::sampling::{Instants, Sampling};
 use super::sensor::Sensor;
@@ -28,6 +30,12 @@ pub trait Observer<C, const N: usize, const M: usize, const D: usize> {
         mismatch: Option<f64>,
         controller: &C,
     );
+
+    /// The largest errors of the sensor so far (see [`Sensor::largest_errors`]).
+    fn measured(&mut self, _largest_errors: &[f64]) {}
+
+    /// A command acts from now on that came from a sample: the first time, the loop is closed.
+    fn in_force(&mut self, _time_s: f64) {}
 
     /// At the sample that is reported next the link carried these steps (see [`Link::steps`]).
     fn transmitted(&mut self, _steps: &[f64; M]) {}
@@ -81,6 +89,12 @@ pub struct ClosedLoop<'a, P, S, C, const N: usize, const M: usize, const D: usiz
     pub controller: C,
     /// The link from its command to the actuators; without one the command acts unchanged.
     pub link: Option<&'a mut Link<M>>,
+    /// The network that carries its messages; without one they arrive at once.
+    pub network: Option<&'a mut Network<M>>,
+    /// How x'Ux of the design grows with the torque; needed by what is the worst possible.
+    pub gradient: Option<InputGradient<'a, N, M>>,
+    /// The same for the disturbance.
+    pub disturbance_gradient: Option<InputGradient<'a, N, D>>,
     /// Sampling instants.
     pub sampling: Sampling,
     /// The actuators.
@@ -91,6 +105,8 @@ pub struct ClosedLoop<'a, P, S, C, const N: usize, const M: usize, const D: usiz
     pub method: Method,
     /// End of the run, s.
     pub duration_s: f64,
+    /// The scenario's seed.
+    pub seed: u64,
 }
 
 /// Intervals shorter than this fraction of a step are not worth a step of their own.
@@ -102,6 +118,16 @@ struct Progress<'a, const N: usize, const D: usize> {
     next_sample: f64,
     state: SVector<f64, N>,
     cursor: DisturbanceCursor<'a, D>,
+    /// The worst disturbance, held until the next event.
+    push: Option<SVector<f64, D>>,
+}
+
+impl<const N: usize, const D: usize> Progress<'_, N, D> {
+    /// The disturbance now.
+    fn disturbance(&self) -> SVector<f64, D> {
+        let given = *self.cursor.now();
+        self.push.map_or(given, |push| given + push)
+    }
 }
 
 impl<'a, P, S, C, const N: usize, const M: usize, const D: usize> ClosedLoop<'a, P, S, C, N, M, D>
@@ -120,19 +146,22 @@ where
             next_sample: 0.0,
             state: *initial,
             cursor: DisturbanceCursor::new(self.disturbance, 0.0),
+            push: None,
         };
         let mut next_breakpoint = 0;
-        let mut actuators = Actuators::new(self.actuators);
+        let mut actuators = Actuators::new(self.actuators, self.seed);
         let mut reference = self.reference_integrator();
         observer.start(&at.state, at.cursor.now(), &self.controller);
         while at.time < self.duration_s {
             if at.time >= at.next_sample {
                 self.take_sample(&mut at, &mut actuators, observer);
             }
-            let torque = actuators.torque(at.time);
+            self.deliver(at.time, &mut actuators, observer);
+            let torque = self.acting(&at, &mut actuators);
             let mut event = at
                 .next_sample
                 .min(actuators.next_change_s())
+                .min(self.next_arrival_s())
                 .min(self.duration_s);
             while let Some(&breakpoint) = self.breakpoints_s.get(next_breakpoint) {
                 if breakpoint > at.time {
@@ -142,7 +171,8 @@ where
                 next_breakpoint += 1;
             }
             let from = at.time;
-            observer.hold(from, &torque, at.cursor.now(), &self.controller);
+            at.push = self.push(&at);
+            observer.hold(from, &torque, &at.disturbance(), &self.controller);
             match &mut reference {
                 None => self.advance(&mut at, event, &torque, observer),
                 Some(reference) => {
@@ -162,6 +192,49 @@ where
             }
         }
         End::Completed
+    }
+
+    #[inline]
+    fn next_arrival_s(&self) -> f64 {
+        let network = self.network.as_ref();
+        network.map_or(f64::INFINITY, |network| network.next_arrival_s())
+    }
+
+    fn gradient(&self, at: &Progress<'a, N, D>) -> Option<SVector<f64, M>> {
+        let gradient = self.gradient.as_ref();
+        gradient.map(|gradient| gradient.at(at.time, &at.state))
+    }
+
+    /// The worst disturbance, in the direction in which x'Ux grows fastest.
+    #[inline]
+    fn push(&self, at: &Progress<'a, N, D>) -> Option<SVector<f64, D>> {
+        let gradient = self.disturbance_gradient.as_ref()?;
+        let direction = gradient.at(at.time, &at.state).try_normalize(0.0);
+        direction.map(|direction| direction * self.disturbance.worst)
+    }
+
+    /// Hands the messages that have arrived to the actuators.
+    #[inline]
+    fn deliver<O>(&mut self, time_s: f64, actuators: &mut Actuators<'a, M>, observer: &mut O)
+    where
+        O: Observer<C, N, M, D>,
+    {
+        let network = self.network.as_mut();
+        if let Some(torque) = network.and_then(|network| network.deliver(time_s)) {
+            actuators.command(time_s, &torque);
+            observer.in_force(time_s);
+        }
+    }
+
+    /// The torque that acts from now on.
+    #[inline]
+    fn acting(&self, at: &Progress<'a, N, D>, actuators: &mut Actuators<'a, M>) -> SVector<f64, M> {
+        let torque = actuators.torque(at.time);
+        if self.actuators.gain_error.is_none() {
+            return torque;
+        }
+        actuators.renew(self.gradient(at).as_ref());
+        actuators.torque(at.time)
     }
 
     fn reference_integrator(&self) -> Option<DormandPrince<'a, P, N, M, D>> {
@@ -196,16 +269,28 @@ where
             time_s: at.time,
             state: at.state.as_slice(),
             disturbance: at.cursor.now().as_slice(),
-            held: match &self.link {
-                None => *actuators.last_command(),
-                Some(link) => link.held_by_encoder(),
+            held: match (&self.link, &self.network) {
+                (Some(link), _) => link.held_by_encoder(),
+                (None, Some(network)) => network.entered(),
+                (None, None) => *actuators.last_command(),
             },
             acting,
         });
         let command = self.controller.step(at.time, &measurement);
-        match &mut self.link {
-            None => actuators.command(at.time, &command.torque),
-            Some(link) => {
+        if command.sent {
+            self.sensor.sent(&measurement);
+        }
+        observer.measured(self.sensor.largest_errors());
+        let gradient = self.network.as_ref().and_then(|_| self.gradient(at));
+        match (&mut self.link, &mut self.network) {
+            (None, Some(network)) => network.transmit(at.time, &command, gradient.as_ref()),
+            (None, None) => {
+                actuators.command(at.time, &command.torque);
+                if command.sent {
+                    observer.in_force(at.time);
+                }
+            }
+            (Some(link), _) => {
                 let held = link.transmit(at.time, &command.torque);
                 actuators.command(at.time, &held);
                 observer.transmitted(link.steps());
@@ -235,7 +320,10 @@ where
         let count = count as u64;
         for index in 1..=count {
             let (start, start_state) = (at.time, at.state);
-            let values = at.cursor.step(start, step);
+            let mut values = at.cursor.step(start, step);
+            if let Some(push) = &at.push {
+                values.iter_mut().for_each(|value| *value += push);
+            }
             at.state = runge_kutta_step(self.plant, start, &start_state, step, torque, &values);
             at.time = if index == count {
                 event

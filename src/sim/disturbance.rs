@@ -79,6 +79,8 @@ pub struct Disturbance<const D: usize> {
     pub table: Option<DisturbanceTable<D>>,
     /// Parts that act in a window only.
     pub pulses: Vec<Pulse<D>>,
+    /// Norm of a part that the closed loop adds at every event, in the direction in which x'Ux of the design grows fastest.
+    pub worst: f64,
 }
 
 impl<const D: usize> Disturbance<D> {
@@ -89,6 +91,7 @@ impl<const D: usize> Disturbance<D> {
             harmonics: Vec::new(),
             table: None,
             pulses: Vec::new(),
+            worst: 0.0,
         }
     }
 
@@ -302,8 +305,7 @@ mod tests {
         Disturbance {
             bias: Vector2::new(0.3, -0.1),
             harmonics: vec![harmonic(0.06, 1.0, 0.5), harmonic(7.0, 0.4, -0.2)],
-            table: None,
-            pulses: Vec::new(),
+            ..Disturbance::none()
         }
     }
 

@@ -1,7 +1,9 @@
 //! Watches a certificate's claims along a run.
 //!
 //! For a proved design, Xu and Huang 2020, (30) with (31) gives
-//! `x'Ux <= e^(-phi t) V(0) + (1 - e^(-phi t)) xi taubar^2 / phi` from every start with x'Ux <= 1.
+//! `x'Ux <= e^(-phi t) V(0) + (1 - e^(-phi t)) r / phi` from every start with x'Ux <= rho0. For an ideal loop
+//! r = xi taubar^2 and rho0 = 1; measurement errors and the trigger's floor add to r. Where messages may be late or lost,
+//! nothing is applied before the first arrival, at which V <= 1, and the bound begins there.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -19,9 +21,13 @@ pub struct Claims<const N: usize> {
     pub lyapunov: SMatrix<f64, N, N>,
     /// phi, 1/s.
     pub decay_rate: f64,
-    /// xi.
-    pub disturbance_weight: f64,
-    /// taubar.
+    /// r / phi: the level that the bound tends to.
+    pub ultimate_level: f64,
+    /// rho0: the certified starts are those with x'Ux <= rho0.
+    pub start_level: f64,
+    /// Whether messages may be late or lost, so that V is known to be at most 1 when the first arrives, and no more.
+    pub networked: bool,
+    /// Bound on the norm of the disturbance.
     pub disturbance_bound: f64,
     /// Rows h with |h x| <= b.
     pub bounds: Vec<(SVector<f64, N>, f64)>,
@@ -48,14 +54,9 @@ impl<const N: usize> Claims<N> {
         product.iter().zip(state).map(|(a, b)| a * b).sum()
     }
 
-    /// The level that the bound tends to: xi taubar^2 / phi.
-    pub fn ultimate_level(&self) -> f64 {
-        self.disturbance_weight * self.disturbance_bound * self.disturbance_bound / self.decay_rate
-    }
-
     /// k2: the level of the set that the state never leaves, and on which the conditions hold.
     pub fn invariant_level(&self) -> f64 {
-        self.ultimate_level().max(1.0)
+        self.ultimate_level.max(1.0)
     }
 
     #[inline(always)]
@@ -86,6 +87,7 @@ pub struct LyapunovMonitor<const N: usize> {
     ultimate: f64,
     excess: f64,
     decay: f64,
+    waiting: bool,
     last_step_s: f64,
     last_factor: f64,
     /// x'Ux at the start.
@@ -113,10 +115,10 @@ pub struct LyapunovMonitor<const N: usize> {
 impl<const N: usize> LyapunovMonitor<N> {
     /// Monitor before the start.
     pub fn new(claims: Claims<N>) -> Self {
-        let ultimate = claims.ultimate_level();
         Self {
+            ultimate: claims.ultimate_level,
+            waiting: claims.networked,
             claims,
-            ultimate,
             excess: 0.0,
             decay: 1.0,
             last_step_s: 0.0,
@@ -149,8 +151,18 @@ impl<const N: usize> LyapunovMonitor<N> {
     pub fn start(&mut self, state: &SVector<f64, N>, disturbance_squared: f64) {
         self.level = self.claims.level(state);
         self.start_level = self.level;
-        self.excess = self.level - self.ultimate;
+        let first = if self.waiting { 1.0 } else { self.level };
+        self.excess = first - self.ultimate;
         self.check(0.0, state, disturbance_squared);
+    }
+
+    /// A command from a sample acts at `time_s` and from then on. At the start V is x'Ux.
+    #[inline]
+    pub fn in_force(&mut self, time_s: f64) {
+        if self.waiting && time_s == 0.0 {
+            self.excess = self.level - self.ultimate;
+        }
+        self.waiting = false;
     }
 
     /// The state at the end of a step.
@@ -166,7 +178,9 @@ impl<const N: usize> LyapunovMonitor<N> {
             self.last_step_s = step_s;
             self.last_factor = decay_factor(self.claims.decay_rate * step_s);
         }
-        self.decay *= self.last_factor;
+        if !self.waiting {
+            self.decay *= self.last_factor;
+        }
         if self.decay < NEGLIGIBLE_DECAY {
             self.decay = 0.0;
         }
@@ -237,7 +251,9 @@ mod tests {
         Claims {
             lyapunov: Matrix2::new(4.0, 1.0, 1.0, 2.0),
             decay_rate: 0.5,
-            disturbance_weight: 0.1,
+            ultimate_level: 0.2,
+            start_level: 1.0,
+            networked: false,
             disturbance_bound: 1.0,
             bounds: vec![(Vector2::new(1.0, 0.0), 0.4)],
             component_bounds: Vector2::repeat(f64::INFINITY),
@@ -279,6 +295,26 @@ mod tests {
         assert_eq!(monitor.outside, 2);
         assert!((monitor.output_squared - 0.64).abs() < 1e-15);
         assert_eq!(monitor.disturbance_squared, 0.25);
+    }
+
+    #[test]
+    fn where_messages_may_be_late_the_bound_is_1_until_the_first_has_arrived() {
+        let networked = Claims {
+            networked: true,
+            ..claims()
+        };
+        let start = Vector2::new(0.0, 0.5);
+        let mut late = LyapunovMonitor::new(networked.clone());
+        late.start(&start, 0.0);
+        late.step(1.0, 1.0, &start, 0.0);
+        assert_eq!(late.bound(), 1.0);
+        late.in_force(1.0);
+        late.step(2.0, 1.0, &start, 0.0);
+        assert!((late.bound() - (0.2 + 0.8 * (-0.5_f64).exp())).abs() < 1e-15);
+        let mut prompt = LyapunovMonitor::new(networked);
+        prompt.start(&start, 0.0);
+        prompt.in_force(0.0);
+        assert_eq!(prompt.bound(), 0.5);
     }
 
     #[test]

@@ -22,6 +22,14 @@ pub enum Purpose {
     BitErrors,
     /// The plant's inertia.
     Inertia,
+    /// Bounded errors of the sensors.
+    MeasurementError,
+    /// Delays of messages.
+    NetworkDelay,
+    /// Lost messages.
+    NetworkLoss,
+    /// Gains of the actuators.
+    ActuatorGain,
 }
 
 /// What a stream of a campaign's generator is for.

@@ -12,6 +12,13 @@ pub fn rigid_body_state(attitude: &Quaternion, rate: &Vector3<f64>) -> RigidBody
     RigidBodyState::from([rate.x, rate.y, rate.z, q0, q1, q2, q3])
 }
 
+/// The rigid body's part of a state that begins with it.
+#[inline(always)]
+pub fn body_state<const N: usize>(state: &SVector<f64, N>) -> RigidBodyState {
+    const { assert!(N >= 7, "a rigid body has seven states") };
+    RigidBodyState::from_fn(|row, _| state[row])
+}
+
 /// Attitude of a rigid-body state.
 #[inline]
 pub fn attitude(state: &RigidBodyState) -> Quaternion {

@@ -21,6 +21,7 @@ mod exports;
 mod feasibility;
 mod fixtures;
 mod fuzz;
+mod imperfections;
 mod inertia;
 mod lei2022;
 mod lei_conditions;

@@ -21,6 +21,7 @@ use runtime::membership::{
     ConstantGain, GaussianRules, Membership, RigidBodyBox, RIGID_BODY_VERTICES,
 };
 use runtime::nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
+use runtime::repeat::{Arrival, Message, Receiver, Sender, SequenceNumber};
 use runtime::saturation::Saturation;
 use runtime::trigger::{Adaptation, ThresholdUpdate};
 use runtime::{lei2022, wu2018, xu2020};
@@ -176,6 +177,7 @@ where
         trigger_weight: black_box(Matrix6::identity()),
         threshold_update: black_box(threshold_update),
         torque_limit: black_box(Vector3::repeat(2.0)),
+        trigger_floor: black_box(1e-4),
         longest_interval_s: black_box(Some(0.1)),
     })?;
     Ok(largest_torque(|time_s, measurement| {
@@ -185,6 +187,31 @@ where
         }
         command
     }))
+}
+
+/// Number of new values among messages of which some are repeated, some overtaken and one comes twice.
+pub fn exercise_repeats() -> u32 {
+    let first = SequenceNumber::new(black_box(u32::MAX));
+    let mut sender = Sender::starting_at(black_box(2), first);
+    let mut receiver = Receiver::new();
+    let mut late: Option<Message<Vector3<f64>>> = None;
+    let mut new = 0;
+    for index in 0..20_u32 {
+        let fires = black_box(index % 5 == 0);
+        let message = sender.sample(fires.then(|| black_box(Vector3::repeat(0.1))));
+        for message in message.into_iter().chain(late) {
+            new += u32::from(receiver.receive(&message) == Arrival::New);
+        }
+        late = message.or(late);
+        if black_box(index == 17) {
+            sender.reset();
+            receiver.reset();
+        }
+    }
+    match receiver.has_arrived() && receiver.value().is_some() {
+        true => new,
+        false => 0,
+    }
 }
 
 fn wu(unwinding: wu2018::Unwinding) -> Result<f64, ParameterError> {

@@ -40,6 +40,26 @@ proptest! {
     }
 
     #[test]
+    fn the_state_of_a_measured_attitude_has_the_sign_of_the_measured_scalar_part(
+        true_error in attitude(),
+        axis in vector(1.0),
+        off in 0.0..0.1f64,
+        negated in any::<bool>(),
+    ) {
+        prop_assume!(axis.norm() > 1e-3);
+        let true_error = true_error.shortest();
+        prop_assume!(true_error.scalar > 2.0 * libm::sin(off / 4.0));
+        let measured = true_error * Quaternion::from_axis_angle(&axis, off).unwrap();
+        let measured = if negated { -measured } else { measured };
+        let state = |error: Quaternion| {
+            let measurement = AttitudeMeasurement { error, rate_rad_s: Vector3::zeros() };
+            measurement.rigid_body_state()
+        };
+        let error = (state(measured) - state(true_error)).norm();
+        prop_assert!(error <= 0.5 * off + 1e-14, "{error} for {off} rad");
+    }
+
+    #[test]
     fn the_error_from_itself_is_the_identity(q in attitude()) {
         prop_assert!(close(&q.error_from(&q), &Quaternion::identity()));
     }

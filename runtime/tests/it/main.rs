@@ -7,6 +7,7 @@ mod compression;
 mod lei2022;
 mod local_rules;
 mod membership;
+mod repeat;
 mod saturation;
 mod trigger;
 mod wu2018;

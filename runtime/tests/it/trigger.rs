@@ -317,3 +317,31 @@ fn negative_adaptation_constants_are_refused_by_name() {
         }
     }
 }
+
+#[test]
+fn a_floor_is_added_to_the_relative_threshold() {
+    let fixed = ThresholdUpdate::Fixed { threshold: 0.25 };
+    let mut trigger = trigger(fixed).with_floor(0.5).unwrap();
+    assert_eq!(trigger.floor(), 0.5);
+    // The first sample is sent whatever the floor is.
+    assert_eq!(trigger.fires(&Vector2::zeros()), Some(true));
+    trigger.record_sent(&Vector2::new(2.0, 0.0));
+    // 0.25 * 8 + 0.5 = 2.5, and e'We is 2 d^2 for e = (d, 0).
+    assert_eq!(trigger.fires(&Vector2::new(3.0, 0.0)), Some(false));
+    assert_eq!(trigger.fires(&Vector2::new(3.125, 0.0)), Some(true));
+    trigger.record_sent(&Vector2::zeros());
+    assert_eq!(trigger.fires(&Vector2::new(0.5, 0.0)), Some(true));
+    assert_eq!(trigger.fires(&Vector2::new(0.4, 0.0)), Some(false));
+}
+
+#[test]
+fn a_floor_that_is_negative_or_not_finite_is_refused() {
+    let fixed = ThresholdUpdate::Fixed { threshold: 0.25 };
+    for (floor, message) in [
+        (-1.0, "trigger_floor is -1, allowed is [0, inf)"),
+        (f64::NAN, "trigger_floor is NaN, not a finite number"),
+    ] {
+        let error = trigger(fixed).with_floor(floor).unwrap_err();
+        assert_eq!(error.to_string(), message);
+    }
+}

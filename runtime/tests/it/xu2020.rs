@@ -21,6 +21,7 @@ fn small() -> Parameters<ConstantGain, 2, 1, 1> {
         trigger_weight: Matrix2::identity(),
         threshold_update: ThresholdUpdate::Fixed { threshold: 0.25 },
         torque_limit: Vector1::new(1.0),
+        trigger_floor: 0.0,
         longest_interval_s: Some(0.1),
     }
 }
@@ -46,8 +47,28 @@ fn scheduled() -> Parameters<Blend, 2, 1, 2> {
         trigger_weight: Matrix2::identity(),
         threshold_update: ThresholdUpdate::Fixed { threshold: 0.25 },
         torque_limit: Vector1::new(10.0),
+        trigger_floor: 0.0,
         longest_interval_s: None,
     }
+}
+
+#[test]
+fn near_rest_a_floor_keeps_noise_from_being_sent() {
+    let sent = |trigger_floor: f64| {
+        let parameters = Parameters {
+            trigger_floor,
+            ..small()
+        };
+        let mut controller = Controller::new(parameters).unwrap();
+        let noise = |index: i32| if index % 2 == 0 { 1e-3 } else { -1e-3 };
+        let commands = (0..100).map(|index| {
+            let state = Vector2::new(noise(index), noise(index / 2));
+            controller.step(0.1 * f64::from(index), &state)
+        });
+        commands.filter(|command| command.sent).count()
+    };
+    assert!(sent(0.0) > 90);
+    assert_eq!(sent(1e-5), 1);
 }
 
 #[test]
@@ -318,6 +339,7 @@ fn spacecraft<S: Membership<6, R>, const R: usize>(
             maximum: 0.2,
         },
         torque_limit: Vector3::repeat(2.0),
+        trigger_floor: 0.0,
         longest_interval_s: Some(0.1),
     }
 }

@@ -240,6 +240,7 @@ pub fn scenario(requirements: &Requirements, shape: &Shape, start: &Start) -> Sc
         },
         controller: ControllerFile::Lei2022(Box::new(controller(requirements, shape, start))),
         link: None,
+        network: None,
         integrator: Method::RungeKutta4 {
             step_s: STEP * unit.min((FAST_WAVE * file.disturbance.frequency_rad_s).recip()),
         },
@@ -296,6 +297,7 @@ fn system(requirements: &Requirements, start: &Start) -> SystemFile {
         sensors: SensorsFile::default(),
         actuators: ActuatorsFile::default(),
         faults: Vec::new(),
+        wheels: None,
     }))
 }
 
@@ -317,5 +319,6 @@ fn torque(requirements: &Requirements) -> TorqueFile {
             wave(FAST_WAVE, [0.0; 3], part(0.3, [0.5, 1.0, -1.0])),
         ],
         table: Vec::new(),
+        worst_nm: 0.0,
     }
 }

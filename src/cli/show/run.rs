@@ -6,6 +6,7 @@ use crate::plants::SystemKind;
 use crate::run::summary::{CertificateOutcome, Summary};
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{listed, MetricKind};
+use crate::sim::network::NetworkOutcome;
 
 /// What came of a run.
 pub fn lines(summary: &Summary) -> Vec<String> {
@@ -60,6 +61,9 @@ pub fn lines(summary: &Summary) -> Vec<String> {
     if let Some(link) = &summary.link {
         describe_link(link, &mut lines);
     }
+    if let Some(network) = &summary.network {
+        describe_network(network, &mut lines);
+    }
     describe_bounds(summary, &mut lines);
     if let Some(outcome) = &summary.certificate {
         describe_certificate(outcome, &mut lines);
@@ -91,6 +95,22 @@ fn describe_link(link: &LinkOutcome, lines: &mut Vec<String>) {
             link.lost_words, link.corrupted_words, link.refused_words, link.longest_disagreement_s
         ));
     }
+}
+
+fn describe_network(network: &NetworkOutcome, lines: &mut Vec<String>) {
+    lines.push(format!(
+        "network: {} values in {} transmissions, {} lost (at most {} in a row), {} overtaken",
+        network.values,
+        network.transmissions,
+        network.lost,
+        network.longest_loss,
+        network.dropped_as_old
+    ));
+    lines.push(format!(
+        "longest delay: {} s; oldest sample behind a torque: {} s",
+        Claim::AtMost(network.longest_delay_s),
+        Claim::AtMost(network.oldest_sample_s)
+    ));
 }
 
 /// Switching and prescribed bounds, for the controllers that have them.
@@ -147,6 +167,8 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
             ),
         });
     }
+    let inside = outcome.covered.iter();
+    lines.extend(inside.map(|text| format!("within what was proved: {text}")));
     if outcome.covers_run {
         lines.push("the proof covers this run".to_string());
     } else {

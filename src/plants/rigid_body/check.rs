@@ -7,7 +7,11 @@ use synth::model::{
     ModelError,
 };
 
-use super::file::{AttitudeFile, FaultFile, ReferenceFile, RigidBodyFile, SensorsFile, TorqueFile};
+use super::file::{
+    AttitudeFile, BoundedErrorFile, FaultFile, ReferenceFile, RigidBodyFile, SensorsFile,
+    TorqueFile,
+};
+use super::wheels::Wheels;
 use super::RigidBody;
 use crate::base::bounded::plain;
 use crate::base::plant_model::relocated;
@@ -15,6 +19,7 @@ use crate::base::ranges::{each, require};
 use crate::sim::actuator::{ActuatorData, AnyEffect};
 use crate::sim::disturbance::{Disturbance, DisturbanceTable, Harmonic, Pulse};
 use crate::sim::effect::Fault;
+use crate::sim::measurement_error::{check_direction, ErrorBounds, ErrorGroup};
 use crate::sim::plant::PlantFile;
 use crate::sim::random::{Purpose, Random};
 use crate::sim::reference::Reference;
@@ -39,6 +44,8 @@ pub struct RigidBodySystem {
     pub sensors: SensorErrors,
     /// Actuators with their faults.
     pub actuators: ActuatorData<3>,
+    /// Reaction wheels that give the torque.
+    pub wheels: Option<Wheels>,
 }
 
 impl PlantFile for RigidBodyFile {
@@ -58,7 +65,7 @@ impl PlantFile for RigidBodyFile {
             smallest: inertia.symmetric_eigenvalues().min(),
         })?;
         each("initial_rate_rad_s", &self.initial_rate_rad_s, finite)?;
-        let mut actuators = self.actuators.data();
+        let mut actuators = self.actuators.data()?;
         let mut disturbance = torque(&self.disturbance)?;
         for (index, fault) in self.faults.iter().enumerate() {
             let (fault, pulse) = check_fault(&format!("faults[{index}]"), fault)?;
@@ -72,8 +79,13 @@ impl PlantFile for RigidBodyFile {
             rate_rad_s: Vector3::from(self.initial_rate_rad_s),
             reference: reference(&self.reference)?,
             disturbance,
-            sensors: self.sensors.errors(),
+            sensors: self.sensors.errors()?,
             actuators,
+            wheels: self
+                .wheels
+                .as_ref()
+                .map(|wheels| wheels.check())
+                .transpose()?,
         })
     }
 }
@@ -202,17 +214,39 @@ fn torque(file: &TorqueFile) -> Result<Disturbance<3>, ModelError> {
         harmonics: harmonics.collect(),
         table: (!table.times_s.is_empty()).then_some(table),
         pulses: Vec::new(),
+        worst: file.worst_nm,
     })
 }
 
 impl SensorsFile {
-    fn errors(&self) -> SensorErrors {
-        SensorErrors {
+    fn errors(&self) -> Result<SensorErrors, ModelError> {
+        let bounded = self.bounded_error.as_ref().map(BoundedErrorFile::bounds);
+        Ok(SensorErrors {
             attitude_noise_rad: self.attitude_noise_deg.to_radians(),
             rate_noise_rad_s: self.rate_noise_deg_s.to_radians(),
             attitude_quantum_rad: self.attitude_quantum_deg.to_radians(),
             rate_quantum_rad_s: self.rate_quantum_deg_s.to_radians(),
-        }
+            bounded: bounded.transpose()?,
+        })
+    }
+}
+
+impl BoundedErrorFile {
+    /// The bounds on the rate (rad/s) and on the rotation (rad).
+    fn bounds(&self) -> Result<ErrorBounds, ModelError> {
+        check_direction("sensors.bounded_error", &self.kind, 6)?;
+        let group = |states, bound, scale| ErrorGroup {
+            states,
+            bound,
+            scale,
+        };
+        Ok(ErrorBounds {
+            groups: vec![
+                group(0..3, self.rate_rad_s, 1.0),
+                group(3..6, self.attitude_deg.to_radians(), 2.0),
+            ],
+            kind: self.kind.clone(),
+        })
     }
 }
 

@@ -4,8 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use synth::model::InertiaUncertaintyFile;
 
+use super::wheels::WheelsFile;
 use crate::base::bounded::{As, Finite, NonNegative, Positive, Unit};
 use crate::sim::actuator::ActuatorsFile;
+use crate::sim::measurement_error::ErrorKind;
 
 /// A rigid spacecraft: the true one, which may differ from the model of the design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -39,6 +41,9 @@ pub struct RigidBodyFile {
     /// Faults of the actuators.
     #[serde(default)]
     pub faults: Vec<FaultFile>,
+    /// Reaction wheels that give the torque; without them it acts from outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheels: Option<WheelsFile>,
 }
 
 /// An attitude: the rotation that turns the axes of the reference frame into those of the body. A quaternion is
@@ -121,6 +126,10 @@ pub struct TorqueFile {
     /// Rows between which the torque changes linearly; constant before the first and after the last.
     #[serde(default)]
     pub table: Vec<TorqueRowFile>,
+    /// Norm of a torque along B'Ux of the design, where x'Ux grows fastest, chosen anew at every sample and every arrival;
+    /// not negative [N m].
+    #[serde(default, with = "As::<NonNegative>")]
+    pub worst_nm: f64,
 }
 
 /// `sine_nm sin(frequency t) + cosine_nm cos(frequency t)`.
@@ -166,6 +175,23 @@ pub struct SensorsFile {
     /// Resolution of each rate, not negative; 0 for none [deg/s].
     #[serde(default, with = "As::<NonNegative>")]
     pub rate_quantum_deg_s: f64,
+    /// Errors within bounds; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounded_error: Option<BoundedErrorFile>,
+}
+
+/// Errors of the sensors within bounds, as a model's `imperfections.measurement` states them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundedErrorFile {
+    /// Bound on the norm of the rate's error, not negative [rad/s].
+    #[serde(default, with = "As::<NonNegative>")]
+    pub rate_rad_s: f64,
+    /// Bound on the angle between the measured and the true attitude, not negative (deg).
+    #[serde(default, with = "As::<NonNegative>")]
+    pub attitude_deg: f64,
+    /// How the errors are chosen.
+    pub kind: ErrorKind,
 }
 
 /// A fault of one axis in a window of time.

@@ -2,16 +2,17 @@
 
 use std::ops::Range;
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{Matrix6, SVector, Vector3, Vector6};
 use runtime::attitude::AttitudeMeasurement;
 
+use super::wheels::{wheeled_state, WheeledBody, WheeledState, Wheels};
 use super::{RigidBody, RigidBodyFile, RigidBodySystem};
 use crate::sim::bench::{Bench, Gauge};
 use crate::sim::metrics::Measured;
 use crate::sim::plant::PlantFile;
 use crate::sim::pointing::ErrorStatistics;
 use crate::sim::reference::Reference;
-use crate::sim::rigid_body_state::{body_rate, rigid_body_state, RigidBodyState};
+use crate::sim::rigid_body_state::{body_rate, body_state, rigid_body_state};
 use crate::sim::sensor::AttitudeSensor;
 
 /// Columns of the trajectory.
@@ -32,6 +33,13 @@ const COLUMNS: [&str; 14] = [
     "error_deg",
 ];
 
+/// Columns of the trajectory of a spacecraft with wheels: their momentum in body axes.
+const WHEEL_COLUMNS: [&str; 3] = [
+    "wheel_momentum_1_nms",
+    "wheel_momentum_2_nms",
+    "wheel_momentum_3_nms",
+];
+
 /// What counts as settled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SettleRule {
@@ -48,27 +56,71 @@ pub struct AttitudeGauge {
     settle: SettleRule,
     /// Square of the largest norm of the body rate, rad^2/s^2.
     rate_squared: f64,
+    wheels: Option<Wheels>,
+    /// The wheels' momentum in body axes now, N m s.
+    momentum: Vector3<f64>,
+    /// Its largest norm and components, N m s.
+    momentum_peaks: [f64; 4],
 }
 
 /// A spacecraft in its surroundings.
 pub type AttitudeBench = Bench<RigidBody, AttitudeSensor, AttitudeGauge, 7, 3, 3>;
 
+/// A spacecraft with reaction wheels in its surroundings.
+pub type WheeledBench = Bench<WheeledBody, AttitudeSensor, AttitudeGauge, 10, 3, 3>;
+
 impl RigidBodySystem {
-    /// The spacecraft, ready for a run with this seed.
-    pub fn bench(&self, settle: SettleRule, seed: u64) -> AttitudeBench {
+    /// The spacecraft without wheels, ready for a run with this seed. `worst`: F'B'U of the design, where there is one.
+    pub fn bench(
+        &self,
+        settle: SettleRule,
+        worst: Option<Matrix6<f64>>,
+        seed: u64,
+    ) -> AttitudeBench {
         Bench {
             plant: self.body,
             initial: rigid_body_state(&self.attitude, &self.rate_rad_s),
             disturbance: self.disturbance.clone(),
-            sensor: AttitudeSensor::new(self.reference, self.sensors, seed),
+            sensor: AttitudeSensor::new(self.reference, self.sensors.clone(), worst, seed),
             actuators: self.actuators.clone(),
             reference_jumps_s: self.reference.discontinuities_s(),
             gauge: AttitudeGauge {
                 reference: self.reference,
                 settle,
                 rate_squared: 0.0,
+                wheels: None,
+                momentum: Vector3::zeros(),
+                momentum_peaks: [0.0; 4],
             },
         }
+    }
+}
+
+impl AttitudeBench {
+    /// The same spacecraft, turned by wheels.
+    pub fn with_wheels(self, wheels: Wheels) -> WheeledBench {
+        let mut gauge = self.gauge;
+        gauge.wheels = Some(wheels);
+        Bench {
+            plant: WheeledBody {
+                body: self.plant,
+                wheels,
+            },
+            initial: wheeled_state(&self.initial, &wheels.initial),
+            disturbance: self.disturbance,
+            sensor: self.sensor,
+            actuators: self.actuators,
+            reference_jumps_s: self.reference_jumps_s,
+            gauge,
+        }
+    }
+}
+
+impl AttitudeGauge {
+    fn wheeled<const N: usize>(&self, state: &SVector<f64, N>) -> Option<(&Wheels, WheeledState)> {
+        let wheels = self.wheels.as_ref().filter(|_| N >= 10)?;
+        let state = WheeledState::from_fn(|row, _| state.get(row).copied().unwrap_or(0.0));
+        Some((wheels, state))
     }
 }
 
@@ -76,19 +128,47 @@ fn angle_deg(error: &AttitudeMeasurement) -> f64 {
     error.error.rotation_angle_rad().to_degrees()
 }
 
-impl Gauge<7, 3, 3, 6> for AttitudeGauge {
+/// Of the rigid body, whose states are the first, and of its wheels, if the rest is theirs.
+impl<const N: usize> Gauge<N, 3, 3, 6> for AttitudeGauge {
     type Seen = AttitudeMeasurement;
 
     const QUANTITIES: &'static [&'static str] = RigidBodyFile::QUANTITIES;
 
     #[inline(always)]
-    fn see(&self, time_s: f64, state: &RigidBodyState) -> AttitudeMeasurement {
-        self.reference.error(time_s, state)
+    fn see(&self, time_s: f64, state: &SVector<f64, N>) -> AttitudeMeasurement {
+        self.reference.error(time_s, &body_state(state))
     }
 
     #[inline(always)]
-    fn watch(&mut self, state: &RigidBodyState) {
-        self.rate_squared = self.rate_squared.max(body_rate(state).norm_squared());
+    fn watch(&mut self, state: &SVector<f64, N>) {
+        let rate = body_rate(&body_state(state));
+        self.rate_squared = self.rate_squared.max(rate.norm_squared());
+        let Some((wheels, state)) = self.wheeled(state) else {
+            return;
+        };
+        self.momentum = wheels.momentum(&state);
+        let [x, y, z] = self.momentum.abs().into();
+        let now = [self.momentum.norm(), x, y, z];
+        for (peak, value) in self.momentum_peaks.iter_mut().zip(now) {
+            *peak = peak.max(value);
+        }
+    }
+
+    fn momentum_peaks(&self) -> Option<[f64; 4]> {
+        self.wheels.map(|_| self.momentum_peaks)
+    }
+
+    #[inline(always)]
+    fn acting_disturbance(
+        &self,
+        state: &SVector<f64, N>,
+        input: &Vector3<f64>,
+        disturbance: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        match self.wheeled(state) {
+            None => *disturbance,
+            Some((wheels, state)) => disturbance + wheels.further_torque(&state, input),
+        }
     }
 
     /// The state [rate; vector part] with the sign that makes the scalar part positive.
@@ -133,7 +213,12 @@ impl Gauge<7, 3, 3, 6> for AttitudeGauge {
     }
 
     fn columns(&self) -> Vec<String> {
-        COLUMNS.map(str::to_string).into()
+        let wheels = self.wheels.iter().flat_map(|_| WHEEL_COLUMNS);
+        COLUMNS
+            .into_iter()
+            .chain(wheels)
+            .map(str::to_string)
+            .collect()
     }
 
     fn inputs(&self) -> Range<usize> {
@@ -156,6 +241,9 @@ impl Gauge<7, 3, 3, 6> for AttitudeGauge {
             row.extend(vector.iter());
         }
         row.push(angle_deg(seen));
+        if self.wheels.is_some() {
+            row.extend(self.momentum.iter());
+        }
     }
 
     fn measure(

@@ -3,6 +3,7 @@
 pub mod check;
 pub mod file;
 pub mod gauge;
+pub mod wheels;
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -10,6 +10,8 @@ use crate::base::plant_model::relocated;
 use crate::base::ranges::{each, require};
 use crate::sim::disturbance::{Disturbance, Harmonic};
 use crate::sim::embedding;
+use crate::sim::gain_error::{GainError, GainErrorFile};
+use crate::sim::measurement_error::{check_direction, ErrorBounds, ErrorGroup, ErrorKind};
 use crate::sim::plant::PlantFile;
 
 /// A Takagi-Sugeno model as the plant: x' = A(t) x + B u + B_w tau.
@@ -28,9 +30,43 @@ pub struct TakagiSugenoFile {
     /// Standard deviation of the measurement of each state, not negative.
     #[serde(default, with = "As::<NonNegative>")]
     pub state_noise: f64,
+    /// Errors of the measurement within bounds, beside the noise; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measurement_error: Option<StateErrorFile>,
     /// Time from command to input, not negative (s).
     #[serde(default, with = "As::<NonNegative>")]
     pub input_delay_s: f64,
+    /// Uncertain gains of the inputs; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_error: Option<GainErrorFile>,
+}
+
+/// Errors of the measurement within bounds, as a model's `imperfections.measurement` states them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StateErrorFile {
+    /// Bound on the error of each state, n entries, not negative.
+    #[serde(with = "As::<Vec<NonNegative>>")]
+    pub state: Vec<f64>,
+    /// How the errors are chosen.
+    pub kind: ErrorKind,
+}
+
+impl StateErrorFile {
+    fn check(&self, states: usize) -> Result<ErrorBounds, ModelError> {
+        check_length("measurement_error.state", &self.state, states)?;
+        check_direction("measurement_error", &self.kind, states)?;
+        let each = self.state.iter().enumerate();
+        let groups = each.map(|(state, &bound)| ErrorGroup {
+            states: state..state + 1,
+            bound,
+            scale: 1.0,
+        });
+        Ok(ErrorBounds {
+            groups: groups.collect(),
+            kind: self.kind.clone(),
+        })
+    }
 }
 
 /// How the vertex systems are weighted in time.
@@ -59,6 +95,10 @@ pub struct SignalFile {
     /// Periodic parts.
     #[serde(default)]
     pub sines: Vec<SignalSineFile>,
+    /// Norm of a part along B_w'Ux of the design, where x'Ux grows fastest, chosen anew at every sample and every arrival;
+    /// not negative.
+    #[serde(default, with = "As::<NonNegative>")]
+    pub worst: f64,
 }
 
 /// `sine sin(frequency t) + cosine cos(frequency t)`; a part left out is zero.
@@ -94,8 +134,12 @@ pub struct TakagiSugenoSystem {
     pub disturbance: SignalFile,
     /// Standard deviation of the measurement of each state.
     pub state_noise: f64,
+    /// Bounded errors of the measurement.
+    pub measurement_error: Option<ErrorBounds>,
     /// Time from command to input, s.
     pub input_delay_s: f64,
+    /// Uncertain gains of the inputs.
+    pub gain_error: Option<GainError<MAX_INPUTS>>,
 }
 
 impl PlantFile for TakagiSugenoFile {
@@ -127,7 +171,12 @@ impl PlantFile for TakagiSugenoFile {
             let ok = (sum - 1.0).abs() <= 1e-12;
             require(ok, field, sum, "weights with sum 1; this is their sum")?;
         }
+        let error = self.measurement_error.as_ref();
+        let gain = self.gain_error.as_ref();
+        let gain_error = gain.map(|gain| gain.data(inputs)).transpose();
         Ok(TakagiSugenoSystem {
+            measurement_error: error.map(|error| error.check(states)).transpose()?,
+            gain_error: gain_error.map_err(|error| error.within("gain_error"))?,
             mixing: self.mixing.clone(),
             disturbance: self.disturbance.clone(),
             initial_state: self.initial_state.clone(),
@@ -176,6 +225,7 @@ impl SignalFile {
         Disturbance {
             bias: embedding::vector(&self.bias),
             harmonics: harmonics.collect(),
+            worst: self.worst,
             ..Disturbance::none()
         }
     }

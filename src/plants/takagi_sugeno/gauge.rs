@@ -2,13 +2,15 @@
 
 use std::ops::Range;
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use synth::fuzzy::RuleModel;
 
 use super::{TakagiSugenoFile, TakagiSugenoPlant, TakagiSugenoSystem};
 use crate::sim::actuator::ActuatorData;
 use crate::sim::bench::{Bench, Gauge};
 use crate::sim::embedding;
+use crate::sim::gain_error::GainError;
+use crate::sim::measurement_error::BoundedError;
 use crate::sim::metrics::Measured;
 use crate::sim::plant::PlantFile;
 use crate::sim::pointing::ErrorStatistics;
@@ -24,25 +26,32 @@ pub struct StateGauge {
 
 /// A Takagi-Sugeno plant in its surroundings, padded to `N` states and `M` inputs.
 pub type StateBench<const N: usize, const M: usize> =
-    Bench<TakagiSugenoPlant<N, M>, StateSensor, StateGauge, N, M, N>;
+    Bench<TakagiSugenoPlant<N, M>, StateSensor<N>, StateGauge, N, M, N>;
 
 impl TakagiSugenoSystem {
-    /// The plant, ready for a run with this seed. `rules`: see [`TakagiSugenoPlant::new`].
+    /// The plant, ready for a run with this seed. `rules`: see [`TakagiSugenoPlant::new`]; `worst`: F'B'U of the design.
     pub fn bench<const N: usize, const M: usize>(
         &self,
         settle_tolerance: f64,
         rules: Option<RuleModel>,
+        worst: SMatrix<f64, N, N>,
         seed: u64,
     ) -> StateBench<N, M> {
         let (states, inputs) = self.system.input_matrix.shape();
+        let sensor = StateSensor::new(states, self.state_noise, seed);
+        let sensor = match self.measurement_error.clone() {
+            None => sensor,
+            Some(bounds) => sensor.with_error(BoundedError::new(bounds, Some(worst), seed)),
+        };
         Bench {
             plant: TakagiSugenoPlant::new(&self.system, self.mixing.clone(), rules),
             initial: embedding::vector(&self.initial_state),
             disturbance: self.disturbance.padded(),
-            sensor: StateSensor::new(states, self.state_noise, seed),
+            sensor,
             actuators: ActuatorData {
                 limit: embedding::filled(self.system.input_limit.as_slice(), f64::INFINITY),
                 delay_s: self.input_delay_s,
+                gain_error: self.gain_error.as_ref().map(GainError::resized),
                 ..ActuatorData::ideal()
             },
             reference_jumps_s: Vec::new(),

@@ -18,7 +18,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     panic_code_is_linked()
 }
 
-/// Exit status 0 when the controllers command some torque within their limits and a codec holds some.
+/// Exit status 0 when the controllers command some torque within their limits, a codec holds some, and values arrive.
 ///
 /// With the feature `control-panic` one assertion is in, and the link must fail: the check can fail.
 #[no_mangle]
@@ -28,9 +28,10 @@ pub extern "C" fn main() -> i32 {
     let torque = no_std_check::exercise_controllers();
     let number = no_std_check::exercise_algebra();
     let held = no_std_check::exercise_compression();
+    let values = no_std_check::exercise_repeats();
     match (torque, number, held) {
         (Ok(torque), Ok(number), Ok(held))
-            if torque > 0.0 && torque <= 2.0 && number.is_finite() && held > 0.0 =>
+            if torque > 0.0 && torque <= 2.0 && number.is_finite() && held > 0.0 && values > 0 =>
         {
             0
         }

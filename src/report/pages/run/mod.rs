@@ -14,6 +14,7 @@ use crate::report::html::{
 use crate::run::summary::{CertificateOutcome, InnerOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
 use crate::sim::metrics::{listed, Metric};
+use crate::sim::network::NetworkOutcome;
 
 /// The page of a run.
 ///
@@ -25,6 +26,8 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     sections.extend(optional("Requirements", &requirements(summary)));
     let link = summary.link.as_ref();
     sections.extend(link.map(|link| section("Link to the actuators", &numbers(link_rows(link)))));
+    let network = summary.network.as_ref();
+    sections.extend(network.map(|network| section("Network", &numbers(network_rows(network)))));
     sections.extend(certificate.map(certificate_section));
     let notes = summary.notes.iter().map(|note| escape(note));
     sections.extend((!summary.notes.is_empty()).then(|| section("Notes", &list(notes))));
@@ -154,6 +157,35 @@ fn ratio_at(ratio: f64, time_s: f64) -> String {
     format!("{} at {} s", Claim::AtMost(ratio), short(time_s))
 }
 
+fn network_rows(outcome: &NetworkOutcome) -> [(&'static str, String); 8] {
+    let first = outcome.first_arrival_s;
+    [
+        ("values sent", outcome.values.to_string()),
+        ("repetitions of each", outcome.repeats.to_string()),
+        ("transmissions", outcome.transmissions.to_string()),
+        (
+            "lost",
+            format!(
+                "{}, at most {} in a row",
+                outcome.lost, outcome.longest_loss
+            ),
+        ),
+        ("dropped as old", outcome.dropped_as_old.to_string()),
+        (
+            "longest delay",
+            format!("{} s", short(outcome.longest_delay_s)),
+        ),
+        (
+            "first arrival",
+            first.map_or("none".to_string(), |time| format!("{} s", short(time))),
+        ),
+        (
+            "oldest sample behind a torque",
+            format!("{} s", short(outcome.oldest_sample_s)),
+        ),
+    ]
+}
+
 fn link_rows(outcome: &LinkOutcome) -> [(&'static str, String); 11] {
     [
         ("Encoding", outcome.encoding.clone()),
@@ -201,6 +233,10 @@ fn certificate_section(outcome: &CertificateOutcome) -> String {
     if !outcome.not_covered.is_empty() {
         html += &paragraph("The proof does not cover this run because of:");
         html += &list(outcome.not_covered.iter().map(|reason| escape(reason)));
+    }
+    if !outcome.covered.is_empty() {
+        html += &paragraph("Within what was proved:");
+        html += &list(outcome.covered.iter().map(|text| escape(text)));
     }
     section("Certificate", &html)
 }
