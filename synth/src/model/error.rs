@@ -21,6 +21,19 @@ pub enum Kind {
     Gains,
     /// A requirements file of the parameter search.
     Requirements,
+    /// The summary of a run.
+    Summary,
+}
+
+impl Kind {
+    /// Its name with the article, such as `an infeasibility`.
+    pub fn with_article(self) -> String {
+        let article = match self {
+            Kind::Infeasibility => "an",
+            _ => "a",
+        };
+        format!("{article} {self}")
+    }
 }
 
 impl fmt::Display for Kind {
@@ -34,6 +47,7 @@ impl fmt::Display for Kind {
             Kind::ProblemDesign => "problem design",
             Kind::Gains => "gains",
             Kind::Requirements => "requirements",
+            Kind::Summary => "summary",
         })
     }
 }
@@ -81,7 +95,7 @@ pub enum FileError {
         reason: String,
     },
     /// The file is of another kind.
-    #[error("this is {} {found} file; {} {expected} file is expected here", article(*found), article(*expected))]
+    #[error("this is {} file; {} file is expected here", found.with_article(), expected.with_article())]
     WrongKind {
         /// What it is.
         found: Kind,
@@ -106,8 +120,8 @@ pub enum ModelError {
         /// The allowed range in words.
         allowed: String,
     },
-    /// A list or matrix has the wrong size.
-    #[error("field '{field}': the size is {found}; it must be {expected}")]
+    /// A list or matrix has the wrong size, or something else stands where it should.
+    #[error("field '{field}': found {found}, expected {expected}")]
     WrongShape {
         /// Path of the field.
         field: String,
@@ -240,14 +254,6 @@ impl ModelError {
     }
 }
 
-/// The article before the name of a kind.
-fn article(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Infeasibility => "an",
-        _ => "a",
-    }
-}
-
 /// A number in few characters that reads back as the same number.
 pub fn readable(value: f64) -> String {
     let magnitude = value.abs();
@@ -258,12 +264,19 @@ pub fn readable(value: f64) -> String {
     }
 }
 
-/// The kind of a file, from keys that only this kind has; `None` when it is none of them.
+/// The kind that a file claims to be, from keys that only this kind has; `None` when it is none of them. Whether
+/// it is a valid file of this kind, only its reader says.
 pub fn kind_of(text: &str) -> Option<Kind> {
     let value: serde_json::Value = serde_json::from_str(text).ok()?;
     let keys = value.as_object()?;
     let asks = |value: &serde_json::Value| value.get("problem").is_some();
-    if keys.contains_key("infeasibility") {
+    if ["scenario", "verdict", "scales"]
+        .iter()
+        .all(|key| keys.contains_key(*key))
+    {
+        // A summary has a certificate, too.
+        Some(Kind::Summary)
+    } else if keys.contains_key("infeasibility") {
         Some(Kind::Infeasibility)
     } else if keys.contains_key("certificate") {
         match keys.get("model").is_some_and(asks) {
@@ -272,7 +285,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         }
     } else if keys.contains_key("duration_s") {
         Some(Kind::Scenario)
-    } else if asks(&value) {
+    } else if asks(&value) && !keys.contains_key("specs") {
         Some(Kind::Problem)
     } else if keys.contains_key("manoeuvre") {
         Some(Kind::Requirements)

@@ -12,6 +12,7 @@ mod read;
 mod rules;
 mod search;
 mod validate;
+mod vanishing;
 
 pub use error::{kind_of, readable, FileError, Kind, ModelError};
 pub use file::{
@@ -23,11 +24,11 @@ pub use file::{
 pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_shape, check_symmetric, check_version, finite, Size, MAX_BOUNDS,
-    MAX_COLUMNS,
+    check_positive_definite, check_seen, check_shape, check_symmetric, check_version, entries,
+    finite, Size, MAX_BOUNDS, MAX_COLUMNS,
 };
 pub use read::{
-    make_readable, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
+    make_readable, new_in, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
     MAX_FILE_BYTES,
 };
 pub use validate::{
