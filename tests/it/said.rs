@@ -19,6 +19,7 @@ fn other_units(folder: &Path) -> PathBuf {
         "/plant/vertices/output_matrix",
         json!([[0.001, 0]]),
     );
+    set(&mut model, "/specs/objective", json!("gain"));
     write(folder, "units.json", model.to_string())
 }
 

@@ -4,8 +4,7 @@ use std::cmp::Reverse;
 
 use plotters::style::RGBColor;
 
-use super::claim_text;
-use super::figures::View;
+use super::figures::{claim_text, View};
 use super::reasons::Reason;
 use crate::base::number::label;
 use crate::report::axis::{ends, PlotAxis, Spacing};

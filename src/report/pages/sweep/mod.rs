@@ -4,10 +4,9 @@ mod figures;
 mod maps;
 mod reasons;
 
-use synth::claim::Claim;
 use synth::model::Kind;
 
-use figures::{front, trade_off, View};
+use figures::{claim_text, front, trade_off, View};
 use maps::{slices, verdict_colour};
 use reasons::{reasons, Reason};
 
@@ -161,15 +160,7 @@ fn pareto(view: &View, front: &[usize]) -> Result<String, FigureError> {
     Ok(division("plots", &(trade_off.captioned()? + &best)))
 }
 
-/// What a design claims is rounded to the safe side.
-fn claim_text(metric: &str, value: f64) -> String {
-    match metric {
-        "gamma" | "guaranteed_gain" => format!("{:.4}", Claim::AtMost(value)),
-        "certified_angle_deg" | "worst_margin" => format!("{:.4}", Claim::AtLeast(value)),
-        _ => label(value),
-    }
-}
-
+/// A metric of a point.
 fn metric_cell(metric: &str, value: Option<f64>) -> String {
     let claim = value.map(|value| claim_text(metric, value));
     cell(claim.unwrap_or_default())
