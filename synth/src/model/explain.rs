@@ -46,7 +46,7 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
     let is_json = serde_json::from_str::<IgnoredAny>(text).is_ok();
     if !is_json && !text.trim_start().starts_with('{') {
         return FileError::NotJson {
-            reason: begins_otherwise(text),
+            reason: begins_otherwise(text, line, column),
         };
     }
     let token = token_at(text, line, column).filter(|token| stands_for_number(token));
@@ -97,11 +97,13 @@ fn not_one_name(text: &str, field: &str) -> String {
 }
 
 /// What a file begins with that is no JSON object.
-fn begins_otherwise(text: &str) -> String {
+fn begins_otherwise(text: &str, line: usize, column: usize) -> String {
     let begin: String = text.trim_start().chars().take(20).collect();
     match begin.is_empty() {
         true => "the file is empty".to_string(),
-        false => format!("the file begins with {begin:?}; a JSON file begins with {{"),
+        false => format!(
+            "the file begins with {begin:?}, and a JSON file with {{ (line {line} column {column})"
+        ),
     }
 }
 
