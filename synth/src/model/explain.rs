@@ -24,13 +24,13 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
     let mut inner = error.into_inner();
     // A value is refused as soon as it is read, before what follows it: what is no JSON is said first.
     if let Err(fault) = serde_json::from_str::<IgnoredAny>(text) {
-        if let Some(key) = key_before(text, fault.line(), fault.column()) {
-            field = match field.rsplit_once('.') {
-                _ if field == key || field.ends_with(&format!(".{key}")) => field,
-                Some((parent, "?")) => format!("{parent}.{key}"),
-                _ => key,
-            };
-        }
+        let elsewhere = inner.classify() == Category::Data || field.ends_with('?');
+        let key = key_before(text, fault.line(), fault.column()).filter(|_| elsewhere);
+        field = match (key, field.rsplit_once('.')) {
+            (Some(key), Some((parent, "?"))) => format!("{parent}.{key}"),
+            (Some(key), _) if !field.ends_with(&key) => key,
+            _ => field,
+        };
         inner = fault;
     }
     let message = inner.to_string();
@@ -49,8 +49,11 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
             reason: begins_otherwise(text, line, column),
         };
     }
-    let token = token_at(text, line, column).filter(|token| stands_for_number(token));
     let fault = message.split(" at line ").next().unwrap_or_default();
+    // A second number where a comma is missing is none that is not allowed.
+    let second = |token: &str| fault.starts_with("expected `,`") && token.parse::<f64>().is_ok();
+    let token = token_at(text, line, column);
+    let token = token.filter(|token| stands_for_number(token) && !second(token));
     // Fixed lists and named choices report what follows them as a fault of syntax.
     match (is_json, fault, token) {
         (true, "trailing characters", _) => FileError::Field {

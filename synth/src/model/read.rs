@@ -66,7 +66,8 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), FileError> {
         _ => Path::new("."),
     };
     let mut file = new_in(folder).map_err(failed)?;
-    file.write_all(contents).map_err(failed)?;
+    let written = file.write_all(contents).map_err(without_path);
+    written.map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
     make_readable(file.path()).map_err(failed)?;
     file.persist(&path).map_err(|error| failed(error.error))?;
@@ -78,11 +79,15 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), FileError> {
 /// # Errors
 /// The system's.
 pub fn new_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    tempfile::NamedTempFile::new_in(folder).map_err(|error| {
-        let inner = error.get_ref().and_then(|inner| inner.source());
-        let code = inner.and_then(|inner| inner.downcast_ref::<std::io::Error>()?.raw_os_error());
-        code.map_or_else(|| error.kind().into(), std::io::Error::from_raw_os_error)
-    })
+    tempfile::NamedTempFile::new_in(folder).map_err(without_path)
+}
+
+/// The system's reason without the temporary name.
+fn without_path(error: std::io::Error) -> std::io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((reason, _)) => std::io::Error::new(error.kind(), reason.to_string()),
+        None => error,
+    }
 }
 
 /// Gives a new file the permissions of any other result: temporary files are private.
