@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use synth::model::{read_text, write_atomically, FileError};
 
 use super::table::TableError;
+use crate::base::trajectory::TrajectoryError;
 
 /// Why a run's files cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -26,13 +27,21 @@ pub enum OutputError {
         /// What is wrong.
         problem: TableError,
     },
+    /// A table is no trajectory.
+    #[error("{}: not a trajectory: {problem}", path.display())]
+    Trajectory {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: TrajectoryError,
+    },
     /// A summary is not one.
-    #[error("{}: not a summary: {reason}", path.display())]
+    #[error("{}: not a summary: {problem}", path.display())]
     Summary {
         /// The file.
         path: PathBuf,
         /// What is wrong.
-        reason: String,
+        problem: FileError,
     },
 }
 

@@ -12,4 +12,5 @@ pub mod plant_model;
 pub mod provenance;
 pub mod ranges;
 pub mod table;
+pub mod trajectory;
 pub mod unit;

@@ -1,7 +1,9 @@
 //! Units, which stand at the end of keys and of columns' names.
 
 /// Ends of keys and the units that they name, the longer ones first.
-const UNITS: [(&str, &str); 13] = [
+const UNITS: [(&str, &str); 15] = [
+    ("_nm_s_rad", "N m s/rad"),
+    ("_nm_rad", "N m/rad"),
     ("_kg_m2", "kg m^2"),
     ("_rad_s2", "rad/s^2"),
     ("_rad_s", "rad/s"),
@@ -37,6 +39,7 @@ mod tests {
             ("barrier_v1_j", "J"),
             ("error_q0_scalar", ""),
             ("sent", ""),
+            ("rate_gain_nm_s_rad", "N m s/rad"),
         ];
         for (name, expected) in units {
             assert_eq!(unit_of_key(name), expected, "{name}");

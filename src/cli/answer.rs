@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use serde::Serialize;
 use synth::certify::Verdict;
 
+use crate::base::files::what_was_written;
+
 /// Exit status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
@@ -114,7 +116,10 @@ fn print(text: &str) {
     let printed = writeln!(out, "{text}").and_then(|()| out.flush());
     if let Err(error) = printed {
         if error.kind() != std::io::ErrorKind::BrokenPipe {
-            complain(&format!("standard output cannot be written: {error}"));
+            complain(&format!(
+                "standard output cannot be written: {error}; {}",
+                what_was_written()
+            ));
             std::process::exit(1);
         }
     }

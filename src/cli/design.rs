@@ -28,8 +28,10 @@ pub(crate) fn design_of(
         return Err(CliError::unsuitable(scenario_path, error));
     }
     let design = read_design(&path)?;
-    check_design(scenario, Some(&design))
-        .map_err(|error| CliError::unsuitable(scenario_path, error))?;
+    check_design(scenario, Some(&design)).map_err(|error| {
+        let reason = format!("with the design {}: {error}", path.display());
+        CliError::unsuitable(scenario_path, reason)
+    })?;
     announce(&design);
     Ok(Some(design))
 }
@@ -55,7 +57,7 @@ pub(crate) fn read_design(path: &Path) -> Result<Design, CliError> {
 }
 
 /// Says on standard error whether the design is proved, before it is used.
-fn announce(design: &Design) {
+pub(crate) fn announce(design: &Design) {
     let verdict = match design.proved() {
         true => "PROVED",
         false => "NOT PROVED",

@@ -6,7 +6,9 @@
 
 mod answer;
 mod arguments;
+mod contents;
 mod design;
+mod document;
 mod error;
 mod files;
 mod physics;

@@ -6,6 +6,7 @@ use synth::model::{Model, Plant};
 
 use super::answer::note;
 use crate::base::number::short;
+use crate::base::unit::unit_of_key;
 use crate::batch::tune::file::Requirements;
 use crate::plants::System;
 use crate::scenario::Scenario;
@@ -186,27 +187,28 @@ fn walk(value: &Value, path: &str, key: &str, out: &mut Vec<String>) {
 }
 
 fn of_number(path: &str, key: &str, value: f64) -> Option<String> {
-    let rate = key.ends_with("rate_rad_s");
+    let unit = unit_of_key(key);
+    let rate = unit == "rad/s" && key.ends_with("rate_rad_s");
     if rate && value.abs() > LARGEST_RATE {
         return Some(format!(
             "{path}: {value} rad/s are {} deg/s; above {LARGEST_RATE} rad/s is unusual: is the number in deg/s?",
             short(value.to_degrees())
         ));
     }
-    if key.ends_with("_rad") && value.abs() > std::f64::consts::TAU {
+    if unit == "rad" && value.abs() > std::f64::consts::TAU {
         return Some(format!(
             "{path}: {value} rad are {} deg, more than a turn: is the number in degrees?",
             short(value.to_degrees())
         ));
     }
-    if key.ends_with("_deg") && value.abs() > 360.0 {
+    if unit == "deg" && value.abs() > 360.0 {
         return Some(format!("{path}: {value} deg are more than a turn"));
     }
     let twelfths = value * 12.0 / std::f64::consts::PI;
     let radians = twelfths.round() != 0.0
         && twelfths.abs() < 24.5
         && (twelfths - twelfths.round()).abs() < PI_ROUNDING * twelfths.abs();
-    (key.ends_with("_deg") && radians).then(|| {
+    (unit == "deg" && radians).then(|| {
         format!(
             "{path}: {value} deg; as radians this would be {} deg: is the number in radians?",
             short(value.to_degrees())
@@ -221,7 +223,7 @@ mod tests {
     #[test]
     fn numbers_in_another_unit_than_their_keys_are_named() {
         let file = r#"{"initial_rate_rad_s": [0.5, 5, 0], "angle_deg": 1.5708, "phase_rad": 90,
-                       "settle_tolerance_deg": 0.1, "frequency_rad_s": 6, "euler_321_deg": [45, 400, 3]}"#;
+                       "settle_tolerance_deg": 0.1, "frequency_rad_s": 6, "rate_gain_nm_s_rad": 219.2, "euler_321_deg": [45, 400, 3]}"#;
         let mut found = of_keys(file);
         found.sort();
         assert_eq!(

@@ -13,6 +13,8 @@ use crate::run::design::Design;
 
 const PER_STATE: &str = "input per state";
 const WEIGHT: &str = "1/state^2";
+/// Of a weight in a bound of the rate of change of the functional.
+const RATE_WEIGHT: &str = "1/(s state^2)";
 const MIXED: &str = "mixed";
 const GAIN: &str = "output per disturbance";
 
@@ -202,7 +204,7 @@ fn law_quantities(design: &Design) -> Vec<Quantity> {
             .means("the gains F_j, one for each rule"),
         Quantity::new("trigger_floor", "1/s", &controller.trigger_floor)
             .means("eps_a: send when e'We >= nu w'Ww + eps_a"),
-        Quantity::new("trigger_weight", WEIGHT, &controller.trigger_weight)
+        Quantity::new("trigger_weight", RATE_WEIGHT, &controller.trigger_weight)
             .means("W of the trigger (Upsilon)"),
         Quantity::new(limit_name, limit_unit, limit.as_slice())
             .means("saturation level of each input"),
@@ -302,12 +304,12 @@ fn certificate(proof: &CertificateFile) -> Vec<Quantity> {
     let mut out = vec![
         Quantity::new("lyapunov", WEIGHT, &proof.lyapunov)
             .means("U: x'Ux <= 1 is the certified set"),
-        Quantity::new("integral_weight", MIXED, &proof.integral_weight)
+        Quantity::new("integral_weight", WEIGHT, &proof.integral_weight)
             .means("Y of the integral of V2"),
         Quantity::new("multiplier", MIXED, &proof.multiplier)
             .means("multiplier of the plant's equation"),
-        Quantity::new("free_state", MIXED, &proof.free_state).means("L1"),
-        Quantity::new("free_sample", MIXED, &proof.free_sample).means("L2"),
+        Quantity::new("free_state", RATE_WEIGHT, &proof.free_state).means("L1"),
+        Quantity::new("free_sample", RATE_WEIGHT, &proof.free_sample).means("L2"),
         Quantity::new("anti_windup", PER_STATE, &proof.anti_windup).means("N_j, one for each rule"),
         Quantity::new("sector_weight", MIXED, &proof.sector_weight).means("the diagonal of M"),
         Quantity::new("xi", MIXED, &proof.xi)

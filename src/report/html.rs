@@ -1,11 +1,46 @@
 //! The parts of a page, as HTML. What is called text is escaped here; what is called HTML is not.
 
+use crate::base::provenance::GENERATOR;
+
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
+
+/// What a page is about.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum PageKind {
+    /// A run.
+    #[default]
+    Run,
+    /// A campaign.
+    Campaign,
+    /// A comparison.
+    Comparison,
+    /// A sweep.
+    Sweep,
+}
+
+impl PageKind {
+    /// The page by name, such as `page of a run`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PageKind::Run => "page of a run",
+            PageKind::Campaign => "page of a campaign",
+            PageKind::Comparison => "page of a comparison",
+            PageKind::Sweep => "page of a sweep",
+        }
+    }
+
+    /// The line in a page's head that says so, up to its end.
+    pub fn mark(self) -> String {
+        format!("<meta name=\"description\" content=\"{}", self.name())
+    }
+}
 
 /// A page: what came of it, sections, and where it comes from.
 #[derive(Debug, Clone, Default)]
 pub struct Page {
+    /// What it is about.
+    pub kind: PageKind,
     /// Title of the window.
     pub title: String,
     /// How the verdict is shown: `good`, `bad` or `alarm`.
@@ -38,9 +73,10 @@ impl Page {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
+             {} by {GENERATOR}\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
              <p class=\"verdict {}\"><strong>{}</strong>{remark}</p>\n<h1>{}</h1>\n{}</header>\n\
              {}<footer>\n{}</footer>\n</body>\n</html>\n",
+            self.kind.mark(),
             escape(&self.title),
             self.class,
             escape(&self.verdict),

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use synth::model::read_text_up_to;
 
-use super::summary::{Summary, SUMMARY_SCHEMA_VERSION};
+use super::summary::Summary;
 use crate::base::files::{read, OutputError};
 use crate::base::table::Table;
+use crate::base::trajectory::check_trajectory;
 
 /// Name of the trajectory's file.
 pub const TRAJECTORY_FILE: &str = "trajectory.csv";
@@ -26,19 +27,10 @@ pub fn summary_text(summary: &Summary) -> String {
 /// # Errors
 /// A file that is missing or no summary.
 pub fn read_summary(path: &Path) -> Result<Summary, OutputError> {
-    let refuse = |reason| OutputError::Summary {
+    Summary::from_json(&read(path)?).map_err(|problem| OutputError::Summary {
         path: path.to_path_buf(),
-        reason,
-    };
-    let summary: Summary =
-        serde_json::from_str(&read(path)?).map_err(|error| refuse(error.to_string()))?;
-    if summary.schema_version != SUMMARY_SCHEMA_VERSION {
-        return Err(refuse(format!(
-            "schema_version is {}; this program reads {SUMMARY_SCHEMA_VERSION}",
-            summary.schema_version
-        )));
-    }
-    Ok(summary)
+        problem,
+    })
 }
 
 /// Largest trajectory that is read, bytes.
@@ -47,13 +39,17 @@ const LARGEST_TRAJECTORY: u64 = 1 << 30;
 /// Reads a run's trajectory: its text and its table.
 ///
 /// # Errors
-/// A file that is missing or no table.
+/// A file that is missing or no trajectory.
 pub fn read_trajectory(path: &Path) -> Result<(String, Table), OutputError> {
     let text = read_text_up_to(path, LARGEST_TRAJECTORY).map_err(|problem| OutputError::File {
         path: path.to_path_buf(),
         problem,
     })?;
     let table = Table::from_csv(&text).map_err(|problem| OutputError::Table {
+        path: path.to_path_buf(),
+        problem,
+    })?;
+    check_trajectory(&table).map_err(|problem| OutputError::Trajectory {
         path: path.to_path_buf(),
         problem,
     })?;

@@ -4,13 +4,14 @@ use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 use synth::claim::Claim;
+use synth::model::{check_version, parse, FileError, Kind};
 
 use crate::base::number::short;
 use crate::plants::SystemKind;
 use crate::scenario::RequirementFile;
 use crate::sim::bound_utilisation::BoundUtilisation;
 use crate::sim::link::LinkOutcome;
-use crate::sim::metrics::{Limit, Measured, Metric, Readings};
+use crate::sim::metrics::{Limit, Measured, Metric, Readings, METRICS};
 use crate::sim::network::NetworkOutcome;
 
 /// The version of the summary's format.
@@ -157,18 +158,38 @@ pub struct RequirementOutcome {
 }
 
 impl RequirementOutcome {
-    /// The requirement and the value.
+    /// The requirement and the value, with its unit.
     pub fn as_text(&self) -> String {
-        format!("{} {}: {}", self.name, self.limit, self.value_as_text())
+        let value = self.value_as_text();
+        let text = format!("{} {}: {value} {}", self.name, self.limit, self.unit());
+        text.trim_end().to_string()
     }
 
-    /// The value, or `none`. Rounding never puts it on the limit or on its other side.
+    /// Unit of the value; empty without one or without a value.
+    fn unit(&self) -> &'static str {
+        let key = self.name.split(' ').next().unwrap_or_default();
+        let entry = METRICS.iter().find(|entry| entry.key == key);
+        let entry = entry.filter(|_| self.value.is_some());
+        entry.map_or("", |entry| entry.unit)
+    }
+
+    /// The value, or `none`, rounded towards the limit. Rounding never puts it on the limit or on its other side.
     pub fn value_as_text(&self) -> String {
-        let value = self.value.map(|value| match value > self.limit {
-            true => Claim::AtMost(value).to_string(),
-            false => Claim::AtLeast(value).to_string(),
-        });
-        value.unwrap_or("none".to_string())
+        let Some(value) = self.value else {
+            return "none".to_string();
+        };
+        let (up, down) = (Claim::AtMost(value), Claim::AtLeast(value));
+        let (safe, other) = match value < self.limit {
+            true => (up, down),
+            false => (down, up),
+        };
+        let safe = safe.to_string();
+        let same_side =
+            |shown: f64| shown.partial_cmp(&self.limit) == value.partial_cmp(&self.limit);
+        match safe.parse().is_ok_and(same_side) {
+            true => safe,
+            false => other.to_string(),
+        }
     }
 }
 
@@ -315,6 +336,16 @@ impl Deref for Summary {
 }
 
 impl Summary {
+    /// Reads the text of a summary.
+    ///
+    /// # Errors
+    /// A text that is no summary, or one of another version.
+    pub fn from_json(text: &str) -> Result<Self, FileError> {
+        let summary: Self = parse(text, Kind::Summary)?;
+        check_version(summary.schema_version, SUMMARY_SCHEMA_VERSION)?;
+        Ok(summary)
+    }
+
     /// The value of a metric; `None` when the run does not have it.
     pub fn metric(&self, metric: Metric) -> Option<f64> {
         let certificate = self.certificate.as_ref();

@@ -1,6 +1,6 @@
 //! From a scenario file to checked numbers.
 
-use synth::model::{check_line, finite, parse, FileError, Kind, ModelError};
+use synth::model::{check_line, finite, parse, readable, FileError, Kind, ModelError};
 
 use super::dispersions::{check_dispersions, Dispersions};
 use super::file::{MetricsFile, RequirementFile, ScenarioFile, SCENARIO_SCHEMA_VERSION};
@@ -157,8 +157,15 @@ impl Scenario {
 }
 
 fn check_step_count(field: &str, step: f64, duration: f64) -> Result<(), ModelError> {
-    let allowed = format!("at least duration_s / {MAX_STEPS:e}");
-    require(step >= duration / MAX_STEPS, field, step, &allowed)
+    if step >= duration / MAX_STEPS {
+        return Ok(());
+    }
+    let [step, duration] = [step, duration].map(readable);
+    let reason = format!(
+        "{step} s is too short for duration_s, {duration} s: a run has at most {MAX_STEPS:e} steps; shorten the run or \
+         lengthen the step"
+    );
+    Err(ModelError::choice(field, reason))
 }
 
 fn check_sampling(instants: &Instants, duration: f64) -> Result<(), ModelError> {

@@ -5,11 +5,13 @@
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
+use synth::claim::Claim;
 
 use super::bound_utilisation::BoundUtilisation;
 use super::effort::Effort;
 use super::events::EventCount;
 use super::link::LinkOutcome;
+use crate::base::number::short_or_none;
 
 /// What a run measured, under the keys of its summary. `None`: the run does not have it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -147,6 +149,15 @@ impl MetricEntry {
         match self.unit {
             "" => title,
             unit => format!("{title} ({unit})"),
+        }
+    }
+
+    /// A value as text, `none` without one. The time from which on a run is settled is rounded up.
+    pub fn text(&self, value: Option<f64>) -> String {
+        match (value, self.kind) {
+            (Some(count), _) if self.whole => count.to_string(),
+            (Some(seconds), MetricKind::Settling) => Claim::AtMost(seconds).to_string(),
+            (value, _) => short_or_none(value),
         }
     }
 }

@@ -57,9 +57,9 @@ pub fn attempt(reader: Reader, bytes: &[u8], deep: bool) -> Effect {
     match reader {
         Reader::Table => Effect::accepted(table(bytes)),
         Reader::Json => by_kind(text, deep),
-        Reader::Summary => Effect::accepted(
-            serde_json::from_str::<Summary>(text).is_ok_and(|own| shown(&own, deep)),
-        ),
+        Reader::Summary => {
+            Effect::accepted(Summary::from_json(text).is_ok_and(|own| shown(&own, deep)))
+        }
         Reader::Campaign => Effect::accepted(serde_json::from_str::<CampaignFile>(text).is_ok()),
         Reader::Trajectory => Effect::accepted(Table::from_csv(text).is_ok()),
         Reader::Sdpa => semidefinite(text, SdpaForm::Sparse, deep),
@@ -82,6 +82,9 @@ fn by_kind(text: &str, deep: bool) -> Effect {
         Kind::Design => design(text, deep),
         Kind::ProblemDesign => problem_design(text, deep),
         Kind::Infeasibility => infeasibility(text, deep),
+        Kind::Summary => {
+            Effect::accepted(Summary::from_json(text).is_ok_and(|own| shown(&own, deep)))
+        }
     }
 }
 

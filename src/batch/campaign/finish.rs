@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use arrow_array::{BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
-use synth::model::make_readable;
+use synth::model::{make_readable, new_in};
 
 use super::folder::{
-    run_folder, run_folder_name, CampaignFolder, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
-    RUNS_FILE, SCENARIO_FILE,
+    is_kept_run, is_part, run_folder, run_folder_name, CampaignFolder, FAILED_FOLDER, PARTS_FOLDER,
+    PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
 };
 use super::job::CampaignJob;
 use super::record::{CampaignFile, RequirementCount, Results, State};
@@ -22,7 +22,7 @@ use super::table::{
 };
 use super::CampaignError;
 use crate::base::files::{create_folder, note_written, write, OutputError};
-use crate::run::files::{summary_text, SUMMARY_FILE, TRAJECTORY_FILE};
+use crate::run::files::{summary_text, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 
 /// Writes the tables of a job whose parts are all there (of one that is complete they are), the kept runs
@@ -139,7 +139,7 @@ impl CampaignFolder {
         sources: &[Source],
     ) -> Result<(), CampaignError> {
         let failed = |source| OutputError::io(path, "cannot be written", source);
-        let file = tempfile::NamedTempFile::new_in(&self.path).map_err(failed)?;
+        let file = new_in(&self.path).map_err(failed)?;
         let to = file.reopen().map_err(failed)?;
         let mut table = writer(path, to, &self.columns, content, &self.inputs.to_json())?;
         self.each_batch(path, content, sources, |rows| {
@@ -248,18 +248,15 @@ fn keep_runs(job: &CampaignJob, runs: &[u64], stop: &AtomicBool) -> Result<(), C
     })
 }
 
-/// Removes the folders of runs that are not to be kept.
+/// The files of a run that is kept, its page included.
+const KEPT_FILES: [&str; 4] = [SCENARIO_FILE, TRAJECTORY_FILE, SUMMARY_FILE, REPORT_FILE];
+
+/// Removes the folders of runs that are not to be kept, without what is not the campaign's.
 pub(crate) fn remove_others(all: &Path, runs: &[u64]) -> Result<(), CampaignError> {
-    let Ok(entries) = fs::read_dir(all) else {
-        return Ok(());
-    };
     let names: Vec<String> = runs.iter().map(|&run| run_folder_name(run)).collect();
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with("run-") && !names.contains(&name) {
-            let path = entry.path();
-            fs::remove_dir_all(&path)
-                .map_err(|source| OutputError::io(&path, "cannot be removed", source))?;
+    for (name, path) in own_entries(all) {
+        if is_kept_run(&name) && !names.contains(&name) {
+            remove_files(&path, |name| KEPT_FILES.contains(&name))?;
         }
     }
     // Only when nothing is left.
@@ -270,11 +267,34 @@ pub(crate) fn remove_others(all: &Path, runs: &[u64]) -> Result<(), CampaignErro
 }
 
 fn remove_parts(folder: &Path) -> Result<(), CampaignError> {
-    let path = folder.join(PARTS_FOLDER);
-    match fs::remove_dir_all(&path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(OutputError::io(&path, "cannot be removed", error).into())
+    remove_files(&folder.join(PARTS_FOLDER), is_part)
+}
+
+/// Removes the files of a folder that have such names, and the folder where it is empty then. A link is not
+/// followed.
+fn remove_files(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<(), CampaignError> {
+    for (name, path) in own_entries(folder) {
+        let is_file = fs::symlink_metadata(&path).is_ok_and(|about| about.is_file());
+        if is_file && is_own(&name) {
+            fs::remove_file(&path)
+                .map_err(|source| OutputError::io(&path, "cannot be removed", source))?;
         }
-        _ => Ok(()),
     }
+    // Only when nothing is left.
+    let _ = fs::remove_dir(folder);
+    Ok(())
+}
+
+/// What is in a folder, by name; nothing where it is a link or there is none.
+fn own_entries(folder: &Path) -> Vec<(String, PathBuf)> {
+    let is_folder = fs::symlink_metadata(folder).is_ok_and(|about| about.is_dir());
+    let entries = is_folder.then(|| fs::read_dir(folder).ok()).flatten();
+    let entries = entries.into_iter().flatten().flatten();
+    let named = entries.map(|entry| {
+        (
+            entry.file_name().to_string_lossy().into_owned(),
+            entry.path(),
+        )
+    });
+    named.collect()
 }

@@ -23,9 +23,34 @@ pub const FAILED_FOLDER: &str = "failed";
 /// What is done of a campaign that is not complete.
 pub const PARTS_FOLDER: &str = "parts";
 
+/// What the name of a part begins and ends with; between them is its number.
+const PART_NAME: (&str, &str) = ("part-", ".parquet");
+/// What the name of the folder of a run that is kept begins with.
+const RUN_NAME: &str = "run-";
+/// Digits of a number in a name, at least.
+const DIGITS: usize = 6;
+
+/// Whether a name in the folder of parts is that of a part.
+pub fn is_part(name: &str) -> bool {
+    let (begin, end) = PART_NAME;
+    let number = name
+        .strip_prefix(begin)
+        .and_then(|rest| rest.strip_suffix(end));
+    number.is_some_and(is_number)
+}
+
+/// Whether a name in the folder of kept runs is that of a run.
+pub fn is_kept_run(name: &str) -> bool {
+    name.strip_prefix(RUN_NAME).is_some_and(is_number)
+}
+
+fn is_number(text: &str) -> bool {
+    text.len() >= DIGITS && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
 /// Name of the folder of a run that is kept, such as `run-000042`.
 pub fn run_folder_name(run: u64) -> String {
-    format!("run-{run:06}")
+    format!("{RUN_NAME}{run:0DIGITS$}")
 }
 
 /// Folder of a run that is kept.
@@ -96,6 +121,7 @@ impl CampaignFolder {
     /// File of a part.
     pub(super) fn part(&self, part: u64) -> PathBuf {
         let parts = self.path.join(PARTS_FOLDER);
-        parts.join(format!("part-{part:06}.parquet"))
+        let (begin, end) = PART_NAME;
+        parts.join(format!("{begin}{part:0DIGITS$}{end}"))
     }
 }

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::base::csv::quoted;
-use crate::base::number::short_or_none;
 use crate::run::summary::{CertificateOutcome, RunVerdict, Summary};
 use crate::scenario::RequirementFile;
 use crate::sim::link::LinkOutcome;
@@ -192,7 +191,7 @@ impl Comparison {
         for (index, entry) in compared().iter().enumerate() {
             lines.push(line(entry.key, &|row| match row.shown()[index].1 {
                 Some(whole) if whole.fract() == 0.0 => whole.to_string(),
-                value => short_or_none(value),
+                value => entry.text(value),
             }));
         }
         let total = self.faults.len();

@@ -67,7 +67,7 @@ pub enum JournalError {
         reason: String,
     },
     /// Another process is at it.
-    #[error("{} is in use by another sweep", folder.display())]
+    #[error("{}: is in use by another sweep", folder.display())]
     InUse {
         /// The folder.
         folder: PathBuf,

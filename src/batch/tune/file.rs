@@ -171,7 +171,10 @@ impl Requirements {
         check_above("manoeuvre.angle_deg", turn.angle_deg, 170.0)?;
         if let Some(axis) = &turn.axis {
             each("manoeuvre.axis", axis, finite)?;
-            check_positive("manoeuvre.axis", Vector3::from(*axis).norm())?;
+            if axis.iter().all(|entry| *entry == 0.0) {
+                let reason = "every entry is 0; an axis needs a direction";
+                return Err(ModelError::choice("manoeuvre.axis", reason));
+            }
         }
         if let Some(component) = limits.settle_tolerance_component {
             check_above("limits.settle_tolerance_component", component, 0.5)?;
@@ -193,6 +196,15 @@ impl Requirements {
             duration_s,
             allowed,
         )?;
+        if let Some(interval) = &file.sampling_interval_s {
+            let (interval_s, allowed) = (interval.get(), "at most limits.settle_s");
+            require(
+                interval_s <= settle_s,
+                "sampling_interval_s",
+                interval_s,
+                allowed,
+            )?;
+        }
         let component = (0.5 * accuracy.to_radians()).sin();
         Ok(Requirements {
             inertia,

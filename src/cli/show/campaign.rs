@@ -59,7 +59,11 @@ fn lines(results: &Results, inputs: &Inputs, folder: &Path) -> Vec<String> {
         lines.push(format!("  {verdict}: {count}"));
     }
     if let Some(covered) = results.covered_runs {
-        lines.push(format!("runs that the proof covers: {covered}"));
+        let hint = match covered < results.runs {
+            true => " (simulate --run-index says of any why it is not covered)",
+            false => "",
+        };
+        lines.push(format!("runs that the proof covers: {covered}{hint}"));
     }
     for requirement in &results.requirements {
         lines.push(format!(

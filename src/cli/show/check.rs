@@ -45,14 +45,12 @@ impl<'a> CheckReport<'a> {
         }
     }
 
-    /// In words.
+    /// In words; the warnings are for standard error.
     pub fn lines(&self, path: &Path) -> Vec<String> {
         let (kind, summary) = (&self.kind, &self.summary);
         let title = format!("{}: valid {kind} file: {summary}", path.display());
         let check = self.design_check.into_iter().flat_map(condition_lines);
-        let warnings = self.warnings.iter();
-        let warnings = warnings.map(|text| format!("warning: {text}"));
-        [title].into_iter().chain(warnings).chain(check).collect()
+        [title].into_iter().chain(check).collect()
     }
 }
 

@@ -10,6 +10,7 @@ use synth::model::Model;
 use synth::optimality::Optimality;
 use synth::synthesis::{reached, CrossCheck, Synthesized};
 
+use super::cross_check::CrossCheckReport;
 use super::facts::{titled, ProofReport, SolverReport, SolverStatus};
 use crate::base::number::short;
 use crate::run::design::certified_angle_deg;
@@ -64,8 +65,8 @@ pub struct SynthesisReport<'a> {
     /// The same in words.
     #[serde(skip)]
     found: Vec<String>,
-    /// The smallest gamma from both solvers; null where they were not asked.
-    cross_check: Option<CrossCheck>,
+    /// The smallest bound from both solvers; null where they were not asked.
+    cross_check: Option<CrossCheckReport>,
 }
 
 impl<'a> SynthesisReport<'a> {
@@ -79,7 +80,10 @@ impl<'a> SynthesisReport<'a> {
         let provenance = &found.file.provenance;
         let design = DesignReport::new(&found.file, model, report);
         SynthesisReport {
-            optimality: found.optimality.filter(|_| design.claims.gamma.is_some()),
+            // A gain that was asked for is not worse than the smallest: it is what was asked for.
+            optimality: found
+                .optimality
+                .filter(|_| design.claims.gamma.is_some() && model.file.specs.gamma.is_none()),
             design,
             solver: SolverReport {
                 status: SolverStatus::Solved,
@@ -90,7 +94,7 @@ impl<'a> SynthesisReport<'a> {
             vertices: model.task().system.vertices.len(),
             search: provenance.search.as_ref(),
             found: found_lines(model, provenance.search.as_ref()),
-            cross_check,
+            cross_check: cross_check.map(|check| CrossCheckReport::new(model, &check)),
         }
     }
 
@@ -98,7 +102,7 @@ impl<'a> SynthesisReport<'a> {
     pub fn lines(&self, name: &str) -> Vec<String> {
         let mut lines = vec![format!("model: {name} ({} vertices)", self.vertices)];
         lines.extend(self.solver.lines());
-        lines.extend(self.cross_check.iter().flat_map(cross_check_lines));
+        lines.extend(self.cross_check.iter().flat_map(CrossCheckReport::lines));
         lines.extend(self.found.iter().cloned());
         lines.extend(self.design.claims.gain_lines());
         lines.extend(self.design.claims.further_lines());
@@ -126,23 +130,6 @@ fn found_lines(model: &Model, search: Option<&SearchRecord>) -> Vec<String> {
         )
     });
     titled("found by the search:", lines)
-}
-
-/// The smallest gamma from both solvers, in words.
-fn cross_check_lines(check: &CrossCheck) -> Vec<String> {
-    let found = check.found.iter().map(|found| {
-        let gamma = found.gamma;
-        let gamma = gamma.map_or("none".to_string(), |gamma| format!("{gamma:.9}"));
-        format!(
-            "cross-check: {}: smallest gamma {gamma}, {} in {:.2} s",
-            found.solver, found.status, found.seconds
-        )
-    });
-    let difference = match check.relative_difference {
-        Some(difference) => format!("cross-check: relative difference {difference:.1e}"),
-        None => "cross-check: one of the solvers found no gamma".to_string(),
-    };
-    found.chain([difference]).collect()
 }
 
 /// The claims of a design; null, and no words, where it is not proved.

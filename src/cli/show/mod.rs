@@ -2,6 +2,7 @@
 
 pub mod campaign;
 pub mod check;
+pub mod cross_check;
 pub mod design;
 pub mod facts;
 pub mod feasibility;

@@ -70,13 +70,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
     }
     for requirement in &summary.requirements {
         let met = if requirement.met { "met" } else { "MISSED" };
-        let value = requirement
-            .value
-            .map_or("none".to_string(), |value| value.to_string());
-        lines.push(format!(
-            "requirement {} {}: {value}, {met}",
-            requirement.name, requirement.limit
-        ));
+        lines.push(format!("requirement {}, {met}", requirement.as_text()));
     }
     lines.extend(summary.unsettled());
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));

@@ -7,12 +7,13 @@ use synth::synthesis::{self, solver_order};
 
 use super::synthesize::conclude::Conclusion;
 use crate::cli::answer::Answer;
+use crate::cli::contents::DECISION;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::SolverArg;
-use crate::cli::target::{Targets, DECISION};
+use crate::cli::target::Targets;
 
 /// Arguments of `analyse`.
 #[derive(clap::Args)]

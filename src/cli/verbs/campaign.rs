@@ -7,7 +7,8 @@ use std::sync::Arc;
 use crate::base::files::what_was_written;
 use crate::batch::campaign::finish::finish;
 use crate::batch::campaign::folder::{
-    CAMPAIGN_FILE, DESIGN_FILE, PROFILES_FILE, RUNS_FILE, SCENARIO_FILE,
+    is_kept_run, is_part, CAMPAIGN_FILE, DESIGN_FILE, FAILED_FOLDER, PARTS_FOLDER, PROFILES_FILE,
+    RUNS_FILE, SCENARIO_FILE,
 };
 use crate::batch::campaign::job::CampaignJob;
 use crate::batch::campaign::plan::{Plan, MAX_RUNS};
@@ -16,14 +17,16 @@ use crate::batch::campaign::CampaignError;
 use crate::batch::engine::{Control, Interrupted};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{note, Answer};
-use crate::cli::arguments::whole;
+use crate::cli::arguments::{run_count, whole};
+use crate::cli::contents::{Contents, SUMMARY};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_scenario, warn};
 use crate::cli::progress::{interrupted, threads, PartsProgress};
 use crate::cli::show::campaign::answer;
-use crate::cli::target::{Contents, Targets};
+use crate::cli::target::Targets;
+use crate::run::files::SUMMARY_FILE;
 use crate::scenario::Scenario;
 
 /// Most failed runs that are kept when the command line does not say.
@@ -36,7 +39,7 @@ pub struct CampaignArgs {
     /// Scenario file; its `dispersions` state what is sampled for every run
     scenario: PathBuf,
     /// Number of runs
-    #[arg(long, value_name = "N", value_parser = whole)]
+    #[arg(long, value_name = "N", value_parser = run_count)]
     runs: u64,
     /// Seed; that of the scenario when left out
     #[arg(long, value_parser = whole)]
@@ -67,7 +70,9 @@ pub struct CampaignArgs {
 /// Makes the runs. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &CampaignArgs) -> Result<Answer, CliError> {
     check_runs(args.runs)?;
-    check_folder(&args.output, args.force)?;
+    let given = [Some(&args.scenario), args.design.as_ref()];
+    let inputs: Vec<&Path> = given.into_iter().flatten().map(PathBuf::as_path).collect();
+    check_folder(&args.output, &inputs, args.force)?;
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
     let (text, scenario) = files::load(&args.scenario, Scenario::from_json)?;
     let given = args.design.as_deref();
@@ -113,10 +118,14 @@ fn make(
     finish(job, state, keep, &control.stop)
 }
 
-/// The files of a campaign beside its record.
-const FILES: [(&str, Contents); 4] = [
+/// The tables of a campaign.
+const TABLES: [(&str, Contents); 2] = [
     (RUNS_FILE, Contents::Parquet),
     (PROFILES_FILE, Contents::Parquet),
+];
+
+/// The copies in the folder of a campaign.
+const COPIES: [(&str, Contents); 2] = [
     (
         SCENARIO_FILE,
         Contents::Part("copy of the campaign's scenario"),
@@ -124,11 +133,20 @@ const FILES: [(&str, Contents); 4] = [
     (DESIGN_FILE, Contents::Part("copy of the campaign's design")),
 ];
 
-/// Tries the folder of a campaign. Where one has begun, its record says what is in the folder.
-pub(crate) fn check_folder(folder: &Path, force: bool) -> Result<(), CliError> {
+/// Tries the folder of a campaign. Where one has begun, its record says whose the copies and the kept runs are.
+pub(crate) fn check_folder(folder: &Path, inputs: &[&Path], force: bool) -> Result<(), CliError> {
+    let targets = Targets { inputs, force };
     let begun = folder.join(CAMPAIGN_FILE).exists();
-    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
-    Targets { inputs: &[], force }.check_folder(Some(folder), files)
+    targets.check_folder(Some(folder), &TABLES)?;
+    if !begun {
+        targets.check_folder(Some(folder), &COPIES)?;
+        targets.check_no_other(Some(folder), (SUMMARY_FILE, SUMMARY), "a run")?;
+    }
+    targets.check_parts(&folder.join(PARTS_FOLDER), |name| begun && is_part(name))?;
+    // What else is in the folder of kept runs is left alone.
+    targets.check_parts(&folder.join(FAILED_FOLDER), |name| {
+        begun || !is_kept_run(name)
+    })
 }
 
 /// Refuses numbers of runs that are no campaign.

@@ -6,14 +6,16 @@ use crate::batch::comparison::{
     check_one_task, impose, name_apart, Candidate, ComparisonError, ComparisonJob, Entry,
 };
 use crate::cli::answer::{Answer, Exit};
-use crate::cli::design::read_design;
+use crate::cli::contents::{Contents, COMPARISON, COMPARISON_TABLE};
+use crate::cli::design::{announce, read_design};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_scenario, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
-use crate::cli::target::{Contents, Targets, COMPARISON, COMPARISON_TABLE};
+use crate::cli::target::Targets;
 use crate::controllers::ControllerChoice;
+use crate::report::html::PageKind;
 use crate::report::pages::files::{
     write_comparison, COMPARISON_CSV, COMPARISON_FILE, COMPARISON_PAGE,
 };
@@ -54,7 +56,7 @@ pub struct CompareArgs {
 const FILES: [(&str, Contents); 3] = [
     (COMPARISON_FILE, COMPARISON),
     (COMPARISON_CSV, COMPARISON_TABLE),
-    (COMPARISON_PAGE, Contents::Page),
+    (COMPARISON_PAGE, Contents::Page(PageKind::Comparison)),
 ];
 
 /// Compares controllers. 0: each meets every requirement; 2: one does not.
@@ -121,6 +123,16 @@ fn candidates(args: &CompareArgs) -> Result<Vec<Candidate>, CliError> {
         if !candidates.iter().any(Candidate::needs_design) {
             let reason = "no scenario uses this design: the controller of none is 'design'";
             return Err(CliError::unsuitable(path, reason));
+        }
+    }
+    let mut announced: Vec<&str> = Vec::new();
+    for design in candidates
+        .iter()
+        .filter_map(|candidate| candidate.design.as_ref())
+    {
+        if !announced.contains(&design.sha256.as_str()) {
+            announced.push(&design.sha256);
+            announce(design);
         }
     }
     for candidate in &candidates {

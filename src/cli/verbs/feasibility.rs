@@ -8,6 +8,7 @@ use synth::model::Model;
 use synth::synthesis::solver_order;
 
 use crate::cli::answer::{note, Answer};
+use crate::cli::contents::DECISION;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_model, warn};
@@ -16,7 +17,7 @@ use crate::cli::show::facts::written_or_nothing;
 use crate::cli::show::feasibility::FeasibilityReport;
 use crate::cli::show::infeasibility::Existence;
 use crate::cli::solver::SolverArg;
-use crate::cli::target::{Targets, DECISION};
+use crate::cli::target::Targets;
 
 /// Arguments of `feasibility`.
 #[derive(clap::Args)]

@@ -34,7 +34,7 @@ pub struct MergeArgs {
 
 /// Merges shards. 0: every run met every requirement; 2: some did not.
 pub fn run(args: &MergeArgs) -> Result<Answer, CliError> {
-    check_folder(&args.output, args.force)?;
+    check_folder(&args.output, &[], args.force)?;
     let failed = |error: CampaignError| CliError::Campaign(error.to_string());
     let results = merge(&args.folders, &args.output, args.keep as usize).map_err(failed)?;
     let record = CampaignFile::read(&args.output).map_err(failed)?;

@@ -22,7 +22,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-use super::answer::{complain, Exit};
+use super::answer::{complain, Answer, Exit};
 use super::progress::watch_for_interruption;
 
 #[derive(Parser)]
@@ -108,12 +108,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn usage(error: &clap::Error) -> ExitCode {
     let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if help || !error.use_stderr() {
-        // Printing help can only fail when the stream is closed.
-        let _ = error.print();
-        return match error.use_stderr() {
-            true => Exit::Usage.into(),
-            false => Exit::Yes.into(),
-        };
+        if error.use_stderr() {
+            // Nothing is left to say so where this fails.
+            let _ = error.print();
+            return Exit::Usage.into();
+        }
+        let text = error.render().to_string();
+        return Answer::text(Exit::Yes, text.trim_end().to_string()).print(false);
     }
     complain(&one_line(&error.to_string()));
     Exit::Usage.into()

@@ -8,9 +8,11 @@ use crate::batch::campaign::folder::{
 };
 use crate::batch::campaign::record::CampaignFile;
 use crate::cli::answer::{Answer, Exit};
+use crate::cli::contents::Contents;
 use crate::cli::error::CliError;
 use crate::cli::show::facts::written;
-use crate::cli::target::{Contents, Targets};
+use crate::cli::target::Targets;
+use crate::report::html::PageKind;
 use crate::report::pages::campaign;
 use crate::report::pages::files::{rebuild_report, ReportError};
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
@@ -72,7 +74,11 @@ fn check_paths(folder: &Path, page: &Path, force: bool) -> Result<(), CliError> 
         inputs: &kept,
         force,
     };
-    targets.check_file(Some(page), Contents::Page)
+    let kind = match folder.join(CAMPAIGN_FILE).exists() {
+        true => PageKind::Campaign,
+        false => PageKind::Run,
+    };
+    targets.check_file(Some(page), Contents::Page(kind))
 }
 
 /// Kept runs that get a page of their own: the worst.

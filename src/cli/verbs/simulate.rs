@@ -3,16 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use super::campaign::check_runs;
+use crate::batch::campaign::folder::CAMPAIGN_FILE;
 use crate::batch::campaign::plan::Plan;
 use crate::cli::answer::{Answer, Exit};
-use crate::cli::arguments::whole;
+use crate::cli::arguments::{run_count, whole};
+use crate::cli::contents::{Contents, CAMPAIGN, SUMMARY};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_scenario, warn};
 use crate::cli::show::facts::written;
 use crate::cli::show::run::lines;
-use crate::cli::target::{Contents, Targets, SUMMARY, TRAJECTORY};
+use crate::cli::target::Targets;
+use crate::report::html::PageKind;
 use crate::report::pages::files::write_run;
 use crate::run::design::Design;
 use crate::run::files::{summary_text, REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
@@ -37,7 +40,7 @@ pub struct SimulateArgs {
     #[arg(long, requires = "run_index", value_parser = whole)]
     seed: Option<u64>,
     /// Number of runs of the campaign; needed with a Latin hypercube
-    #[arg(long, value_name = "N", requires = "run_index", value_parser = whole)]
+    #[arg(long, value_name = "N", requires = "run_index", value_parser = run_count)]
     runs: Option<u64>,
     /// Folder for trajectory.csv, summary.json and report.html
     #[arg(short, long)]
@@ -52,9 +55,9 @@ pub struct SimulateArgs {
 
 /// The files of a run.
 const FILES: [(&str, Contents); 3] = [
-    (TRAJECTORY_FILE, TRAJECTORY),
+    (TRAJECTORY_FILE, Contents::Trajectory),
     (SUMMARY_FILE, SUMMARY),
-    (REPORT_FILE, Contents::Page),
+    (REPORT_FILE, Contents::Page(PageKind::Run)),
 ];
 
 /// Runs a scenario. 0: every requirement is met; 2: one is missed, the run diverged or a proved bound
@@ -70,7 +73,9 @@ pub fn run(args: &SimulateArgs) -> Result<Answer, CliError> {
         inputs: &inputs,
         force: args.force,
     };
-    targets.check_folder(args.output.as_deref(), &FILES)?;
+    let folder = args.output.as_deref();
+    targets.check_folder(folder, &FILES)?;
+    targets.check_no_other(folder, (CAMPAIGN_FILE, CAMPAIGN), "a campaign")?;
     let design = design_of(&scenario, &args.scenario, args.design.as_deref())?;
     warn(&of_scenario(&scenario, &text));
     let outcome = match args.run_index {

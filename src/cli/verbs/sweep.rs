@@ -10,12 +10,13 @@ use crate::batch::engine::Interrupted;
 use crate::batch::sweep;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::outcome::PointOutcome;
-use crate::batch::sweep::points::{PointStore, SweepIdentity, JOURNAL_FILE};
+use crate::batch::sweep::points::{PointStore, SweepIdentity};
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::SweepError;
 use crate::batch::variation::axis::Axis;
 use crate::batch::variation::grid::Grid;
 use crate::cli::answer::Answer;
+use crate::cli::contents::{Contents, SWEEP, SWEEP_TABLE};
 use crate::cli::design::design_of;
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -23,7 +24,8 @@ use crate::cli::physics::{of_model, of_scenario, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show;
 use crate::cli::solver::SolverArg;
-use crate::cli::target::{Contents, Targets, SWEEP, SWEEP_TABLE};
+use crate::cli::target::Targets;
+use crate::report::html::PageKind;
 use crate::report::pages::files::write_sweep;
 use crate::run::check_design;
 use crate::scenario::Scenario;
@@ -69,7 +71,7 @@ pub struct SweepArgs {
 const FILES: [(&str, Contents); 4] = [
     (CSV_FILE, SWEEP_TABLE),
     (PARQUET_FILE, Contents::Parquet),
-    (PAGE_FILE, Contents::Page),
+    (PAGE_FILE, Contents::Page(PageKind::Sweep)),
     (PROVENANCE_FILE, SWEEP),
 ];
 
@@ -82,10 +84,7 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         inputs: &inputs,
         force: args.force,
     };
-    // Where points are kept, they say what the folder is.
-    let begun = args.output.join(JOURNAL_FILE).exists();
-    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
-    targets.check_folder(Some(&args.output), files)?;
+    targets.check_folder(Some(&args.output), &FILES)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {

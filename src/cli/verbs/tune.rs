@@ -9,13 +9,14 @@ use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::check_possible;
 use crate::batch::tune::{tune, Tuned};
 use crate::cli::answer::{Answer, Exit};
+use crate::cli::contents::Contents;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_requirements, warn};
 use crate::cli::progress::{threads, PartsProgress};
 use crate::cli::show::facts::written;
 use crate::cli::show::tune::lines;
-use crate::cli::target::{Contents, Targets};
+use crate::cli::target::Targets;
 
 /// Arguments of `tune`.
 #[derive(clap::Args)]

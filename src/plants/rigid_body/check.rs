@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use runtime::attitude::{Quaternion, NORM_TOLERANCE};
 use synth::model::{
-    check_inertia, check_not_negative, finite, spacecraft, ExactPlant, InertiaUncertaintyFile,
-    ModelError,
+    check_inertia, check_not_negative, finite, readable, spacecraft, ExactPlant,
+    InertiaUncertaintyFile, ModelError,
 };
 
 use super::file::{
@@ -141,16 +141,24 @@ pub(crate) fn attitude(field: &str, file: &AttitudeFile) -> Result<Quaternion, M
 fn unit(field: &str, quaternion: Quaternion) -> Result<Quaternion, ModelError> {
     let norm = quaternion.norm();
     let ok = (norm - 1.0).abs() <= NORM_TOLERANCE;
-    let allowed = format!("a quaternion of norm 1 (within {NORM_TOLERANCE}); this is its norm");
-    require(ok, field, norm, &allowed)?;
+    if !ok {
+        let norm = readable(norm);
+        let reason =
+            format!("the norm of the quaternion is {norm}; it must be 1 (within {NORM_TOLERANCE})");
+        return Err(ModelError::choice(field, reason));
+    }
     Ok(quaternion.normalised().unwrap_or(quaternion))
 }
 
 fn unit_axis(field: &str, axis: &[f64; 3]) -> Result<Vector3<f64>, ModelError> {
     let axis = Vector3::from(*axis);
     let length = axis.norm();
-    let allowed = "an axis of length above 0; this is its length";
-    require(length > 0.0, field, length, allowed)?;
+    if length.is_nan() || length <= 0.0 {
+        return Err(ModelError::choice(
+            field,
+            "every entry is 0; an axis needs a direction",
+        ));
+    }
     Ok(axis / length)
 }
 

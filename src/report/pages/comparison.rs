@@ -1,12 +1,12 @@
 //! The page of a comparison: one HTML file with its figures inside.
 
-use super::{hashes, metric_text, optional};
+use super::{hashes, optional};
 use crate::base::number::short_or_none;
 use crate::batch::comparison::{Comparison, ControllerRow, Curves};
 use crate::report::chart::Figure;
 use crate::report::chart::FigureError;
 use crate::report::html::{
-    cell, escape, html_cell, judged, list, paragraph, row, section, table, Page,
+    cell, escape, html_cell, judged, list, paragraph, row, section, table, Page, PageKind,
 };
 use crate::report::series::Series;
 use crate::run::summary::RunVerdict;
@@ -32,7 +32,7 @@ fn metric_lines(runs: &[ControllerRow]) -> Vec<MetricLine> {
     let bounds = entries.partition_point(|entry| entry.kind < MetricKind::Usage);
     let metrics = entries.into_iter().enumerate().map(|(index, entry)| {
         let value = |row: &ControllerRow| row.shown().get(index).and_then(|(_, value)| *value);
-        line(&entry.title(), &|row| metric_text(entry, value(row)))
+        line(&entry.title(), &|row| entry.text(value(row)))
     });
     let mut lines: Vec<MetricLine> = metrics.collect();
     lines.insert(bounds, link);
@@ -61,6 +61,7 @@ pub fn page(comparison: &Comparison, curves: &[Curves]) -> Result<String, Figure
         format!("{}: {}", row.label, digests[..shown].join(", "))
     });
     let page = Page {
+        kind: PageKind::Comparison,
         title: TITLE.to_string(),
         class,
         verdict,

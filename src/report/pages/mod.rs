@@ -7,20 +7,10 @@ pub mod run;
 pub mod sweep;
 
 use super::html::section;
-use crate::base::number::short_or_none;
-use crate::sim::metrics::MetricEntry;
 
 /// A section around HTML; none around nothing.
 fn optional(title: &str, html: &str) -> Option<String> {
     (!html.is_empty()).then(|| section(title, html))
-}
-
-/// A metric's value as text.
-fn metric_text(entry: &MetricEntry, value: Option<f64>) -> String {
-    match value {
-        Some(count) if entry.whole => count.to_string(),
-        value => short_or_none(value),
-    }
 }
 
 /// The digests of a scenario and of its design, for a footer.

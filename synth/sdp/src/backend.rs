@@ -68,9 +68,8 @@ pub enum SolveError {
     },
     /// There is not enough memory.
     #[error(
-        "{backend} needs about {} ({needed} bytes) for this problem, whose widest cone has side {widest}, and {} \
-         ({available} bytes) are free",
-        bytes(*needed),
+        "{backend} needs {} for this problem, whose widest cone has side {widest}, and {} ({available} bytes) are free",
+        need(*needed),
         bytes(*available)
     )]
     Memory {
@@ -91,6 +90,14 @@ pub enum SolveError {
         /// Name of the condition.
         condition: String,
     },
+}
+
+/// A need of memory in words. An estimate that no number of 64 bits holds is the largest one.
+fn need(count: u64) -> String {
+    match count {
+        u64::MAX => "more memory than any machine has".to_string(),
+        count => format!("about {} ({count} bytes)", bytes(count)),
+    }
 }
 
 /// Bytes in words: three digits and a unit of 1000.

@@ -136,7 +136,7 @@ impl WeightsFile {
                 let allowed = "left out: no gains are given";
                 Err(ModelError::range("gain", gain as f64, allowed))
             }
-            None if given => Err(missing("gain", "the number of a gain")),
+            None if given => Err(missing("gain", "the number of a given gain, from 1")),
             None => Ok(1),
         }
     }

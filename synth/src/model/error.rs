@@ -45,7 +45,7 @@ pub enum FileError {
         reason: String,
     },
     /// The file is of another kind.
-    #[error("this is {} {found} file; {} {expected} file is expected here", article(*found), article(*expected))]
+    #[error("this is {} file; {} file is expected here", found.with_article(), expected.with_article())]
     WrongKind {
         /// What it is.
         found: Kind,
@@ -70,8 +70,8 @@ pub enum ModelError {
         /// The allowed range in words.
         allowed: String,
     },
-    /// A list or matrix has the wrong size.
-    #[error("field '{field}': the size is {found}; it must be {expected}")]
+    /// A list or matrix has the wrong size, or something else stands where it should.
+    #[error("field '{field}': found {found}, expected {expected}")]
     WrongShape {
         /// Path of the field.
         field: String,
@@ -201,14 +201,6 @@ impl ModelError {
             found,
             expected,
         }
-    }
-}
-
-/// The article before the name of a kind.
-fn article(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Infeasibility => "an",
-        _ => "a",
     }
 }
 

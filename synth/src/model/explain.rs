@@ -18,11 +18,22 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
     if let Some(reason) = ends_early(text) {
         return FileError::NotJson { reason };
     }
-    let field = match error.path().to_string().as_str() {
+    let mut field = match error.path().to_string().as_str() {
         "." | "" | "?" => "(top level)".to_string(),
         path => path.to_string(),
     };
-    let inner = error.into_inner();
+    let mut inner = error.into_inner();
+    // A value is refused as soon as it is read, before what follows it: what is no JSON is said first.
+    if let Err(fault) = serde_json::from_str::<IgnoredAny>(text) {
+        let elsewhere = inner.classify() == Category::Data || field.ends_with('?');
+        let key = key_before(text, fault.line(), fault.column()).filter(|_| elsewhere);
+        field = match (key, field.rsplit_once('.')) {
+            (Some(key), Some((parent, "?"))) => format!("{parent}.{key}"),
+            (Some(key), _) if !field.ends_with(&key) => key,
+            _ => field,
+        };
+        inner = fault;
+    }
     let message = inner.to_string();
     if inner.classify() == Category::Data {
         let place = format!(" at line {} column {}", inner.line(), inner.column());
@@ -34,8 +45,16 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
     }
     let (line, column) = (inner.line(), inner.column());
     let is_json = serde_json::from_str::<IgnoredAny>(text).is_ok();
-    let token = token_at(text, line, column).filter(|token| stands_for_number(token));
+    if !is_json && !text.trim_start().starts_with('{') {
+        return FileError::NotJson {
+            reason: begins_otherwise(text, line, column),
+        };
+    }
     let fault = message.split(" at line ").next().unwrap_or_default();
+    // A second number where a comma is missing is none that is not allowed.
+    let second = |token: &str| fault.starts_with("expected `,`") && token.parse::<f64>().is_ok();
+    let token = token_at(text, line, column);
+    let token = token.filter(|token| stands_for_number(token) && !second(token));
     // Fixed lists and named choices report what follows them as a fault of syntax.
     match (is_json, fault, token) {
         (true, "trailing characters", _) => FileError::Field {
@@ -43,15 +62,75 @@ pub fn explain(text: &str, expected: Kind, error: LocatedError) -> FileError {
             reason: format!("the list has too many entries at line {line} column {column}"),
         },
         (true, "expected value", _) => FileError::Field {
+            reason: format!(
+                "{}, at line {line} column {column}",
+                not_one_name(text, &field)
+            ),
             field,
-            reason: format!("a second name follows at line {line} column {column}, expected one"),
         },
         (_, _, Some(token)) => FileError::Field {
             field,
             reason: format!("the value {token} is not allowed; numbers must be finite decimals"),
         },
-        _ => FileError::NotJson { reason: message },
+        _ => FileError::NotJson {
+            reason: plain_syntax(&message),
+        },
     }
+}
+
+/// What stands where an object with one name is expected.
+fn not_one_name(text: &str, field: &str) -> String {
+    let place = field.replace(['.', '['], "/").replace(']', "");
+    let value: Option<Value> = serde_json::from_str(text).ok();
+    let found = match value
+        .as_ref()
+        .and_then(|value| value.pointer(&format!("/{place}")))
+    {
+        Some(Value::Object(names)) if names.is_empty() => "an object without a name".to_string(),
+        Some(Value::Object(names)) if names.len() > 1 => {
+            let names: Vec<&str> = names.keys().map(String::as_str).collect();
+            format!("the names {}", names.join(", "))
+        }
+        Some(Value::Array(_)) => "a list".to_string(),
+        Some(Value::Number(number)) => format!("the number {number}"),
+        Some(Value::Bool(truth)) => truth.to_string(),
+        Some(Value::Null) => "null".to_string(),
+        _ => "something else".to_string(),
+    };
+    format!("found {found}, expected one name")
+}
+
+/// What a file begins with that is no JSON object.
+fn begins_otherwise(text: &str, line: usize, column: usize) -> String {
+    let begin: String = text.trim_start().chars().take(20).collect();
+    match begin.is_empty() {
+        true => "the file is empty".to_string(),
+        false => format!(
+            "the file begins with {begin:?}, and a JSON file with {{ (line {line} column {column})"
+        ),
+    }
+}
+
+/// The parser's words about what is no JSON, without its jargon.
+fn plain_syntax(message: &str) -> String {
+    message
+        .replace("expected ident", "found a word that is none of JSON's")
+        .replace("key must be a string", "a name must be in double quotes")
+}
+
+/// The name, in double quotes and with a colon behind it, that a position (line and column from 1) comes after.
+fn key_before(text: &str, line: usize, column: usize) -> Option<String> {
+    let before: usize = text
+        .split_inclusive('\n')
+        .take(line.checked_sub(1)?)
+        .map(str::len)
+        .sum();
+    let end = before.checked_add(column)?.min(text.len());
+    let head = text.get(..end)?;
+    let colon = head.rfind(':')?;
+    let name = head.get(..colon)?.trim_end().strip_suffix('"')?;
+    let start = name.rfind('"')?;
+    name.get(start + 1..).map(str::to_string)
 }
 
 /// The parser's words about a file that was cut off: the first fault may then be about what is there.
@@ -122,7 +201,15 @@ fn plain_expected(expected: &str) -> String {
     }
     match expected {
         "f64" => "a number".to_string(),
-        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, 0 or above".to_string(),
+        "u8" | "u16" | "u32" | "u64" | "usize" => {
+            let largest = match expected {
+                "u8" => u64::from(u8::MAX),
+                "u16" => u64::from(u16::MAX),
+                "u32" => u64::from(u32::MAX),
+                _ => u64::MAX,
+            };
+            format!("a whole number from 0 to {largest}")
+        }
         "a sequence" => "a list".to_string(),
         other => other.to_string(),
     }

@@ -24,6 +24,19 @@ pub enum Kind {
     Gains,
     /// A requirements file of the parameter search.
     Requirements,
+    /// The summary of a run.
+    Summary,
+}
+
+impl Kind {
+    /// Its name with the article, such as `an infeasibility`.
+    pub fn with_article(self) -> String {
+        let article = match self {
+            Kind::Infeasibility => "an",
+            _ => "a",
+        };
+        format!("{article} {self}")
+    }
 }
 
 impl fmt::Display for Kind {
@@ -37,6 +50,7 @@ impl fmt::Display for Kind {
             Kind::ProblemDesign => "problem design",
             Kind::Gains => "gains",
             Kind::Requirements => "requirements",
+            Kind::Summary => "summary",
         })
     }
 }
@@ -45,7 +59,10 @@ impl fmt::Display for Kind {
 pub fn kind_of(text: &str) -> Option<Kind> {
     let keys: BTreeMap<String, Outline> = serde_json::from_str(text).ok()?;
     let has = |key: &str| keys.contains_key(key);
-    if has("infeasibility") {
+    if ["scenario", "verdict", "scales"].iter().all(|key| has(key)) {
+        // A summary has a certificate, too.
+        Some(Kind::Summary)
+    } else if has("infeasibility") {
         Some(Kind::Infeasibility)
     } else if has("certificate") {
         match keys.get("model") {
@@ -54,7 +71,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         }
     } else if has("duration_s") {
         Some(Kind::Scenario)
-    } else if has("problem") {
+    } else if has("problem") && !has("specs") {
         Some(Kind::Problem)
     } else if has("manoeuvre") {
         Some(Kind::Requirements)

@@ -15,6 +15,7 @@ mod read;
 mod rules;
 mod search;
 mod validate;
+mod vanishing;
 
 pub use error::{readable, FileError, ModelError};
 pub use file::{
@@ -32,11 +33,11 @@ pub use imperfections::{
 pub use kind::{kind_of, Kind};
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
-    check_positive_definite, check_shape, check_symmetric, check_version, finite, Size, MAX_BOUNDS,
-    MAX_COLUMNS,
+    check_positive_definite, check_seen, check_shape, check_symmetric, check_version, entries,
+    finite, Size, MAX_BOUNDS, MAX_COLUMNS,
 };
 pub use read::{
-    make_readable, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
+    make_readable, new_in, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
     MAX_FILE_BYTES,
 };
 pub use validate::{

@@ -77,6 +77,14 @@ pub fn check_count(field: &str, what: &str, count: usize, limit: usize) -> Resul
     ))
 }
 
+/// So many entries, in words.
+pub fn entries(count: usize) -> String {
+    match count {
+        1 => "1 entry".to_string(),
+        count => format!("{count} entries"),
+    }
+}
+
 /// Rows and columns, `None`: any number above 0.
 pub type Size = (Option<usize>, Option<usize>);
 
@@ -108,7 +116,7 @@ pub fn check_matrix(
     }
     if let Some(position) = rows.iter().position(|row| row.len() != columns) {
         let length = rows[position].len();
-        let found = format!("{length} entries in row {}", position + 1);
+        let found = format!("{} in row {}", entries(length), position + 1);
         return Err(wrong_size(field, found, expected));
     }
     for (r, row) in rows.iter().enumerate() {
@@ -178,6 +186,18 @@ pub fn check_inertia(field: &str, rows: &[[f64; 3]; 3]) -> Result<Matrix3<f64>, 
     ))
 }
 
+/// Refuses an output that is 0 whatever happens: these matrices, all that lead to it, have no other entry.
+pub fn check_seen(field: &str, matrices: &[&DMatrix<f64>]) -> Result<(), ModelError> {
+    let mut entries = matrices.iter().flat_map(|matrix| matrix.iter());
+    match entries.all(|entry| *entry == 0.0) {
+        false => Ok(()),
+        true => Err(ModelError::choice(
+            field,
+            "every entry is 0, so that the output is 0 and there is no gain to bound; give it the states that matter",
+        )),
+    }
+}
+
 /// What all vertices, or all rules, have in common.
 pub(super) struct SharedMatrices<'a> {
     pub input: &'a [Vec<f64>],
@@ -207,9 +227,10 @@ impl SharedMatrices<'_> {
         ] {
             check_count(&field(key), what, count, MAX_COLUMNS)?;
         }
+        check_seen(&field("output_matrix"), &[&output])?;
         let (found, expected) = (self.input_limit.len(), input.ncols());
         if found != expected {
-            let [found, expected] = [found, expected].map(|count| format!("{count} entries"));
+            let [found, expected] = [found, expected].map(entries);
             return Err(ModelError::shape(field("input_limit"), found, expected));
         }
         Ok([input, disturbance, output])

@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use serde::Serialize;
 
 use super::explain::{explain, list_for_object};
+use super::vanishing::first_vanishing;
 use super::{FileError, Kind};
 
 /// The largest file that is read (bytes).
@@ -64,12 +65,29 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), FileError> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    file.write_all(contents).map_err(failed)?;
+    let mut file = new_in(folder).map_err(failed)?;
+    let written = file.write_all(contents).map_err(without_path);
+    written.map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
     make_readable(file.path()).map_err(failed)?;
     file.persist(&path).map_err(|error| failed(error.error))?;
     Ok(())
+}
+
+/// A new file in a folder, under a temporary name that no error tells.
+///
+/// # Errors
+/// The system's.
+pub fn new_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    tempfile::NamedTempFile::new_in(folder).map_err(without_path)
+}
+
+/// The system's reason without the temporary name.
+fn without_path(error: std::io::Error) -> std::io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((reason, _)) => std::io::Error::new(error.kind(), reason.to_string()),
+        None => error,
+    }
 }
 
 /// Gives a new file the permissions of any other result: temporary files are private.
@@ -125,8 +143,11 @@ pub fn parse<T: DeserializeOwned + Serialize>(text: &str, expected: Kind) -> Res
     deserializer.end().map_err(|error| FileError::NotJson {
         reason: error.to_string(),
     })?;
-    match list_for_object(text, &value) {
-        Some(field) => Err(list_expected_object(field)),
+    if let Some(field) = list_for_object(text, &value) {
+        return Err(list_expected_object(field));
+    }
+    match first_vanishing(text) {
+        Some(number) => Err(number.into()),
         None => Ok(value),
     }
 }

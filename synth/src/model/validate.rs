@@ -16,7 +16,7 @@ use super::ranges::{
 };
 use super::rules::rule_model;
 use super::search::check_search;
-use super::{parse, FileError, Kind, ModelError, Plant};
+use super::{parse, readable, FileError, Kind, ModelError, Plant};
 use crate::conditions::{GainPlan, Specification, Task};
 use crate::fuzzy::{ExactSpacecraft, MomentumExchange, VertexSystem};
 use crate::scaling::natural_gain_per_weight;
@@ -276,7 +276,6 @@ pub fn check_bounds(
     Ok((rows, bounds))
 }
 
-/// What must hold between the numbers of the specifications.
 /// Without a disturbance nothing else bounds xi.
 fn check_weight_limit(specs: &Specs, plant: &Plant) -> Result<(), ModelError> {
     let disturbed = plant.takagi_sugeno().disturbance_bound > 0.0;
@@ -289,10 +288,19 @@ fn check_weight_limit(specs: &Specs, plant: &Plant) -> Result<(), ModelError> {
     }
 }
 
+/// Largest product of the decay rate and the longest sampling interval.
+const MAX_DECAY: f64 = 100.0;
+
+/// What must hold between the numbers of the specifications.
 fn check_specs(specs: &Specs, states: usize) -> Result<(), ModelError> {
-    let ok = specs.phi_per_s * specs.hbar_s <= 100.0;
-    let allowed = "at most 100 / phi_per_s";
-    require(ok, "specs.hbar_s", specs.hbar_s, allowed)?;
+    let decay = specs.phi_per_s * specs.hbar_s;
+    if decay.is_nan() || decay > MAX_DECAY {
+        let reason = format!(
+            "times specs.phi_per_s it is {}, the decay over one interval; it must be at most {MAX_DECAY}",
+            readable(decay)
+        );
+        return Err(ModelError::choice("specs.hbar_s", reason));
+    }
     if let Some(hmin) = specs.hmin_s {
         let allowed = "above 0 and at most hbar_s";
         require(hmin <= specs.hbar_s, "specs.hmin_s", hmin, allowed)?;

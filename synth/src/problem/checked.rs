@@ -12,9 +12,9 @@ use crate::conditions::quadratic_stabilisation::QuadraticStabilisation;
 use crate::conditions::saturated_region::{ReferenceSet, SaturatedRegion, MAX_SATURATED_INPUTS};
 use crate::conditions::state_feedback::{VertexPlant, Wanted};
 use crate::model::{
-    check_bounds, check_count, check_line, check_matrix, check_positive_definite,
-    check_state_matrices, check_version, parse, FileError, Kind, ModelError, Size, MAX_BOUNDS,
-    MAX_COLUMNS,
+    check_bounds, check_count, check_line, check_matrix, check_positive_definite, check_seen,
+    check_state_matrices, check_version, entries, parse, FileError, Kind, ModelError, Size,
+    MAX_BOUNDS, MAX_COLUMNS,
 };
 
 /// A checked problem file.
@@ -104,9 +104,13 @@ fn check_h_infinity(
     };
     let from_input = &requested.input_to_output_matrix;
     let from_disturbance = &requested.disturbance_to_output_matrix;
+    let input_to_output = direct("input_to_output_matrix", from_input, m)?;
+    let disturbance_to_output = direct("disturbance_to_output_matrix", from_disturbance, d)?;
+    let all = [&output, &input_to_output, &disturbance_to_output];
+    check_seen("problem.h_infinity.output_matrix", &all)?;
     Ok(HInfinity {
-        input_to_output: direct("input_to_output_matrix", from_input, m)?,
-        disturbance_to_output: direct("disturbance_to_output_matrix", from_disturbance, d)?,
+        input_to_output,
+        disturbance_to_output,
         disturbance,
         output,
         wanted: Wanted {
@@ -129,8 +133,8 @@ fn check_region(
         MAX_SATURATED_INPUTS,
     )?;
     if requested.input_limit.len() != m {
-        let found = format!("{} entries", requested.input_limit.len());
-        let expected = format!("{m} entries, one for each input");
+        let found = entries(requested.input_limit.len());
+        let expected = format!("{}, one for each input", entries(m));
         return Err(ModelError::shape(field("input_limit"), found, expected));
     }
     let reference = match &requested.reference {

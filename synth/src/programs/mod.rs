@@ -6,6 +6,7 @@
 
 mod active;
 mod assemble;
+mod optimum;
 mod outcome;
 mod parameter;
 mod record;
@@ -17,6 +18,7 @@ mod trigger_weight;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
+pub use optimum::Optimum;
 pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,
     Synthesized,

@@ -44,7 +44,26 @@ fn what_does_not_go_together_is_refused_in_one_sentence() {
         message.contains("line 2: 'one' is not a number"),
         "{message}"
     );
-    let odd = write(folder.path(), "odd.csv", "time_s,2 x\n0,1\n");
+    for (contents, expected) in [
+        ("a,b\n1,2\n", "the first column is 'a'; it must be time_s"),
+        ("time_s,sample,sent\n", "no row below the header"),
+        (
+            "time_s,sample,sent\n0,1,1\nnan,0,0\n",
+            "line 3: the time is NaN s after 0 s",
+        ),
+        ("time_s,sample\n0,1\n", "no column sent"),
+    ] {
+        let foreign = write(folder.path(), "foreign.csv", contents);
+        for format in ["mat", "parquet", "csv"] {
+            let message = export(&foreign, format, Some(&out)).refusal();
+            assert!(message.contains(expected), "{message}");
+        }
+    }
+    let odd = write(
+        folder.path(),
+        "odd.csv",
+        "time_s,2 x,sample,sent\n0,1,1,1\n",
+    );
     let message = export(&odd, "mat", Some(&out)).refusal();
     assert!(
         message.contains("no name of a MATLAB variable"),

@@ -16,7 +16,7 @@ pub fn wrong_values() -> Vec<Wrong> {
             "model",
             "/specs/hbar_s",
             json!(1e9),
-            "at most 100 / phi_per_s",
+            "it must be at most 100",
         ),
         ("model", "/specs/nu", json!(1), "[0, 1)"),
         ("model", "/specs/nu", json!(-0.1), "[0, 1)"),

@@ -7,9 +7,9 @@ use synth::model::{kind_of, Kind};
 use synth::problem::ProblemDesignFile;
 
 use crate::base::provenance::sha256_of;
+use crate::cli::contents::{Contents, DESIGN_TABLE};
 use crate::cli::error::CliError;
 use crate::cli::files;
-use crate::cli::target::{Contents, DESIGN_TABLE, TRAJECTORY};
 use crate::export::design::DesignData;
 use crate::export::trajectory::TrajectoryData;
 use crate::export::{c_header, csv, mat};
@@ -20,7 +20,7 @@ use crate::run::files::{read_summary, read_trajectory, SUMMARY_FILE, TRAJECTORY_
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FormatArg {
     /// SDPA sparse text (.dat-s): the first problem that synthesis solves, in its scaled units; the
-    /// optimum is gamma
+    /// first line says what its optimum is
     Sdpa,
     /// Comma-separated values, of a design or a trajectory
     Csv,
@@ -45,7 +45,7 @@ impl FormatArg {
     pub fn contents(self, of_trajectory: bool) -> Contents {
         match self {
             FormatArg::Sdpa => Contents::Sdpa,
-            FormatArg::Csv if of_trajectory => TRAJECTORY,
+            FormatArg::Csv if of_trajectory => Contents::Trajectory,
             FormatArg::Csv => DESIGN_TABLE,
             FormatArg::Parquet => Contents::Parquet,
             FormatArg::Mat => Contents::Mat,
@@ -83,7 +83,10 @@ pub fn design(path: &Path, format: FormatArg) -> Result<Exported, CliError> {
                 _ => " and trajectories",
             };
             let name = format.name();
-            let reason = format!("this is a {other} file; {name} is for design files{more}");
+            let reason = format!(
+                "this is {} file; {name} is for design files{more}",
+                other.with_article()
+            );
             return Err(CliError::unsuitable(path, reason));
         }
     };

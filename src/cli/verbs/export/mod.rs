@@ -12,9 +12,10 @@ use data::{Exported, FormatArg};
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::show::facts::written;
 use crate::cli::solver::FormArg;
 use crate::cli::target::Targets;
-use crate::run::files::TRAJECTORY_FILE;
+use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// Arguments of `export`.
 #[derive(clap::Args)]
@@ -40,8 +41,14 @@ pub struct ExportArgs {
 pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     let source = trajectory_of(&args.file);
     let input = source.as_deref().unwrap_or(&args.file);
+    // What is said of a trajectory is taken from the summary beside it.
+    let summary = input.with_file_name(SUMMARY_FILE);
+    let inputs = match source {
+        Some(_) => vec![input, &summary],
+        None => vec![input],
+    };
     let targets = Targets {
-        inputs: &[input],
+        inputs: &inputs,
         force: args.force,
     };
     let contents = args.format.contents(source.is_some());
@@ -72,7 +79,7 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     let answer = match &args.output {
         Some(path) => {
             files::write(path, &exported.bytes)?;
-            Answer::silent(exit)
+            Answer::silent(exit).remark(written(path))
         }
         None => {
             let text = String::from_utf8_lossy(&exported.bytes);

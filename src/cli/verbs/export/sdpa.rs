@@ -6,6 +6,7 @@ use synth::design::DesignFile;
 use synth::lmi::Semidefinite;
 use synth::model::{kind_of, Kind, Model, Objective};
 use synth::problem::{first_program, Problem, ProblemDesignFile};
+use synth::programs::Optimum;
 use synth::synthesis::{
     assemble, coupled_problem, scaled_task, with_chosen_form, CouplingChoice, Form, Goal, Solvers,
     FIRST_UNITS,
@@ -16,7 +17,7 @@ use crate::cli::error::CliError;
 use crate::cli::files;
 
 /// The semidefinite program of a model, of a problem, or of what is inside a design, as SDPA sparse text:
-/// the first problem that synthesis solves, in its scaled units; the optimum is gamma.
+/// the first problem that synthesis solves, in its scaled units; the first line says what its optimum is.
 pub fn export(path: &Path, form: Option<Form>) -> Result<String, CliError> {
     let text = files::text(path)?;
     let (program, what) = match kind_of(&text) {
@@ -60,20 +61,25 @@ fn model_program(
         Some(_) => choice.is_some(),
         None => model.file.specs.objective == Objective::Both,
     };
-    let (problem, goal) = match two {
+    let (problem, goal, optimum) = match two {
         true => {
             let problem = coupled_problem(model, form, choice);
             let problem = problem.map_err(|error| CliError::value(path, error))?;
-            (problem, "smallest inner gain with two certificates")
+            (
+                problem,
+                "smallest inner gain with two certificates",
+                Optimum::Gamma,
+            )
         }
         false => {
             let units = design.map_or(FIRST_UNITS, |design| design.provenance.problem.clone());
             let (_, task) = scaled_task(model, &units);
             let problem = assemble(&task, form, Goal::SmallestGain).problem;
-            (problem, "smallest gain")
+            (problem, "smallest gain", Optimum::of(model))
         }
     };
-    let what = format!("{}, {} form, {goal}", model.file.name, form.name());
+    let (name, form, optimum) = (&model.file.name, form.name(), optimum.as_text());
+    let what = format!("{name}, {form} form, {goal}, {optimum}");
     Ok((problem.lower(), what))
 }
 

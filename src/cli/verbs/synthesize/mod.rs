@@ -12,12 +12,13 @@ use synth::synthesis::{self, solver_order, Form};
 use conclude::Conclusion;
 
 use crate::cli::answer::Answer;
+use crate::cli::contents::Contents;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_model, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::solver::{FormArg, SolverArg};
-use crate::cli::target::{Contents, Targets};
+use crate::cli::target::Targets;
 
 /// Arguments of `synthesize`.
 #[derive(clap::Args)]

@@ -15,7 +15,9 @@ use super::files::ReportError;
 use super::{hashes, optional};
 use crate::base::number::{percent, short};
 use crate::batch::campaign::record::{CampaignFile, Inputs, Results, State};
-use crate::report::html::{cell, division, judged, numbers, row, section, source, table, Page};
+use crate::report::html::{
+    cell, division, judged, numbers, row, section, source, table, Page, PageKind,
+};
 use crate::run::summary::RunVerdict;
 use crate::scenario::PlanFile;
 
@@ -45,6 +47,7 @@ pub fn page(folder: &Path, link: &str) -> Result<String, ReportError> {
     let (class, verdict) = verdict(results);
     let interval = &results.pass_rate_interval;
     let page = Page {
+        kind: PageKind::Campaign,
         title: format!("{}: campaign report", inputs.scenario),
         class,
         verdict,

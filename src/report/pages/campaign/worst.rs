@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::base::number::short_or_none;
+use crate::base::number::{short, short_or_none};
 use crate::batch::campaign::folder::{
     run_folder, run_folder_name, FAILED_FOLDER, RUNS_FILE, SCENARIO_FILE,
 };
@@ -13,6 +13,7 @@ use crate::report::html::{cell, division, escape, html_cell, judged, row, sectio
 use crate::run::files::{REPORT_FILE, SUMMARY_FILE, TRAJECTORY_FILE};
 use crate::run::summary::RunVerdict;
 use crate::scenario::PlanFile;
+use crate::sim::metrics::METRICS;
 
 /// Runs in the list.
 const LISTED: usize = 20;
@@ -36,6 +37,8 @@ struct ListedRun {
     requirement: String,
     /// That margin, relative to the limit; negative when it is missed.
     margin: Option<f64>,
+    /// Whether the limit is 0, so that nothing is relative to it.
+    absolute: bool,
     /// Values of the metrics shown.
     values: Vec<Option<f64>>,
 }
@@ -49,19 +52,27 @@ pub fn worst(
 ) -> Result<String, CampaignError> {
     let mut shown = SHOWN.to_vec();
     shown.retain(|name| results.metrics.contains_key(*name));
-    let worst = listed(folder, &shown)?;
+    let worst = listed(folder, results, &shown)?;
     let first = ["Run", "Verdict", "Closest requirement", "Margin"];
-    let names = first.into_iter().chain(shown).chain(["Files"]);
-    let rows = worst.iter().map(|run| line(run, folder, link));
+    let names = first
+        .into_iter()
+        .chain(shown.iter().copied())
+        .chain(["Files"]);
+    let rows = worst.iter().map(|run| line(run, &shown, folder, link));
     let rows = table("ranked", names, rows);
     let order =
-        "Sorted by verdict, then by the smallest margin relative to its limit (negative: missed).";
+        "Sorted by verdict, then by the smallest margin relative to its limit, or the margin itself where the \
+         limit is 0 (negative: missed).";
     let html = source(order) + &division("scroll", &rows) + &again(inputs, results);
     Ok(section(&format!("The {} worst runs", worst.len()), &html))
 }
 
 /// The worst runs of a folder first, with the values of these metrics.
-fn listed(folder: &Path, shown: &[&str]) -> Result<Vec<ListedRun>, CampaignError> {
+fn listed(
+    folder: &Path,
+    results: &Results,
+    shown: &[&str],
+) -> Result<Vec<ListedRun>, CampaignError> {
     let runs = folder.join(RUNS_FILE);
     let verdicts = column_text(&runs, "verdict")?;
     let requirements = column_text(&runs, "worst_requirement")?;
@@ -91,12 +102,17 @@ fn listed(folder: &Path, shown: &[&str]) -> Result<Vec<ListedRun>, CampaignError
         verdict: text(&verdicts, place),
         requirement: text(&requirements, place),
         margin: number(&margins, place),
+        absolute: {
+            let name = text(&requirements, place);
+            let mut own = results.requirements.iter();
+            own.any(|requirement| requirement.name == name && requirement.limit == 0.0)
+        },
         values: columns.iter().map(|column| number(column, place)).collect(),
     });
     Ok(worst.collect())
 }
 
-fn line(run: &ListedRun, folder: &Path, link: &str) -> String {
+fn line(run: &ListedRun, shown: &[&str], folder: &Path, link: &str) -> String {
     let verdict = RunVerdict::named(&run.verdict);
     let word = match verdict {
         Some(RunVerdict::RequirementsMet) => "met",
@@ -106,6 +122,7 @@ fn line(run: &ListedRun, folder: &Path, link: &str) -> String {
         None => run.verdict.as_str(),
     };
     let margin = match run.margin {
+        Some(margin) if margin.is_finite() && run.absolute => short(margin),
         Some(margin) if margin.is_finite() => format!("{:.1}&nbsp;%", 100.0 * margin),
         Some(_) => "has none".to_string(),
         None => String::new(),
@@ -116,7 +133,11 @@ fn line(run: &ListedRun, folder: &Path, link: &str) -> String {
         cell(&run.requirement),
         html_cell(&margin),
     ];
-    let values = run.values.iter().map(|&value| cell(short_or_none(value)));
+    let values = run.values.iter().zip(shown);
+    let values = values.map(|(&value, name)| {
+        let entry = METRICS.iter().find(|entry| entry.key == *name);
+        cell(entry.map_or_else(|| short_or_none(value), |entry| entry.text(value)))
+    });
     let files = html_cell(&files(run.run, folder, link));
     row(first.into_iter().chain(values).chain([files]))
 }

@@ -3,13 +3,13 @@
 mod figures;
 use synth::claim::Claim;
 
-use super::{hashes, metric_text, optional};
+use super::{hashes, optional};
 use crate::base::number::{short, short_or_none};
 use crate::base::table::Table;
 use crate::plants::SystemKind;
 use crate::report::chart::FigureError;
 use crate::report::html::{
-    cell, escape, judged, list, numbers, paragraph, row, section, source, table, Page,
+    cell, escape, judged, list, numbers, paragraph, row, section, source, table, Page, PageKind,
 };
 use crate::run::summary::{CertificateOutcome, InnerOutcome, RunVerdict, Summary};
 use crate::sim::link::LinkOutcome;
@@ -36,6 +36,7 @@ pub fn page(summary: &Summary, trajectory: &Table) -> Result<String, FigureError
     }
     let made = &summary.provenance;
     let page = Page {
+        kind: PageKind::Run,
         title: format!("{}: run report", summary.scenario),
         class: match summary.verdict {
             RunVerdict::RequirementsMet if is_doubtful(summary) => "caution",
@@ -108,7 +109,7 @@ const FIRST: [Metric; 5] = [
 fn metrics(summary: &Summary) -> Vec<(String, String)> {
     let line = |metric: Metric| {
         let entry = metric.entry();
-        (entry.title(), metric_text(entry, summary.metric(metric)))
+        (entry.title(), entry.text(summary.metric(metric)))
     };
     let mut rows = vec![
         line(Metric::Triggers),

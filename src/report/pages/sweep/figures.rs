@@ -1,5 +1,6 @@
 //! What a page shows of a sweep, and which curves show it.
 
+use synth::claim::Claim;
 use synth::model::Kind;
 
 use crate::base::number::label;
@@ -246,6 +247,15 @@ fn evenly(of: usize, count: usize) -> Vec<usize> {
         false => (0..count)
             .map(|index| index * (of - 1) / (count - 1))
             .collect(),
+    }
+}
+
+/// What a design claims is rounded to the safe side.
+pub fn claim_text(metric: &str, value: f64) -> String {
+    match metric {
+        "gamma" | "guaranteed_gain" => format!("{:.4}", Claim::AtMost(value)),
+        "certified_angle_deg" | "worst_margin" => format!("{:.4}", Claim::AtLeast(value)),
+        _ => label(value),
     }
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use plotters::style::RGBColor;
 
-use super::figures::View;
+use super::figures::{claim_text, View};
 use super::reasons::Reason;
 use crate::base::number::label;
 use crate::report::axis::{ends, PlotAxis, Spacing};
@@ -128,7 +128,7 @@ impl Slice<'_> {
             true => ", at equal ratios",
             false => "",
         };
-        let [low, high] = [range.0, range.1].map(label);
+        let [low, high] = [range.0, range.1].map(|value| claim_text(metric, value));
         let gradient = SHADES.map(hexadecimal).join(", ");
         let key = format!(
             "<p class=\"legend\">{low}<i class=\"shades\" style=\"background: linear-gradient(to right, \

@@ -4,10 +4,9 @@ mod figures;
 mod maps;
 mod reasons;
 
-use synth::claim::Claim;
 use synth::model::Kind;
 
-use figures::{front, trade_off, View};
+use figures::{claim_text, front, trade_off, View};
 use maps::{slices, verdict_colour};
 use reasons::{reasons, Reason};
 
@@ -18,7 +17,7 @@ use crate::batch::sweep::outcome::PointOutcome;
 use crate::report::chart::{hexadecimal, FigureError};
 use crate::report::html::{
     captioned, cell, division, escape, heading, judged, paragraph, row, row_of_class, section,
-    table, Page,
+    table, Page, PageKind,
 };
 use crate::run::summary::RunVerdict;
 
@@ -58,6 +57,7 @@ pub fn page(sweep: &Finished) -> Result<String, FigureError> {
     };
     let uncovered = sweep.covered().is_some_and(|covered| covered < total);
     let page = Page {
+        kind: PageKind::Sweep,
         title: format!("Sweep of {}", sweep.file),
         class: match (alarm, good == total) {
             (true, _) => "alarm",
@@ -160,13 +160,9 @@ fn pareto(view: &View, front: &[usize]) -> Result<String, FigureError> {
     Ok(division("plots", &(trade_off.captioned()? + &best)))
 }
 
-/// What a design claims is rounded to the safe side.
+/// A metric of a point.
 fn metric_cell(metric: &str, value: Option<f64>) -> String {
-    let claim = value.map(|value| match metric {
-        "gamma" | "guaranteed_gain" => format!("{:.4}", Claim::AtMost(value)),
-        "certified_angle_deg" | "worst_margin" => format!("{:.4}", Claim::AtLeast(value)),
-        _ => label(value),
-    });
+    let claim = value.map(|value| claim_text(metric, value));
     cell(claim.unwrap_or_default())
 }
 
