@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
+use synth::held_command::HeldCommandDesignFile;
 use synth::model::{kind_of, GainsFile, Kind, Model};
 use synth::problem::{Problem, ProblemDesignFile};
 
@@ -57,6 +58,8 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
         Kind::ProblemDesign => {
             ProblemDesignFile::from_json(&text).map(|(_, problem)| of_problem(&problem))
         }
+        Kind::HeldCommandDesign => HeldCommandDesignFile::from_json(&text)
+            .map(|(file, proof)| of_model(&file.name, &proof.model)),
         Kind::Gains => GainsFile::from_json(&text).map(|gains| of_gains(&gains)),
     };
     let summary = summary.map_err(|problem| CliError::file(&args.file, problem))?;

@@ -92,6 +92,7 @@ fn drawn(
         disturbance_bound_nm: 0.0,
         rate_rad_s: [1.0; 3],
         q0_min: 0.5,
+        gyroscopic_form_kg_m2: None,
     });
     let craft = craft.map_err(|error| {
         let from = "plant.exact.inertia_uncertainty";

@@ -5,6 +5,7 @@
 
 mod certificate;
 mod exactly;
+pub mod held_command;
 pub mod infeasible;
 pub mod plant;
 pub mod reach;

@@ -45,6 +45,21 @@ pub fn angle_of_vector_part_deg(norm: f64) -> f64 {
     angle_below(Interval::from(norm.max(0.0)).sqr().lo())
 }
 
+/// The angle of the rotations whose quaternions have a vector part up to this norm, rounded up (deg).
+pub fn angle_within_vector_part_deg(norm: f64) -> f64 {
+    let square = Interval::from(norm.max(0.0)).sqr().hi();
+    let estimate = (2.0 * norm.clamp(0.0, 1.0).asin()).to_degrees();
+    let steps = (estimate / ANGLE_UNIT_DEG).ceil();
+    for further in 0..4 {
+        let angle = (steps + f64::from(further)) * ANGLE_UNIT_DEG;
+        let radians = Interval::from(angle) * Interval::PI / Interval::from(180.0);
+        if angle < 180.0 && half_angle_sine_squared(radians).lo() >= square {
+            return angle;
+        }
+    }
+    180.0
+}
+
 /// The largest multiple of the unit whose half-angle sine, squared, is proved to be at most `square`.
 fn angle_below(square: f64) -> f64 {
     if square.is_nan() || square <= 0.0 {
@@ -70,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_angle_of_a_vector_part_is_never_above_the_true_one() {
+    fn the_angles_of_a_vector_part_lie_on_their_side_of_the_true_one() {
         for degrees in [1e-3, 1.0, 8.0, 60.0, 83.2, 117.0, 179.9] {
             let norm = (0.5 * f64::to_radians(degrees)).sin();
             let angle = angle_of_vector_part_deg(norm);
@@ -78,8 +93,15 @@ mod tests {
                 angle <= degrees + 1e-12 && angle > degrees - 3e-6,
                 "{angle} of {degrees}"
             );
+            let above = angle_within_vector_part_deg(norm);
+            assert!(
+                above >= degrees - 1e-12 && above < degrees + 3e-6,
+                "{above} of {degrees}"
+            );
         }
         assert_eq!(angle_of_vector_part_deg(0.0), 0.0);
+        assert_eq!(angle_within_vector_part_deg(0.0), 0.0);
+        assert_eq!(angle_within_vector_part_deg(1.0), 180.0);
     }
 
     #[test]

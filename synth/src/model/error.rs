@@ -17,6 +17,8 @@ pub enum Kind {
     Problem,
     /// The design file of a problem.
     ProblemDesign,
+    /// The design file of a law with a trigger on the command.
+    HeldCommandDesign,
     /// A gains file.
     Gains,
     /// A requirements file of the parameter search.
@@ -32,6 +34,7 @@ impl fmt::Display for Kind {
             Kind::Infeasibility => "infeasibility",
             Kind::Problem => "problem",
             Kind::ProblemDesign => "problem design",
+            Kind::HeldCommandDesign => "held-command design",
             Kind::Gains => "gains",
             Kind::Requirements => "requirements",
         })
@@ -266,8 +269,11 @@ pub fn kind_of(text: &str) -> Option<Kind> {
     if keys.contains_key("infeasibility") {
         Some(Kind::Infeasibility)
     } else if keys.contains_key("certificate") {
+        let held = |value: &serde_json::Value| value.get("trigger").is_some();
+        let held = keys.get("controller").is_some_and(held);
         match keys.get("model").is_some_and(asks) {
             true => Some(Kind::ProblemDesign),
+            false if held => Some(Kind::HeldCommandDesign),
             false => Some(Kind::Design),
         }
     } else if keys.contains_key("duration_s") {

@@ -1,9 +1,11 @@
 //! Model files: what an engineer writes.
 
 pub mod bounded;
+mod command_trigger;
 mod error;
 mod explain;
 mod file;
+mod final_set;
 mod gains;
 mod gyroscopic;
 mod imperfections;
@@ -15,6 +17,7 @@ mod rules;
 mod search;
 mod validate;
 
+pub use command_trigger::{CommandTrigger, CommandTriggerSpecs, FinalSetSpecs, GivenTrigger};
 pub use error::{kind_of, readable, FileError, Kind, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,
