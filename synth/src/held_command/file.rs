@@ -203,6 +203,7 @@ impl HeldCommandDesignFile {
     /// # Errors
     /// Shapes and ranges; a model that asks for a second certificate in a file that has none, or the reverse.
     pub fn proof(&self, model: &Model) -> Result<CommandProof, ModelError> {
+        check_covered(model).map_err(|error| error.within("model"))?;
         let sizes = model.plant.sizes();
         let (n, m) = (sizes.0, sizes.1);
         let gain = &self.controller.gain;
@@ -233,6 +234,19 @@ impl HeldCommandDesignFile {
             hand_over,
         })
     }
+}
+
+/// Refuses a model that the theorem does not cover.
+pub(super) fn check_covered(model: &Model) -> Result<(), ModelError> {
+    if model.file.imperfections != Default::default() {
+        let reason = "are not covered for gains with a trigger on the command";
+        return Err(ModelError::choice("imperfections", reason));
+    }
+    if model.file.specs.command_trigger.is_none() {
+        let reason = "is missing: gains with a trigger on the command need it";
+        return Err(ModelError::choice("specs.command_trigger", reason));
+    }
+    Ok(())
 }
 
 impl CommandCertificateFile {

@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::claims::claimed;
+use super::claims::{claimed, largest_hand_over};
 use super::file::{
-    CommandCertificateFile, CommandControllerFile, CommandProof, HandOverFile,
+    check_covered, CommandCertificateFile, CommandControllerFile, CommandProof, HandOverFile,
     HeldCommandDesignFile, HeldCommandProvenance,
 };
 use super::program::{Aim, Stated, Tie};
@@ -117,13 +117,9 @@ impl<'a> Search<'a> {
             let reason = "gains with a trigger on the command need an inertia that is known";
             return Err(refused("plant.exact.inertia_uncertainty", reason));
         }
-        if model.file.imperfections != Default::default() {
-            let reason = "are not covered for gains with a trigger on the command";
-            return Err(refused("imperfections", reason));
-        }
+        check_covered(model)?;
         let Some(specs) = &model.file.specs.command_trigger else {
-            let reason = "is missing: gains with a trigger on the command need it";
-            return Err(refused("specs.command_trigger", reason));
+            return Err(refused("specs.command_trigger", "is missing"));
         };
         Ok(Search {
             law: HeldCommandLaw {
@@ -245,10 +241,21 @@ impl<'a> Search<'a> {
         };
         let aim = (Aim::SmallestPointing, &tie);
         let found = self.certificate(session, (last, &scaled), aim, back_off)?;
-        Ok(found.map(|found| CommandProof {
-            hand_over: Some((level, last.clone(), found.certificate)),
-            ..proof
+        Ok(found.map(|found| {
+            let start = self.stage(model, &proof.certificate);
+            let end = self.stage(last, &found.certificate);
+            let largest = largest_hand_over(&start, &end).unwrap_or(level);
+            let hand_over = Some((level.max(largest), last.clone(), found.certificate));
+            CommandProof { hand_over, ..proof }
         }))
+    }
+
+    fn stage<'b>(&'b self, model: &'b Model, certificate: &'b HeldCommandCertificate) -> Stage<'b> {
+        Stage {
+            model,
+            law: &self.law,
+            certificate,
+        }
     }
 
     /// The best objective and the solver's point; `None` where it found none.
@@ -290,11 +297,7 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         let found = scaled.recover(&model.plant, &stated.own, &solution.values);
-        let stage = Stage {
-            model,
-            law: &self.law,
-            certificate: &found,
-        };
+        let stage = self.stage(model, &found);
         let reached = reached_from_rest(&stage);
         let claimed = claimed(&stage);
         Ok(claimed.map(|certificate| Candidate {

@@ -78,6 +78,10 @@ impl Watched<'_> {
     }
 
     fn usage(&self, time: f64, state: &Vector6<f64>) -> f64 {
+        // At its first instant a run is on its bound.
+        if time <= self.since {
+            return 0.0;
+        }
         let fallen = (-self.phi * (time - self.since)).exp();
         self.value(state) / (fallen * self.level + (1.0 - fallen) * self.reached)
     }
