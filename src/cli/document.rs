@@ -2,6 +2,7 @@
 
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
+use synth::held_command::HeldCommandDesignFile;
 use synth::model::{kind_of, FileError, GainsFile, Kind, Model, ModelError};
 use synth::problem::{Problem, ProblemDesignFile};
 
@@ -23,6 +24,8 @@ pub enum Document {
     Problem(Box<Problem>),
     /// The design of a problem, and the problem.
     ProblemDesign(Box<Problem>),
+    /// The design of a law with a trigger on the command, and its model.
+    HeldCommandDesign(Box<HeldCommandDesignFile>, Box<Model>),
     /// Gains.
     Gains(GainsFile),
     /// Requirements of the parameter search.
@@ -52,6 +55,10 @@ impl Document {
             Kind::ProblemDesign => {
                 let (_, problem) = ProblemDesignFile::from_json(text)?;
                 Document::ProblemDesign(Box::new(problem))
+            }
+            Kind::HeldCommandDesign => {
+                let (file, proof) = HeldCommandDesignFile::from_json(text)?;
+                Document::HeldCommandDesign(Box::new(file), Box::new(proof.model))
             }
             Kind::Gains => Document::Gains(GainsFile::from_json(text)?),
             Kind::Requirements => Document::Requirements(Box::new(Requirements::from_json(text)?)),

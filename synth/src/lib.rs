@@ -23,6 +23,7 @@
 //! | [`feasibility`] | decides, with a proof, whether there is any design |
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
 //! | [`problem`] | takes other design problems the same way |
+//! | [`held_command`] | proves given gains that send by a trigger on the command |
 //! | [`claim`] | writes what is claimed, rounded to the safe side |
 //! | [`riccati`] | Riccati and Lyapunov equations, for candidates and units |
 //!
@@ -72,6 +73,7 @@ pub mod conditions;
 pub mod design;
 pub mod feasibility;
 pub mod fuzzy;
+pub mod held_command;
 pub mod infeasibility;
 pub mod model;
 pub mod optimality;

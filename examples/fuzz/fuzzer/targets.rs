@@ -20,6 +20,7 @@ use steadfast::scenario::{design_check, Scenario};
 use synth::certify::{ExactReport, Verdict};
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
+use synth::held_command::HeldCommandDesignFile;
 use synth::lmi::{SdpaForm, Semidefinite};
 use synth::model::{kind_of, FileError, GainsFile, Kind, Model};
 use synth::problem::{Problem, ProblemDesignFile};
@@ -81,6 +82,7 @@ fn by_kind(text: &str, deep: bool) -> Effect {
         Kind::Scenario => scenario(text, deep),
         Kind::Design => design(text, deep),
         Kind::ProblemDesign => problem_design(text, deep),
+        Kind::HeldCommandDesign => held_command_design(text, deep),
         Kind::Infeasibility => infeasibility(text, deep),
         Kind::Summary => {
             Effect::accepted(Summary::from_json(text).is_ok_and(|own| shown(&own, deep)))
@@ -206,6 +208,20 @@ fn problem_design(text: &str, deep: bool) -> Effect {
                 (report.verdict, exact)
             }),
     )
+}
+
+/// As many conditions as these take seconds to decide exactly.
+fn held_command_design(text: &str, deep: bool) -> Effect {
+    let Ok((_, proof)) = HeldCommandDesignFile::from_json(text) else {
+        return Effect::accepted(false);
+    };
+    match deep {
+        false => Effect::accepted(true),
+        true => compared(Ok::<_, FileError>((
+            proof.verify().verdict,
+            Ok::<_, FileError>(None),
+        ))),
+    }
 }
 
 fn infeasibility(text: &str, deep: bool) -> Effect {

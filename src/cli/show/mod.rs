@@ -6,6 +6,7 @@ pub mod cross_check;
 pub mod design;
 pub mod facts;
 pub mod feasibility;
+pub mod held_command;
 pub mod infeasibility;
 pub mod no_design;
 pub mod problem;

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use synth::model::{GainsFile, Model};
+use synth::held_command::CommandRequest;
+use synth::model::{GainsFile, GivenTrigger, Kind, Model};
 use synth::synthesis::{self, solver_order};
 
+use super::held_command;
 use super::synthesize::conclude::Conclusion;
 use crate::cli::answer::Answer;
-use crate::cli::contents::DECISION;
+use crate::cli::contents::{Contents, DECISION};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{of_model, warn};
@@ -49,8 +51,23 @@ pub fn run(args: &AnalyseArgs) -> Result<Answer, CliError> {
         inputs: &[&args.model, &args.gains],
         force: args.force,
     };
-    targets.check_file(args.output.as_deref(), DECISION)?;
+    let kind = match gains.trigger {
+        Some(_) => Contents::Document(&[Kind::HeldCommandDesign]),
+        None => DECISION,
+    };
+    targets.check_file(args.output.as_deref(), kind)?;
     warn(&of_model(&model, &text));
+    if let Some(GivenTrigger::Command(trigger)) = gains.trigger {
+        let request = CommandRequest {
+            model: &model,
+            model_text: &text,
+            gain: &gains.gains[0],
+            trigger,
+            gains_text: &gains_text,
+        };
+        let how = (args.output.as_deref(), args.solver);
+        return held_command::analyse(&args.model, &request, how);
+    }
     let solvers = args.solver.solvers(solver_order(&model), None);
     let outcome = solve(&args.model, ASSEMBLING, |observer| {
         synthesis::analyse(&model, &text, &gains.gains, &gains_text, &solvers, observer)

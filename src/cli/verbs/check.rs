@@ -49,6 +49,7 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
             of_requirements(own)
         }
         Document::Problem(problem) | Document::ProblemDesign(problem) => of_problem(problem),
+        Document::HeldCommandDesign(file, model) => of_model(&file.name, model),
         Document::Gains(gains) => of_gains(gains),
         Document::Summary(summary) => {
             format!("{}, {}", summary.scenario, summary.verdict.sentence())

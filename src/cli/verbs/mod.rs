@@ -6,6 +6,7 @@ pub mod check;
 pub mod compare;
 pub mod export;
 pub mod feasibility;
+mod held_command;
 pub mod merge;
 pub mod report;
 pub mod schema;

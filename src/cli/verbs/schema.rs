@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use schemars::schema_for;
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
+use synth::held_command::HeldCommandDesignFile;
 use synth::model::{GainsFile, ModelFile};
 use synth::problem::{ProblemDesignFile, ProblemFile};
 
@@ -34,6 +35,8 @@ enum KindArg {
     Problem,
     /// What synthesize writes for a problem
     ProblemDesign,
+    /// What analyse writes for gains with a trigger on the command
+    HeldCommandDesign,
     /// What analyse judges
     Gains,
     /// What tune searches for
@@ -50,6 +53,7 @@ pub fn run(args: &SchemaArgs) -> Result<Answer, CliError> {
         KindArg::Infeasibility => schema_for!(InfeasibilityFile),
         KindArg::Problem => schema_for!(ProblemFile),
         KindArg::ProblemDesign => schema_for!(ProblemDesignFile),
+        KindArg::HeldCommandDesign => schema_for!(HeldCommandDesignFile),
         KindArg::Requirements => schema_for!(TuneFile),
     };
     // A schema is a JSON value already.

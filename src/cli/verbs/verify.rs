@@ -6,6 +6,7 @@ use serde::Serialize;
 use synth::certify::{ExactReport, Verdict};
 use synth::design::DesignFile;
 use synth::feasibility::InfeasibilityFile;
+use synth::held_command::HeldCommandDesignFile;
 use synth::model::{kind_of, Kind};
 use synth::problem::ProblemDesignFile;
 
@@ -13,6 +14,7 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::show::design::DesignReport;
+use crate::cli::show::held_command::HeldCommandReport;
 use crate::cli::show::infeasibility::{is_proved, RefutationReport};
 use crate::cli::show::problem::ProblemReport;
 
@@ -43,6 +45,7 @@ pub fn run(args: &VerifyArgs) -> Result<Answer, CliError> {
     match kind_of(&text) {
         Some(Kind::Infeasibility) => infeasibility(args, &text),
         Some(Kind::ProblemDesign) => problem(args, &text),
+        Some(Kind::HeldCommandDesign) => held_command(args, &text),
         _ => design(args, &text),
     }
 }
@@ -72,6 +75,20 @@ fn problem(args: &VerifyArgs, text: &str) -> Result<Answer, CliError> {
     let exact = exact.transpose().map_err(wrong)?;
     checked.verdict = agreed(checked.verdict, exact.as_ref());
     let report = ProblemReport::verified(&problem, &design, &checked);
+    let lines = [title(&design.name, path)].into_iter();
+    let lines = lines.chain(exact_lines(exact.as_ref()));
+    let lines: Vec<String> = lines.chain(report.lines()).collect();
+    let exit = Exit::from(checked.verdict);
+    Ok(answer(exit, report, exact.as_ref(), &lines))
+}
+
+fn held_command(args: &VerifyArgs, text: &str) -> Result<Answer, CliError> {
+    let path = &args.file;
+    let (design, proof) = files::parse(path, text, HeldCommandDesignFile::from_json)?;
+    let mut checked = proof.verify();
+    let exact = args.exact.then(|| proof.verify_exactly());
+    checked.verdict = agreed(checked.verdict, exact.as_ref());
+    let report = HeldCommandReport::verified(&proof, &checked);
     let lines = [title(&design.name, path)].into_iter();
     let lines = lines.chain(exact_lines(exact.as_ref()));
     let lines: Vec<String> = lines.chain(report.lines()).collect();

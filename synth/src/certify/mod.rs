@@ -6,6 +6,7 @@
 mod assumptions;
 mod certificate;
 mod exactly;
+pub mod held_command;
 pub mod infeasible;
 pub mod plant;
 pub mod reach;

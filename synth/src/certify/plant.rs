@@ -304,6 +304,21 @@ fn frozen_matrix<S: Scalar>(
     })
 }
 
+/// [omega^x, 0], which gives 0 when it is multiplied by x = [omega; q], at every vertex of a spacecraft's plant with one
+/// inertia, in the order of [`DescriptorPlant::vertices`].
+pub fn annihilators<S: Scalar>(craft: &ExactSpacecraft) -> Vec<Matrix<S>> {
+    let momenta = ExchangeLimits::<S>::of(craft).corners(craft);
+    let corners = craft.corners();
+    let frozen = pairs(&momenta, &corners).map(|(_, corner)| {
+        let spin = skew(&[0, 1, 2].map(|axis| S::from_f64(corner[axis])));
+        Matrix::from_fn(3, 6, |r, c| match c < 3 {
+            true => spin.at(r, c).clone(),
+            false => S::zero(),
+        })
+    });
+    frozen.collect()
+}
+
 fn spacecraft_region<S: Scalar>(craft: &ExactSpacecraft) -> Vec<RegionBound<S>> {
     let unit =
         |axis: usize| Matrix::from_fn(1, 6, |_, c| if c == axis { S::one() } else { S::zero() });

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_angle_of_a_vector_part_is_never_above_the_true_one() {
+    fn the_angles_of_a_vector_part_lie_on_their_side_of_the_true_one() {
         for degrees in [1e-3, 1.0, 8.0, 60.0, 83.2, 117.0, 179.9] {
             let norm = (0.5 * f64::to_radians(degrees)).sin();
             let angle = angle_of_vector_part_deg(norm);
@@ -95,8 +95,15 @@ mod tests {
                 angle <= degrees + 1e-12 && angle > degrees - 3e-6,
                 "{angle} of {degrees}"
             );
+            let above = angle_above_vector_part_deg(norm);
+            assert!(
+                above >= degrees - 1e-12 && above < degrees + 3e-6,
+                "{above} of {degrees}"
+            );
         }
         assert_eq!(angle_of_vector_part_deg(0.0), 0.0);
+        assert_eq!(angle_above_vector_part_deg(0.0), 0.0);
+        assert_eq!(angle_above_vector_part_deg(1.0), 180.0);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod bounded_real;
 pub mod h_infinity;
+pub mod held_command;
 mod imperfections;
 pub mod quadratic_stabilisation;
 pub mod saturated_region;

@@ -105,10 +105,7 @@ pub(super) fn write(certificate: &Certificate, file: &mut CertificateFile) {
     file.measurement = certificate.measurement.as_ref().map(MeasurementFile::of);
     file.first_torque = certificate.first_torque.as_ref().map(FirstTorqueFile::of);
     file.gain_error_weight = certificate.gain_error_weight.iter().copied().collect();
-    file.final_bounds = certificate.final_bounds.map(|bounds| FinalBoundsFile {
-        rate_rad_s: bounds.rate,
-        vector_part: bounds.vector_part,
-    });
+    file.final_bounds = certificate.final_bounds.map(FinalBoundsFile::from);
 }
 
 /// Reads them: each where the model's imperfections need it, and nowhere else.
@@ -137,8 +134,18 @@ pub(super) fn read(
     Ok(())
 }
 
+impl From<FinalBounds> for FinalBoundsFile {
+    fn from(bounds: FinalBounds) -> Self {
+        FinalBoundsFile {
+            rate_rad_s: bounds.rate,
+            vector_part: bounds.vector_part,
+        }
+    }
+}
+
 impl FinalBoundsFile {
-    fn read(&self, model: &Model) -> Result<FinalBounds, ModelError> {
+    /// The bounds, where the plant is one that has them.
+    pub(crate) fn read(&self, model: &Model) -> Result<FinalBounds, ModelError> {
         let Plant::Spacecraft(_) = model.plant else {
             let reason = "must be left out: the plant is not an exact spacecraft";
             return Err(ModelError::choice("certificate.final_bounds", reason));

@@ -7,6 +7,7 @@ use super::bounded::{
     AngleDeg, As, BelowOne, Finite, InsideUnit, Margin, NonNegative, Percent, Positive, Ratio,
     ShortestInterval, Unit, UpToOne,
 };
+use super::command_trigger::CommandTriggerSpecs;
 use super::imperfections::{Imperfections, TriggerFloor};
 
 /// The version this program reads and writes.
@@ -320,6 +321,9 @@ pub struct Specs {
     /// The larger set of a design with two certificates; only with an `exact` plant and a constant gain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outer: Option<OuterSpecs>,
+    /// The proof of given gains that come with a trigger on the command.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command_trigger: Option<CommandTriggerSpecs>,
     /// What a search may vary, and between which limits; with the objective gain and without it nothing is
     /// searched.
     #[serde(default, skip_serializing_if = "Option::is_none")]

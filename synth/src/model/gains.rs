@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bounded::{As, Rows};
+use super::command_trigger::GivenTrigger;
 use super::ranges::{check_count, check_line, check_shape, check_version};
 use super::{parse, FileError, Kind, ModelError};
 
@@ -15,7 +16,7 @@ pub const GAINS_SCHEMA_VERSION: u32 = 1;
 const MAX_GAINS: usize = 64;
 
 /// Given gains, to be analysed on a model. n states, m inputs. The trigger weight is not given: the
-/// analysis chooses the best one.
+/// analysis chooses the best one; or the gains come with a trigger of their own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GainsFile {
@@ -30,6 +31,10 @@ pub struct GainsFile {
     /// scheduled by its memberships; any other number is analysed for every mixture of them.
     #[serde(with = "As::<Vec<Rows>>")]
     pub gains: Vec<DMatrix<f64>>,
+    /// The trigger that the gains are used with; one on the state, which the analysis chooses, when left out. Only with
+    /// one gain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trigger: Option<GivenTrigger>,
 }
 
 impl GainsFile {
@@ -51,6 +56,10 @@ impl GainsFile {
         for (index, gain) in self.gains.iter().enumerate() {
             check_shape(&format!("gains[{index}]"), gain, expected)?;
             expected = (Some(first.nrows()), Some(first.ncols()));
+        }
+        if self.trigger.is_some() && self.gains.len() > 1 {
+            let found = format!("{} gains", self.gains.len());
+            return Err(ModelError::shape("gains", found, "1 gain with a trigger"));
         }
         Ok(())
     }

@@ -20,6 +20,8 @@ pub enum Kind {
     Problem,
     /// The design file of a problem.
     ProblemDesign,
+    /// The design file of a law with a trigger on the command.
+    HeldCommandDesign,
     /// A gains file.
     Gains,
     /// A requirements file of the parameter search.
@@ -48,6 +50,7 @@ impl fmt::Display for Kind {
             Kind::Infeasibility => "infeasibility",
             Kind::Problem => "problem",
             Kind::ProblemDesign => "problem design",
+            Kind::HeldCommandDesign => "held-command design",
             Kind::Gains => "gains",
             Kind::Requirements => "requirements",
             Kind::Summary => "summary",
@@ -66,7 +69,14 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         Some(Kind::Infeasibility)
     } else if has("certificate") {
         match keys.get("model") {
-            Some(Outline::Object { problem: true }) => Some(Kind::ProblemDesign),
+            Some(Outline::Object { problem: true, .. }) => Some(Kind::ProblemDesign),
+            _ if matches!(
+                keys.get("controller"),
+                Some(Outline::Object { trigger: true, .. })
+            ) =>
+            {
+                Some(Kind::HeldCommandDesign)
+            }
             _ => Some(Kind::Design),
         }
     } else if has("duration_s") {
@@ -86,9 +96,10 @@ pub fn kind_of(text: &str) -> Option<Kind> {
 
 /// What a file's kind depends on of a value; the rest is read over, and never held.
 enum Outline {
-    /// An object, with whether it has a `problem`.
+    /// An object, with whether it has a `problem` and a `trigger`.
     Object {
         problem: bool,
+        trigger: bool,
     },
     List,
     Other,
@@ -110,11 +121,12 @@ impl<'de> Visitor<'de> for OutlineVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Outline, A::Error> {
-        let mut problem = false;
+        let (mut problem, mut trigger) = (false, false);
         while let Some((key, _)) = map.next_entry::<String, IgnoredAny>()? {
             problem |= key == "problem";
+            trigger |= key == "trigger";
         }
-        Ok(Outline::Object { problem })
+        Ok(Outline::Object { problem, trigger })
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Outline, A::Error> {

@@ -1,9 +1,11 @@
 //! Model files: what an engineer writes.
 
 pub mod bounded;
+mod command_trigger;
 mod error;
 mod explain;
 mod file;
+mod final_set;
 mod gains;
 mod gyroscopic;
 mod imperfections;
@@ -17,6 +19,7 @@ mod search;
 mod validate;
 mod vanishing;
 
+pub use command_trigger::{CommandTrigger, CommandTriggerSpecs, FinalSetSpecs, GivenTrigger};
 pub use error::{readable, FileError, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,

@@ -7,6 +7,7 @@ use super::file::{
     ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
     VerticesPlant, MODEL_SCHEMA_VERSION,
 };
+use super::final_set::{self, check_command_trigger};
 use super::imperfections::{check_imperfections, loop_imperfections};
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
@@ -58,6 +59,7 @@ impl Model {
         check_weight_limit(&file.specs, &plant)?;
         check_imperfections(&file, &plant)?;
         check_large_set(&file)?;
+        check_command_trigger(&file)?;
         check_search(&file)?;
         Ok(Model { file, plant })
     }
@@ -116,6 +118,18 @@ impl Model {
             return Err(large_set::choice(reason));
         };
         Model::new(large_set::derived(&self.file, specs)?)
+    }
+
+    /// The model of the final set of `specs.command_trigger`; `None` where there is none.
+    ///
+    /// # Errors
+    /// A plant that is not `exact`.
+    pub fn final_set(&self) -> Result<Option<Model>, ModelError> {
+        let specs = self.file.specs.command_trigger.as_ref();
+        let Some(last) = specs.and_then(|specs| specs.last.as_ref()) else {
+            return Ok(None);
+        };
+        Model::new(final_set::derived(&self.file, last)?).map(Some)
     }
 }
 

@@ -31,6 +31,7 @@ mod conditions;
 mod corrections;
 mod feasibility_boundary;
 mod gains;
+mod held_command;
 mod inertia;
 mod infeasible;
 mod lapack_symbols;

@@ -305,7 +305,11 @@ impl Basis {
         let integral = (end != SamplingEnd::Start).then_some(Integral);
         let held = task.held_is_sample;
         let own = signals.iter().copied();
-        let own = own.filter(|signal| !(held && matches!(signal, Held | Error)));
+        let own = own.filter(|signal| match signal {
+            Held | Error => !held,
+            GainError => unknowns.gain_error.is_some(),
+            _ => true,
+        });
         let signals = own.chain(further);
         let signals: Vec<Signal> = signals.chain(integral).collect();
         let sizes = signals.iter().map(|signal| signal.size(task, unknowns));

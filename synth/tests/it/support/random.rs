@@ -115,6 +115,7 @@ pub fn model(stream: &mut Stream, sizes: Sizes, stable: bool) -> Model {
             must_contain: Vec::new(),
             outer: None,
             search: None,
+            command_trigger: None,
             margin: 1e-6,
         },
         gains: GainForm::Constant,
