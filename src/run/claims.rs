@@ -1,7 +1,7 @@
 //! What the certificates of a design claim of a run.
 
 use nalgebra::{SMatrix, SVector};
-use synth::certify::theorem1::Certificate;
+use synth::certify::theorem1::{certified_start, reached_from_rest, Certificate};
 use synth::model::{Model, Plant};
 
 use super::design::Design;
@@ -49,23 +49,20 @@ impl Design {
     }
 
     /// What is proved of sup|y| from rest. Where only the disturbance acts, |y|^2 <= g xi sup|tau|^2; with errors, a floor, a
-    /// moving reference or rounded torques, |y|^2 <= g r. Before the first of late messages nothing is claimed.
+    /// moving reference, rounded torques or late messages |y| <= G taubar, with taubar the bound on all that acts like a
+    /// disturbance.
     pub fn output_bound(&self) -> OutputBound {
         let (model, certificate) = (&self.model, &self.certificate);
         let imperfections = &model.file.imperfections;
+        let bound = model.plant.takagi_sugeno().disturbance_bound;
         let further = imperfections.measurement_error().is_some()
+            || imperfections.is_networked()
             || certificate.trigger_floor > 0.0
-            || model.plant.takagi_sugeno().disturbance_bound > torque_bound(model);
-        match (imperfections.is_networked(), further) {
-            (true, _) => OutputBound::None,
-            (false, false) => OutputBound::Gain,
-            (false, true) if !self.proved() => OutputBound::None,
-            (false, true) => {
-                let xi = certificate.disturbance_weight;
-                let supply =
-                    proved_levels(model, certificate).ultimate * model.file.specs.phi_per_s;
-                OutputBound::Peak(certificate.guaranteed_gain * (supply / xi).sqrt())
-            }
+            || bound > torque_bound(model);
+        match (further, self.proved()) {
+            (false, _) => OutputBound::Gain,
+            (true, false) => OutputBound::None,
+            (true, true) => OutputBound::Peak(certificate.guaranteed_gain * bound),
         }
     }
 
@@ -81,25 +78,6 @@ impl Design {
     }
 }
 
-/// The levels of x'Ux that a certificate proves.
-struct ProvedLevels {
-    /// r / phi.
-    ultimate: f64,
-    /// rho0.
-    start: f64,
-}
-
-/// With r = xi taubar^2 + eps_a: taubar is the bound on everything that acts like a disturbance.
-fn proved_levels(model: &Model, certificate: &Certificate) -> ProvedLevels {
-    let bound = model.plant.takagi_sugeno().disturbance_bound;
-    let floor = certificate.trigger_multiple * certificate.trigger_floor;
-    let supply = certificate.disturbance_weight * bound * bound + floor;
-    ProvedLevels {
-        ultimate: supply / model.file.specs.phi_per_s,
-        start: 1.0,
-    }
-}
-
 /// Bound on the norm of the disturbance alone, without what the reference and rounded torques add to it.
 fn torque_bound(model: &Model) -> f64 {
     match &model.plant {
@@ -111,7 +89,10 @@ fn torque_bound(model: &Model) -> f64 {
 /// A certificate's claims, padded to `N` states.
 fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N> {
     let plant = model.plant.takagi_sugeno();
-    let proved = proved_levels(model, certificate);
+    let (ultimate, start) = (
+        reached_from_rest(model, certificate),
+        certified_start(model, certificate),
+    );
     let mut bounds = Vec::new();
     let mut component_bounds = SVector::repeat(f64::INFINITY);
     let mut vector_part_bound = None;
@@ -130,8 +111,8 @@ fn claims<const N: usize>(model: &Model, certificate: &Certificate) -> Claims<N>
     Claims {
         lyapunov: embedding::matrix(&certificate.lyapunov),
         decay_rate: model.file.specs.phi_per_s,
-        ultimate_level: proved.ultimate,
-        start_level: proved.start,
+        ultimate_level: ultimate,
+        start_level: start,
         networked: model.file.imperfections.is_networked(),
         disturbance_bound: torque_bound(model),
         bounds,
