@@ -84,7 +84,10 @@ fn the_cross_check_and_the_export_say_what_their_optimum_bounds_in_units_where_g
     let factor: f64 = factor
         .and_then(|factor| factor.parse().ok())
         .expect("a factor");
-    assert!(head.contains("times the guaranteed gain"), "{head}");
+    assert!(
+        head.contains("times a bound of the guaranteed gain"),
+        "{head}"
+    );
     let solved = steadfast(["solve", word(&program), "--json"])
         .ends_with(0)
         .json();
