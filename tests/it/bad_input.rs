@@ -157,8 +157,8 @@ fn matrices_of_a_vertex_model_must_fit_each_other() {
         ("input_matrix", json!([[0], [1], [2]]), "2 x at least 1"),
         ("disturbance_matrix", json!([[1]]), "2 x at least 1"),
         ("output_matrix", json!([[1]]), "at least 1 x 2"),
-        ("input_limit", json!([]), "1 entries"),
-        ("input_limit", json!([1, 2]), "1 entries"),
+        ("input_limit", json!([]), "expected 1 entry"),
+        ("input_limit", json!([1, 2]), "expected 1 entry"),
         ("box", json!([{ "row": [1], "bound": 1 }]), "1 x 2"),
     ];
     for (key, value, expected) in cases {
@@ -179,27 +179,27 @@ fn sizes_beyond_any_use_are_refused() {
         (
             "/plant/vertices/state_matrices",
             many,
-            "4097 matrices; it must be 1 to 4096 matrices",
+            "4097 matrices, expected 1 to 4096 matrices",
         ),
         (
             "/plant/vertices/state_matrices",
             states,
-            "25 rows; it must be 1 to 24 states",
+            "25 rows, expected 1 to 24 states",
         ),
         (
             "/plant/vertices/input_matrix",
             inputs,
-            "25 columns; it must be at most 24",
+            "25 columns, expected at most 24",
         ),
         (
             "/plant/vertices/box",
             bounds,
-            "257 bounds; it must be at most 256",
+            "257 bounds, expected at most 256",
         ),
         (
             "/specs/must_contain",
             contained,
-            "257 states; it must be at most 256",
+            "257 states, expected at most 256",
         ),
     ];
     for (pointer, value, expected) in cases {
@@ -354,7 +354,7 @@ fn a_model_of_two_kinds_is_refused() {
     set(&mut model, "/plant/vertices", vertices);
     assert_says(
         &synthesize_refusal(model.to_string()),
-        &["field 'plant'", "a second name"],
+        &["field 'plant'", "found the names exact, vertices"],
     );
 }
 

@@ -437,7 +437,7 @@ fn wrong_input_is_refused_in_one_sentence() {
     );
     let good = shipped("wu2018-campaign.json");
     for (runs, more, part) in [
-        (0, &[][..], "--runs: 0"),
+        (0, &[][..], "from 1 to 10000000"),
         (10, &["--shard", "3/2"], "--shard: '3/2'"),
         (10, &["--shard", "0/2"], "--shard: '0/2'"),
         (10, &["--shard", "half"], "--shard: 'half'"),

@@ -24,7 +24,7 @@ pub struct SolverBound {
     status: String,
     /// The smallest gamma; null where the guaranteed gain was made small.
     gamma: Option<f64>,
-    /// The smallest guaranteed gain; null where gamma was made small.
+    /// The smallest bound of the guaranteed gain; null where gamma was made small.
     guaranteed_gain: Option<f64>,
     /// Wall time (s).
     seconds: f64,
@@ -56,7 +56,7 @@ impl CrossCheckReport {
         let found = self.found.iter().map(|found| {
             let bound = match (found.gamma, found.guaranteed_gain) {
                 (Some(gamma), _) => format!("smallest gamma {gamma:.9}"),
-                (None, Some(gain)) => format!("smallest guaranteed gain {gain:.9}"),
+                (None, Some(gain)) => format!("smallest bound of the guaranteed gain {gain:.9}"),
                 (None, None) => "no bound".to_string(),
             };
             format!(

@@ -40,7 +40,7 @@ impl Optimum {
         match self {
             Optimum::Gamma => "optimum gamma".to_string(),
             Optimum::GuaranteedGain { factor } => {
-                format!("optimum {factor} times the guaranteed gain")
+                format!("optimum {factor} times a bound of the guaranteed gain")
             }
         }
     }

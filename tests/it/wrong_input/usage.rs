@@ -200,7 +200,7 @@ pub const USAGE: [Case; 111] = [
     ("campaign scenario.json -o out", &["--runs"]),
     (
         "campaign scenario.json --runs 0 -o out",
-        &["--runs", "0 is not allowed", "from 1 to"],
+        &["--runs", "'0'", "from 1 to"],
     ),
     ("campaign scenario.json --runs -3 -o out", &["--runs", "-3"]),
     ("campaign scenario.json --runs 3", &["--output"]),

@@ -110,7 +110,7 @@ pub fn wrong_values() -> Vec<Wrong> {
             "scenario",
             "/system/rigid_body/initial_attitude",
             json!({ "quaternion_scalar_first": [1, 1, 0, 0] }),
-            "norm 1",
+            "must be 1 (within 0.01)",
         ),
         (
             "scenario",
@@ -122,7 +122,7 @@ pub fn wrong_values() -> Vec<Wrong> {
             "scenario",
             "/system/rigid_body/initial_attitude",
             json!({ "axis_angle": { "axis": [0, 0, 0], "angle_deg": 5 } }),
-            "length above 0",
+            "an axis needs a direction",
         ),
         (
             "scenario",
