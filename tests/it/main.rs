@@ -12,6 +12,7 @@ mod campaign;
 mod campaign_draws;
 mod check;
 mod claims;
+mod command_trigger;
 mod compare;
 mod conventions;
 mod coverage;

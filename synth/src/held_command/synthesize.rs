@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
 
 /// Values of theta on either side of one of [`SHARES`].
 fn neighbours(best: f64) -> Vec<f64> {
-    let factors = [0.85, 0.92, 1.08, 1.17];
+    let factors = [0.82, 0.88, 0.94, 1.08];
     let around = factors.map(|factor| best * factor).into_iter();
     around.filter(|share| *share <= 1.0).collect()
 }
