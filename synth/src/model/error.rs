@@ -270,6 +270,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
     let value: serde_json::Value = serde_json::from_str(text).ok()?;
     let keys = value.as_object()?;
     let asks = |value: &serde_json::Value| value.get("problem").is_some();
+    let is_empty = |value: &serde_json::Value| value.as_object().is_none_or(|own| own.is_empty());
     if ["scenario", "verdict", "scales"]
         .iter()
         .all(|key| keys.contains_key(*key))
@@ -285,7 +286,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         }
     } else if keys.contains_key("duration_s") {
         Some(Kind::Scenario)
-    } else if asks(&value) && !keys.contains_key("specs") {
+    } else if asks(&value) && !(keys.contains_key("specs") && is_empty(&value["problem"])) {
         Some(Kind::Problem)
     } else if keys.contains_key("manoeuvre") {
         Some(Kind::Requirements)
