@@ -108,6 +108,11 @@ impl Contents {
         }
     }
 
+    /// Whether there is a file of this kind that is not empty.
+    pub fn stands_in(self, path: &Path) -> bool {
+        path.metadata().is_ok_and(|about| about.len() > 0) && self.is_in(path)
+    }
+
     /// Whether a file is of this kind. One that cannot be read is of none; an empty one has nothing to lose.
     pub fn is_in(self, path: &Path) -> bool {
         let Ok(length) = path.metadata().map(|about| about.len()) else {

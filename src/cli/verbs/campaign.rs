@@ -132,7 +132,7 @@ const FILES: [(&str, Contents); 4] = [
 /// Tries the folder of a campaign. Where one has begun, its record says whose the files are.
 pub(crate) fn check_folder(folder: &Path, inputs: &[&Path], force: bool) -> Result<(), CliError> {
     let targets = Targets { inputs, force };
-    let begun = CAMPAIGN.is_in(&folder.join(CAMPAIGN_FILE));
+    let begun = CAMPAIGN.stands_in(&folder.join(CAMPAIGN_FILE));
     let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
     targets.check_folder(Some(folder), files)?;
     if !begun {

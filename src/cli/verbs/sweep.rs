@@ -85,7 +85,7 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         force: args.force,
     };
     // Where points of a sweep are kept, they say what the folder is.
-    let begun = Contents::Journal.is_in(&args.output.join(JOURNAL_FILE));
+    let begun = Contents::Journal.stands_in(&args.output.join(JOURNAL_FILE));
     let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
     targets.check_folder(Some(&args.output), files)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
