@@ -28,8 +28,8 @@ pub use ranges::{
     finite, Size, MAX_BOUNDS, MAX_COLUMNS,
 };
 pub use read::{
-    make_readable, new_in, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
-    MAX_FILE_BYTES,
+    is_temporary, make_readable, new_in, parse, read_bytes_up_to, read_text, read_text_up_to,
+    write_atomically, MAX_FILE_BYTES,
 };
 pub use validate::{
     check_bounds, check_state_matrices, spacecraft, vertex_system, Model, MAX_SCHEDULED_RULES,
