@@ -26,6 +26,8 @@ pub enum Contents {
     Trajectory,
     /// Comma-separated values whose header has these columns side by side, called so.
     Csv(&'static str, &'static [&'static str]),
+    /// The points of a sweep.
+    Journal,
     /// A Parquet table of this program.
     Parquet,
     /// A MAT-file of this program.
@@ -97,12 +99,18 @@ impl Contents {
             Contents::Page(kind) => format!("the {} of this program", kind.name()),
             Contents::Trajectory => "a trajectory (CSV)".to_string(),
             Contents::Csv(name, _) => format!("a {name} (CSV)"),
+            Contents::Journal => "the points of a sweep".to_string(),
             Contents::Parquet => "a Parquet table of this program".to_string(),
             Contents::Mat => "a MAT-file of this program".to_string(),
             Contents::Header => "a C header of this program".to_string(),
             Contents::Sdpa => "an SDPA file of this program".to_string(),
             Contents::Part(name) => format!("a {name}"),
         }
+    }
+
+    /// Whether there is a file of this kind that is not empty.
+    pub fn stands_in(self, path: &Path) -> bool {
+        path.metadata().is_ok_and(|about| about.len() > 0) && self.is_in(path)
     }
 
     /// Whether a file is of this kind. One that cannot be read is of none; an empty one has nothing to lose.
@@ -132,6 +140,9 @@ impl Contents {
                 let line = String::from_utf8_lossy(line);
                 let names: Vec<&str> = line.trim_end().split(',').collect();
                 names.windows(columns.len()).any(|names| names == columns)
+            }
+            Contents::Journal => {
+                line.starts_with(b"{\"sweep\":") && has(line, "\"generator\":\"steadfast ")
             }
             Contents::Parquet => head.starts_with(b"PAR1") && has(&tail, "steadfast"),
             Contents::Mat => head.starts_with(b"MATLAB 5.0") && has(line, "steadfast"),

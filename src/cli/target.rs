@@ -87,7 +87,7 @@ impl Targets<'_> {
     ) -> Result<(), CliError> {
         let there = folder.map(|folder| (folder, folder.join(name)));
         match there {
-            Some((folder, file)) if !self.force && file.exists() && contents.is_in(&file) => {
+            Some((folder, file)) if !self.force && contents.stands_in(&file) => {
                 let reason = format!(
                     "holds {what}; choose another folder, or give --force to write into it all the same"
                 );

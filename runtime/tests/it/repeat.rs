@@ -92,8 +92,8 @@ proptest! {
             let room = 1e-9;
             match receiver.value() {
                 Some(value) => {
-                    let taken = samples.iter().filter(|sample| sample.0 <= time);
-                    let last = taken.filter(|sample| sample.1 == *value).next_back();
+                    let mut taken = samples.iter().filter(|sample| sample.0 <= time);
+                    let last = taken.rfind(|sample| sample.1 == *value);
                     let age = time - last.map_or(f64::NEG_INFINITY, |sample| sample.0);
                     prop_assert!(age <= oldest + room, "{age} s after {time} s");
                 }

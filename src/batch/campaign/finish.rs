@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use arrow_array::{BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
-use synth::model::{make_readable, new_in};
+use synth::model::{is_temporary, make_readable, new_in};
 
 use super::folder::{
     is_kept_run, is_part, run_folder, run_folder_name, CampaignFolder, FAILED_FOLDER, PARTS_FOLDER,
@@ -256,7 +256,9 @@ pub(crate) fn remove_others(all: &Path, runs: &[u64]) -> Result<(), CampaignErro
     let names: Vec<String> = runs.iter().map(|&run| run_folder_name(run)).collect();
     for (name, path) in own_entries(all) {
         if is_kept_run(&name) && !names.contains(&name) {
-            remove_files(&path, |name| KEPT_FILES.contains(&name))?;
+            remove_files(&path, |name| {
+                is_temporary(name) || KEPT_FILES.contains(&name)
+            })?;
         }
     }
     // Only when nothing is left.

@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use synth::model::is_temporary;
+
 pub use super::record::CAMPAIGN_FILE;
 use super::record::{CampaignFile, Inputs, State};
 use super::table::CampaignColumns;
@@ -30,13 +32,13 @@ const RUN_NAME: &str = "run-";
 /// Digits of a number in a name, at least.
 const DIGITS: usize = 6;
 
-/// Whether a name in the folder of parts is that of a part.
+/// Whether a name in the folder of parts is that of a part, or of one that was begun when the process was killed.
 pub fn is_part(name: &str) -> bool {
     let (begin, end) = PART_NAME;
     let number = name
         .strip_prefix(begin)
         .and_then(|rest| rest.strip_suffix(end));
-    number.is_some_and(is_number)
+    is_temporary(name) || number.is_some_and(is_number)
 }
 
 /// Whether a name in the folder of kept runs is that of a run.

@@ -18,7 +18,7 @@ use crate::batch::engine::{Control, Interrupted};
 use crate::batch::store::chunks::Shard;
 use crate::cli::answer::{note, Answer};
 use crate::cli::arguments::{run_count, whole};
-use crate::cli::contents::{Contents, SUMMARY};
+use crate::cli::contents::{Contents, CAMPAIGN, SUMMARY};
 use crate::cli::design::{design_of, design_path};
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -118,14 +118,10 @@ fn make(
     finish(job, state, keep, &control.stop)
 }
 
-/// The tables of a campaign.
-const TABLES: [(&str, Contents); 2] = [
+/// The files of a campaign beside its record.
+const FILES: [(&str, Contents); 4] = [
     (RUNS_FILE, Contents::Parquet),
     (PROFILES_FILE, Contents::Parquet),
-];
-
-/// The copies in the folder of a campaign.
-const COPIES: [(&str, Contents); 2] = [
     (
         SCENARIO_FILE,
         Contents::Part("copy of the campaign's scenario"),
@@ -133,13 +129,13 @@ const COPIES: [(&str, Contents); 2] = [
     (DESIGN_FILE, Contents::Part("copy of the campaign's design")),
 ];
 
-/// Tries the folder of a campaign. Where one has begun, its record says whose the copies and the kept runs are.
+/// Tries the folder of a campaign. Where one has begun, its record says whose the files are.
 pub(crate) fn check_folder(folder: &Path, inputs: &[&Path], force: bool) -> Result<(), CliError> {
     let targets = Targets { inputs, force };
-    let begun = folder.join(CAMPAIGN_FILE).exists();
-    targets.check_folder(Some(folder), &TABLES)?;
+    let begun = CAMPAIGN.stands_in(&folder.join(CAMPAIGN_FILE));
+    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
+    targets.check_folder(Some(folder), files)?;
     if !begun {
-        targets.check_folder(Some(folder), &COPIES)?;
         targets.check_no_other(Some(folder), (SUMMARY_FILE, SUMMARY), "a run")?;
     }
     targets.check_parts(&folder.join(PARTS_FOLDER), |name| begun && is_part(name))?;

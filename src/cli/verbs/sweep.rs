@@ -10,7 +10,7 @@ use crate::batch::engine::Interrupted;
 use crate::batch::sweep;
 use crate::batch::sweep::finished::{Finished, CSV_FILE, PAGE_FILE, PARQUET_FILE, PROVENANCE_FILE};
 use crate::batch::sweep::outcome::PointOutcome;
-use crate::batch::sweep::points::{PointStore, SweepIdentity};
+use crate::batch::sweep::points::{PointStore, SweepIdentity, JOURNAL_FILE};
 use crate::batch::sweep::subject::Subject;
 use crate::batch::sweep::SweepError;
 use crate::batch::variation::axis::Axis;
@@ -84,7 +84,10 @@ pub fn run(args: &SweepArgs) -> Result<Answer, CliError> {
         inputs: &inputs,
         force: args.force,
     };
-    targets.check_folder(Some(&args.output), &FILES)?;
+    // Where points of a sweep are kept, they say what the folder is.
+    let begun = Contents::Journal.stands_in(&args.output.join(JOURNAL_FILE));
+    let files: &[(&str, Contents)] = if begun { &[] } else { &FILES };
+    targets.check_folder(Some(&args.output), files)?;
     let axes = args.vary.iter().map(|text| Axis::parse(text));
     let axes = axes.collect::<Result<Vec<_>, _>>();
     let axes = axes.map_err(|error| CliError::Argument {

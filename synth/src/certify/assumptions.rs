@@ -35,7 +35,9 @@ pub(super) fn not_covered(model: &Model, certificate: &Certificate) -> Vec<Strin
         Plant::Spacecraft(craft) => {
             out.push(inertia_assumed(model, craft));
             out.push("a scalar part q0 that starts positive".to_string());
-            actuators_assumed(imperfections, &mut out);
+            if *imperfections != Imperfections::default() {
+                actuators_assumed(imperfections, &mut out);
+            }
             out.push(format!(
                 "a disturbance torque whose norm stays within {} N m",
                 craft.disturbance_bound

@@ -4,12 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::imperfections::{self, FinalBoundsFile, FirstTorqueFile, MeasurementFile};
+use super::imperfections::{numbers, present, FinalBoundsFile, FirstTorqueFile, MeasurementFile};
+use super::matrices::{rows, symmetric};
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::model::bounded::{As, NonNegative};
-use crate::model::{
-    check_matrix, check_positive, check_symmetric, Mismatch, Model, ModelError, Plant,
-};
+use crate::model::{check_matrix, check_positive, Mismatch, Model, ModelError, Plant};
 
 /// u = sat(F w), w the state sent last, sent anew when e' W e >= nu w' W w + eps_a. n states, m inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -92,7 +91,7 @@ impl CertificateFile {
             trigger_weight: rows(&certificate.trigger_weight),
             trigger_floor: certificate.trigger_floor,
         };
-        let mut proof = CertificateFile {
+        let proof = CertificateFile {
             lyapunov: rows(&certificate.lyapunov),
             integral_weight: rows(&certificate.integral_weight),
             multiplier: rows(&certificate.multiplier),
@@ -112,12 +111,11 @@ impl CertificateFile {
             gamma: certificate.gain_bound,
             guaranteed_gain: certificate.guaranteed_gain,
             certified_vector_part: certificate.certified_vector_part,
-            final_bounds: None,
-            measurement: None,
-            gain_error_weight: Vec::new(),
-            first_torque: None,
+            final_bounds: certificate.final_bounds.as_ref().map(FinalBoundsFile::of),
+            measurement: certificate.measurement.as_ref().map(MeasurementFile::of),
+            gain_error_weight: certificate.gain_error_weight.iter().copied().collect(),
+            first_torque: certificate.first_torque.as_ref().map(FirstTorqueFile::of),
         };
-        imperfections::write(certificate, &mut proof);
         (controller, proof)
     }
 
@@ -169,35 +167,36 @@ impl CertificateFile {
             gain_error_weight: DVector::zeros(0),
             first_torque: None,
         };
-        imperfections::read(self, model, &mut certificate)?;
+        self.read_imperfections(model, &mut certificate)?;
         certificate.mismatch = mismatch_slack(model, &certificate, &self.mismatch)?;
         Ok(certificate)
     }
 }
 
-/// A matrix as a file holds it: a list of rows.
-pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |r: usize| matrix.row(r).iter().copied().collect();
-    (0..matrix.nrows()).map(row).collect()
-}
-
-/// The matrix that rows of equal length hold.
-pub(crate) fn matrix(rows: &[Vec<f64>]) -> DMatrix<f64> {
-    let columns = rows.first().map_or(0, Vec::len);
-    DMatrix::from_fn(rows.len(), columns, |r, c| {
-        rows[r].get(c).copied().unwrap_or(f64::NAN)
-    })
-}
-
-/// A symmetric matrix with this side.
-pub(crate) fn symmetric(
-    field: &str,
-    rows: &[Vec<f64>],
-    side: usize,
-) -> Result<DMatrix<f64>, ModelError> {
-    let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
-    check_symmetric(field, &matrix)?;
-    Ok(matrix)
+impl CertificateFile {
+    /// Reads what imperfections need: each number where the model's need it, and nowhere else.
+    fn read_imperfections(
+        &self,
+        model: &Model,
+        certificate: &mut Certificate,
+    ) -> Result<(), ModelError> {
+        let imperfections = &model.file.imperfections;
+        let (n, m, d, _) = model.plant.sizes();
+        let needed = imperfections.measurement_error().is_some();
+        present("measurement", self.measurement.is_some(), needed)?;
+        let needed = imperfections.is_networked();
+        present("first_torque", self.first_torque.is_some(), needed)?;
+        let measurement = self.measurement.as_ref();
+        certificate.measurement = measurement.map(|file| file.read(n)).transpose()?;
+        let first = self.first_torque.as_ref();
+        certificate.first_torque = first.map(|file| file.read((n, d))).transpose()?;
+        let count = imperfections.uncertain_gains(m).len();
+        let field = "certificate.gain_error_weight";
+        certificate.gain_error_weight = numbers(field, &self.gain_error_weight, count)?;
+        let bounds = self.final_bounds.as_ref();
+        certificate.final_bounds = bounds.map(|bounds| bounds.read(model)).transpose()?;
+        Ok(())
+    }
 }
 
 /// A list of matrices of one size.

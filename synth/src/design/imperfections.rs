@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{rows, symmetric, CertificateFile};
-use crate::certify::theorem1::{Certificate, FinalBounds, FirstTorque, MeasurementWeights};
+use super::matrices::{rows, symmetric};
+use crate::certify::theorem1::{FinalBounds, FirstTorque, MeasurementWeights};
 use crate::model::{check_matrix, check_positive, Model, ModelError, Plant};
 
 /// What a measurement error d with d'Lam d <= s needs beside the trigger weight. n states.
@@ -43,14 +43,14 @@ pub struct FinalBoundsFile {
 }
 
 impl MeasurementFile {
-    fn of(weights: &MeasurementWeights) -> Self {
+    pub(super) fn of(weights: &MeasurementWeights) -> Self {
         MeasurementFile {
             error_weight: rows(&weights.error_weight),
             sample_weight: weights.sample_weight.iter().copied().collect(),
         }
     }
 
-    fn read(&self, states: usize) -> Result<MeasurementWeights, ModelError> {
+    pub(super) fn read(&self, states: usize) -> Result<MeasurementWeights, ModelError> {
         let field = "certificate.measurement.error_weight";
         Ok(MeasurementWeights {
             error_weight: symmetric(field, &self.error_weight, states)?,
@@ -64,7 +64,7 @@ impl MeasurementFile {
 }
 
 impl FirstTorqueFile {
-    fn of(numbers: &FirstTorque) -> Self {
+    pub(super) fn of(numbers: &FirstTorque) -> Self {
         FirstTorqueFile {
             growth_per_s: numbers.growth,
             state: rows(&numbers.state),
@@ -73,7 +73,10 @@ impl FirstTorqueFile {
         }
     }
 
-    fn read(&self, (states, disturbances): (usize, usize)) -> Result<FirstTorque, ModelError> {
+    pub(super) fn read(
+        &self,
+        (states, disturbances): (usize, usize),
+    ) -> Result<FirstTorque, ModelError> {
         check_positive("certificate.first_torque.growth_per_s", self.growth_per_s)?;
         let matrix = |key: &str, rows: &[Vec<f64>], height: usize| -> Result<DMatrix<f64>, _> {
             let field = format!("certificate.first_torque.{key}");
@@ -89,7 +92,11 @@ impl FirstTorqueFile {
 }
 
 /// A list of numbers above 0, of the given length.
-fn numbers(field: &str, list: &[f64], length: usize) -> Result<DVector<f64>, ModelError> {
+pub(super) fn numbers(
+    field: &str,
+    list: &[f64],
+    length: usize,
+) -> Result<DVector<f64>, ModelError> {
     if list.len() != length {
         let [found, expected] = [list.len(), length].map(|count| format!("{count} entries"));
         return Err(ModelError::shape(field, found, expected));
@@ -100,50 +107,15 @@ fn numbers(field: &str, list: &[f64], length: usize) -> Result<DVector<f64>, Mod
     Ok(DVector::from_column_slice(list))
 }
 
-/// Writes a certificate's numbers of this kind.
-pub(super) fn write(certificate: &Certificate, file: &mut CertificateFile) {
-    file.measurement = certificate.measurement.as_ref().map(MeasurementFile::of);
-    file.first_torque = certificate.first_torque.as_ref().map(FirstTorqueFile::of);
-    file.gain_error_weight = certificate.gain_error_weight.iter().copied().collect();
-    file.final_bounds = certificate.final_bounds.map(FinalBoundsFile::from);
-}
-
-/// Reads them: each where the model's imperfections need it, and nowhere else.
-pub(super) fn read(
-    file: &CertificateFile,
-    model: &Model,
-    certificate: &mut Certificate,
-) -> Result<(), ModelError> {
-    let imperfections = &model.file.imperfections;
-    let (n, m, d, _) = model.plant.sizes();
-    let needed = imperfections.measurement_error().is_some();
-    present("measurement", file.measurement.is_some(), needed)?;
-    let needed = imperfections.is_networked();
-    present("first_torque", file.first_torque.is_some(), needed)?;
-    let measurement = file.measurement.as_ref();
-    certificate.measurement = measurement.map(|file| file.read(n)).transpose()?;
-    let first = file.first_torque.as_ref();
-    certificate.first_torque = first.map(|file| file.read((n, d))).transpose()?;
-    let count = imperfections.uncertain_gains(m).len();
-    let field = "certificate.gain_error_weight";
-    certificate.gain_error_weight = numbers(field, &file.gain_error_weight, count)?;
-    certificate.final_bounds = match &file.final_bounds {
-        Some(bounds) => Some(bounds.read(model)?),
-        None => None,
-    };
-    Ok(())
-}
-
-impl From<FinalBounds> for FinalBoundsFile {
-    fn from(bounds: FinalBounds) -> Self {
+impl FinalBoundsFile {
+    /// The bounds of a certificate.
+    pub(crate) fn of(bounds: &FinalBounds) -> Self {
         FinalBoundsFile {
             rate_rad_s: bounds.rate,
             vector_part: bounds.vector_part,
         }
     }
-}
 
-impl FinalBoundsFile {
     /// The bounds, where the plant is one that has them.
     pub(crate) fn read(&self, model: &Model) -> Result<FinalBounds, ModelError> {
         let Plant::Spacecraft(_) = model.plant else {
@@ -160,7 +132,7 @@ impl FinalBoundsFile {
 }
 
 /// Numbers stand in a certificate exactly where the model needs them.
-fn present(key: &str, found: bool, needed: bool) -> Result<(), ModelError> {
+pub(super) fn present(key: &str, found: bool, needed: bool) -> Result<(), ModelError> {
     let field = format!("certificate.{key}");
     match (found, needed) {
         (false, true) => Err(ModelError::choice(

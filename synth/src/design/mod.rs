@@ -3,14 +3,15 @@
 mod certificate;
 mod file;
 mod imperfections;
+mod matrices;
 mod recover;
 
-pub(crate) use certificate::{matrix, rows, symmetric};
 pub use certificate::{CertificateFile, ControllerFile, MismatchFile};
 pub use file::{
     prove, Coupling, DesignFile, LargeSetCertificate, OuterFile, ProblemUnits, Provenance,
     SearchRecord, SolverRun, VariedFile, DESIGN_SCHEMA_VERSION,
 };
 pub use imperfections::{FinalBoundsFile, FirstTorqueFile, MeasurementFile};
+pub(crate) use matrices::{matrix, rows, symmetric};
 pub use recover::recover;
 pub(crate) use recover::{add_claims, descriptor_multiplier, measurement_weights};

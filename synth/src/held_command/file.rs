@@ -267,7 +267,7 @@ impl CommandCertificateFile {
             command_split: own.command_split,
             xi: own.disturbance_weight,
             certified_vector_part: own.certified_vector_part,
-            final_bounds: FinalBoundsFile::from(own.final_bounds),
+            final_bounds: FinalBoundsFile::of(&own.final_bounds),
         }
     }
 

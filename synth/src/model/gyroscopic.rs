@@ -70,11 +70,13 @@ fn parts(exact: &ExactPlant) -> (f64, Matrix3<f64>) {
 }
 
 impl Model {
-    /// Whether the form of the gyroscopic torque is free: scheduled gains have the paper's.
+    /// Whether the form of the gyroscopic torque is free: it is to be searched. Scheduled gains have the paper's.
     pub fn has_free_form(&self) -> bool {
         match &self.file.plant {
             PlantFile::Exact(exact) => {
-                exact.gyroscopic_form_kg_m2.is_none() && self.file.gains == GainForm::Constant
+                exact.search_gyroscopic_form
+                    && exact.gyroscopic_form_kg_m2.is_none()
+                    && self.file.gains == GainForm::Constant
             }
             _ => false,
         }

@@ -12,6 +12,7 @@ mod imperfections;
 mod inertia;
 mod kind;
 mod large_set;
+mod loop_bounds;
 mod ranges;
 mod read;
 mod rules;
@@ -31,17 +32,18 @@ pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
 pub use gyroscopic::GyroscopicForm;
 pub use imperfections::{
     Auto, Effectiveness, ErrorBall, ErrorUnit, Imperfections, MeasurementBounds, MomentumBound,
-    ReferenceMotion, TriggerFloor, FLOOR_SHARE,
+    ReferenceMotion, TriggerFloor,
 };
 pub use kind::{kind_of, Kind};
+pub use loop_bounds::FLOOR_SHARE;
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     check_positive_definite, check_seen, check_shape, check_symmetric, check_version, entries,
     finite, Size, MAX_BOUNDS, MAX_COLUMNS,
 };
 pub use read::{
-    make_readable, new_in, parse, read_bytes_up_to, read_text, read_text_up_to, write_atomically,
-    MAX_FILE_BYTES,
+    is_temporary, make_readable, new_in, parse, read_bytes_up_to, read_text, read_text_up_to,
+    write_atomically, MAX_FILE_BYTES,
 };
 pub use validate::{
     check_bounds, check_state_matrices, spacecraft, vertex_system, Model, MAX_SCHEDULED_RULES,

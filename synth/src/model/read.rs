@@ -82,6 +82,12 @@ pub fn new_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     tempfile::NamedTempFile::new_in(folder).map_err(without_path)
 }
 
+/// Whether a name is a temporary one, which a process that was killed leaves behind.
+pub fn is_temporary(name: &str) -> bool {
+    let rest = name.strip_prefix(".tmp").unwrap_or("");
+    rest.len() == 6 && rest.bytes().all(|byte| byte.is_ascii_alphanumeric())
+}
+
 /// The system's reason without the temporary name.
 fn without_path(error: std::io::Error) -> std::io::Error {
     match error.to_string().split_once(" at path ") {

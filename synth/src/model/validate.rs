@@ -8,9 +8,9 @@ use super::file::{
     VerticesPlant, MODEL_SCHEMA_VERSION,
 };
 use super::final_set::{self, check_command_trigger};
-use super::imperfections::{check_imperfections, loop_imperfections};
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
+use super::loop_bounds::{check_imperfections, loop_imperfections};
 use super::ranges::{
     check_count, check_inertia, check_line, check_matrix, check_positive, check_version, require,
     SharedMatrices, MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
@@ -49,8 +49,10 @@ impl Model {
         let mut plant = Plant::of_ranges(&file.plant)?;
         if let Plant::Spacecraft(craft) = &mut plant {
             craft.exchange = file.imperfections.momentum_exchange();
-            if file.gains == GainForm::Scheduled {
-                // Its memberships are those of the sixteen vertices of one form.
+            let searched =
+                matches!(&file.plant, PlantFile::Exact(exact) if exact.search_gyroscopic_form);
+            if file.gains == GainForm::Scheduled || !searched {
+                // Memberships are those of the sixteen vertices of one form.
                 craft.gyroscopic_form.get_or_insert_with(Matrix3::zeros);
             }
         }
@@ -130,6 +132,18 @@ impl Model {
             return Ok(None);
         };
         Model::new(final_set::derived(&self.file, last)?).map(Some)
+    }
+}
+
+impl Model {
+    /// Whether no design exists for this model when none exists for an ideal loop: every imperfection may also be absent.
+    /// Actuators whose effectiveness is never 1 are none that could be ideal.
+    pub fn is_refuted_by_ideal_loop(&self) -> bool {
+        let imperfections = &self.file.imperfections;
+        (0..self.plant.sizes().1).all(|input| {
+            let [lowest, highest] = imperfections.effectiveness_of(input);
+            lowest <= 1.0 && 1.0 <= highest
+        })
     }
 }
 

@@ -51,7 +51,7 @@ pub(super) fn linearised(
     };
     let mut best: Option<(f64, Task)> = None;
     for share in FIRST_SHARES {
-        let from = search.from_ideal(&start, share);
+        let from = search.about_ideal(&start, share);
         let (value, found) = search.improved(from, sessions)?;
         if let Some(found) = found {
             let better = best.as_ref().is_none_or(|(least, _)| value < *least);
@@ -126,7 +126,7 @@ impl PointSearch<'_> {
     }
 
     /// The task about an ideal solution, with the error's part of the supply relative to that of the disturbance.
-    fn from_ideal(&self, solved: &Solved, share: f64) -> Task {
+    fn about_ideal(&self, solved: &Solved, share: f64) -> Task {
         let values = &solved.solution.values;
         let c = solved.scaling.disturbance;
         let xi = solved.assembled.design.disturbance_weight.value(values)[(0, 0)] / (c * c);
@@ -143,7 +143,7 @@ impl PointSearch<'_> {
         sessions: &mut [Session],
     ) -> Result<Option<(f64, Task)>, SynthesisError> {
         let mut part = FIRST_PART;
-        let first = self.at_part(self.from_ideal(start, FIRST_SHARES[0]), part);
+        let first = self.at_part(self.about_ideal(start, FIRST_SHARES[0]), part);
         let (_, Some(mut at)) = self.settled(first, sessions)? else {
             return Ok(None);
         };

@@ -32,6 +32,7 @@ mod corrections;
 mod feasibility_boundary;
 mod gains;
 mod held_command;
+mod imperfections;
 mod inertia;
 mod infeasible;
 mod lapack_symbols;

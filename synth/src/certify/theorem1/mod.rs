@@ -4,6 +4,7 @@
 //! over a [`Scalar`], so the check (intervals) and the tests' oracle (exact rationals) read the same
 //! statement.
 
+mod actuators;
 mod decrease;
 mod first_torque;
 mod gain_error;

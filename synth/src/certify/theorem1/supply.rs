@@ -6,6 +6,9 @@ use crate::model::{ErrorBall, ErrorUnit, Model};
 use verified::interval::Interval;
 use verified::scalar::Scalar;
 
+/// The double after that nearest to pi, which is below it: above pi.
+const ABOVE_PI: f64 = 3.141_592_653_589_793_6;
+
 /// The supply r and the levels of the functional.
 pub(super) struct Supply<S> {
     /// r: with s, the most that a measurement error adds, and the trigger's floor.
@@ -37,8 +40,7 @@ pub(super) fn radius<S: Scalar>(ball: &ErrorBall) -> S {
     match ball.factor {
         ErrorUnit::State => bound,
         ErrorUnit::RotationDeg => {
-            let above_pi = S::from_f64(std::f64::consts::PI.next_up());
-            bound * above_pi / S::from_f64(360.0)
+            bound * S::from_f64(ABOVE_PI) / S::from_f64(360.0)
         }
     }
 }

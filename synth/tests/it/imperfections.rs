@@ -1,0 +1,133 @@
+//! Designs for loops with imperfections: proved, confirmed in exact arithmetic, and refused where a number is changed.
+
+use synth::certify::theorem1::Certificate;
+use synth::certify::{check, check_exactly, Verdict};
+use synth::model::Model;
+use synth::synthesis::{synthesize, Outcome, Solvers};
+
+const CART: &str = r#"{
+    "schema_version": 1, "name": "cart",
+    "plant": { "vertices": {
+        "state_matrices": [[[0, 1], [0, 0]], [[0, 1], [0, -0.1]]],
+        "input_matrix": [[0], [1]], "input_limit": [1], "disturbance_bound": 0.02,
+        "box": [{ "row": [1, 0], "bound": 1 }, { "row": [0, 1], "bound": 1 }]
+    } },
+    "specs": { "phi_per_s": 0.1, "hbar_s": 0.05, "nu": 0.05, "xi_max": 100, "objective": "gamma",
+               "trigger_floor": "auto" },
+    "imperfections": { "measurement": { "state": [1e-4, 1e-4] }, "delay_s": 0.02, "lost_in_a_row": 1,
+                       "effectiveness": [0.9, 1.1] }
+}"#;
+
+/// The model of the cart and the certificate of its design, as a reader of its file gets them.
+fn designed() -> (Model, Certificate) {
+    let model = Model::from_json(CART).expect("a valid model");
+    let solvers = Solvers::suited_to(&model);
+    let Ok(Outcome::Solved(design)) = synthesize(&model, CART, &solvers, None) else {
+        panic!("no design");
+    };
+    assert_eq!(design.report.verdict, Verdict::Proved);
+    let own = Model::new(design.file.model.clone()).expect("a valid model");
+    let certificate = design.file.certificate(&own).expect("a certificate");
+    (own, certificate)
+}
+
+#[test]
+fn a_design_with_every_imperfection_is_proved_and_exact_arithmetic_confirms_it() {
+    let (model, certificate) = designed();
+    assert!(certificate.measurement.is_some() && certificate.first_torque.is_some());
+    assert_eq!(certificate.gain_error_weight.len(), 1);
+    assert!(certificate.trigger_floor > 0.0);
+    let exact = check_exactly(&model, &certificate);
+    assert_eq!(exact.verdict, Verdict::Proved, "{:?}", exact.failed);
+}
+
+/// Changes of one number, each with whether the design may stay proved.
+fn changes() -> Vec<(&'static str, fn(&mut Certificate, f64))> {
+    vec![
+        ("error weight", |one, by| {
+            one.measurement.as_mut().expect("weights").error_weight *= by;
+        }),
+        ("sample weight", |one, by| {
+            one.measurement.as_mut().expect("weights").sample_weight *= by;
+        }),
+        ("gain error weight", |one, by| one.gain_error_weight *= by),
+        ("growth", |one, by| {
+            one.first_torque.as_mut().expect("numbers").growth *= by;
+        }),
+        ("multiplier before the first torque", |one, by| {
+            one.first_torque.as_mut().expect("numbers").rate *= by;
+        }),
+        ("floor", |one, by| one.trigger_floor *= by),
+        ("trigger weight", |one, by| one.trigger_weight *= by),
+        ("guaranteed gain", |one, by| one.guaranteed_gain *= by),
+        ("integral weight", |one, by| one.integral_weight *= by),
+    ]
+}
+
+#[test]
+fn a_changed_number_is_proved_only_where_exact_arithmetic_agrees() {
+    let (model, certificate) = designed();
+    let mut proved = 0;
+    for (name, change) in changes() {
+        for by in [-1.0, 0.0, 0.5, 0.99, 1.0 - 1e-7, 1.0 + 1e-7, 1.01, 2.0, 1e3] {
+            let mut changed = certificate.clone();
+            change(&mut changed, by);
+            let report = check(&model, &changed);
+            let exact = check_exactly(&model, &changed);
+            if report.verdict == Verdict::Proved {
+                proved += 1;
+                assert_eq!(
+                    exact.verdict,
+                    Verdict::Proved,
+                    "{name} times {by}: {:?}",
+                    exact.failed
+                );
+            }
+        }
+    }
+    assert!(proved > 0, "some changes are harmless");
+}
+
+#[test]
+fn a_weight_that_promises_too_much_is_refused() {
+    let (model, certificate) = designed();
+    let refused = [
+        ("error weight", 1.01),
+        ("sample weight", 0.9),
+        ("growth", 0.5),
+        ("floor", 1e6),
+        ("guaranteed gain", 0.5),
+    ];
+    for (name, by) in refused {
+        let change = changes().into_iter().find(|(own, _)| *own == name);
+        let (_, change) = change.expect("a change");
+        let mut changed = certificate.clone();
+        change(&mut changed, by);
+        assert_eq!(
+            check(&model, &changed).verdict,
+            Verdict::NotProved,
+            "{name} times {by}"
+        );
+    }
+}
+
+#[test]
+fn a_worse_loop_than_the_proved_one_is_refused() {
+    let (model, certificate) = designed();
+    let worse: [fn(&mut synth::model::Imperfections); 4] = [
+        |one| one.measurement.as_mut().expect("bounds").state = Some(vec![1e-1, 1e-1]),
+        |one| one.delay_s = 0.5,
+        |one| one.lost_in_a_row = 20,
+        |one| one.effectiveness = Some(synth::model::Effectiveness::Common([0.3, 1.7])),
+    ];
+    for change in worse {
+        let mut file = model.file.clone();
+        change(&mut file.imperfections);
+        let changed = Model::new(file).expect("a valid model");
+        assert_eq!(check(&changed, &certificate).verdict, Verdict::NotProved);
+        assert_eq!(
+            check_exactly(&changed, &certificate).verdict,
+            Verdict::NotProved
+        );
+    }
+}
