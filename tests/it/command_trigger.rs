@@ -17,6 +17,8 @@ fn wu(more: &[&str]) -> Run {
     analyse(&gains, &shipped("wu2018-plant.json"), more)
 }
 
+type Change = fn(&mut Value);
+
 /// The shipped model of Wu's spacecraft with a change.
 fn changed(folder: &Path, change: impl FnOnce(&mut Value)) -> std::path::PathBuf {
     let mut model = json(&shipped("wu2018-plant.json"));
@@ -75,7 +77,7 @@ fn a_single_certificate_bounds_the_pointing_where_the_gain_is_the_objective() {
 fn a_model_that_the_theorem_does_not_cover_is_refused_and_the_field_named() {
     let folder = folder();
     let gains = shipped("wu2018-gains.json");
-    let cases: [(&str, fn(&mut Value)); 3] = [
+    let cases: [(&str, Change); 3] = [
         ("specs.command_trigger", |model| {
             let specs = model["specs"].as_object_mut().expect("specs");
             specs.remove("command_trigger");

@@ -52,7 +52,7 @@ impl HeldCommandClaims {
         });
         let time = self.hand_over_s.map(|seconds| {
             format!(
-                "handed over to the final set within {:.0} s",
+                "handed over to the final set within {:.4} s",
                 Claim::AtMost(seconds)
             )
         });

@@ -237,7 +237,10 @@ impl HeldCommandDesignFile {
 }
 
 /// Refuses a model that the theorem does not cover.
-pub(super) fn check_covered(model: &Model) -> Result<(), ModelError> {
+///
+/// # Errors
+/// Imperfections; no `specs.command_trigger`.
+pub fn check_covered(model: &Model) -> Result<(), ModelError> {
     if model.file.imperfections != Default::default() {
         let reason = "are not covered for gains with a trigger on the command";
         return Err(ModelError::choice("imperfections", reason));

@@ -10,7 +10,7 @@ mod scaled;
 mod synthesize;
 
 pub use file::{
-    CommandCertificateFile, CommandControllerFile, CommandProof, HandOverFile,
+    check_covered, CommandCertificateFile, CommandControllerFile, CommandProof, HandOverFile,
     HeldCommandDesignFile, HeldCommandProvenance,
 };
 pub use synthesize::{synthesize, CommandRequest, HeldCommandOutcome, HeldCommandSynthesized};
