@@ -39,9 +39,7 @@ pub(super) fn radius<S: Scalar>(ball: &ErrorBall) -> S {
     let bound = S::from_f64(ball.bound);
     match ball.factor {
         ErrorUnit::State => bound,
-        ErrorUnit::RotationDeg => {
-            bound * S::from_f64(ABOVE_PI) / S::from_f64(360.0)
-        }
+        ErrorUnit::RotationDeg => bound * S::from_f64(ABOVE_PI) / S::from_f64(360.0),
     }
 }
 
