@@ -41,8 +41,11 @@ fn a_design_with_every_imperfection_is_proved_and_exact_arithmetic_confirms_it()
     assert_eq!(exact.verdict, Verdict::Proved, "{:?}", exact.failed);
 }
 
-/// Changes of one number, each with whether the design may stay proved.
-fn changes() -> Vec<(&'static str, fn(&mut Certificate, f64))> {
+/// Multiplies some numbers of a certificate by a factor.
+type Change = fn(&mut Certificate, f64);
+
+/// Changes, each with the name of its numbers.
+fn changes() -> Vec<(&'static str, Change)> {
     vec![
         ("error weight", |one, by| {
             one.measurement.as_mut().expect("weights").error_weight *= by;
