@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use synth::held_command::{
-    check_covered, synthesize, CommandRequest, HeldCommandDesignFile, HeldCommandOutcome,
+    check_synthesized, synthesize, CommandRequest, HeldCommandDesignFile, HeldCommandOutcome,
     HeldCommandSynthesized,
 };
 use synth::solve::Solver;
@@ -22,7 +22,7 @@ pub fn analyse(
     request: &CommandRequest,
     (output, solver): (Option<&Path>, SolverArg),
 ) -> Result<Answer, CliError> {
-    check_covered(request.model).map_err(|problem| CliError::value(model_path, problem))?;
+    check_synthesized(request.model).map_err(|problem| CliError::value(model_path, problem))?;
     let solvers = solver.solvers([Solver::Structured, Solver::Clarabel], None);
     let outcome = solve(model_path, ASSEMBLING, |observer| {
         synthesize(request, &solvers, observer)

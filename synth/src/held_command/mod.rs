@@ -13,4 +13,6 @@ pub use file::{
     check_covered, CommandCertificateFile, CommandControllerFile, CommandProof, HandOverFile,
     HeldCommandDesignFile, HeldCommandProvenance,
 };
-pub use synthesize::{synthesize, CommandRequest, HeldCommandOutcome, HeldCommandSynthesized};
+pub use synthesize::{
+    check_synthesized, synthesize, CommandRequest, HeldCommandOutcome, HeldCommandSynthesized,
+};

@@ -102,6 +102,21 @@ struct Search<'a> {
     last: Option<Model>,
 }
 
+/// Refuses models for which no certificate is sought, though a file's may be checked.
+///
+/// # Errors
+/// An uncertain inertia, and what [`check_covered`] refuses.
+pub fn check_synthesized(model: &Model) -> Result<(), ModelError> {
+    if model.plant.has_uncertain_inertia() {
+        let reason = "gains with a trigger on the command need an inertia that is known";
+        return Err(ModelError::choice(
+            "plant.exact.inertia_uncertainty",
+            reason,
+        ));
+    }
+    check_covered(model)
+}
+
 fn refused(field: &str, reason: &str) -> SynthesisError {
     ModelError::choice(field, reason).into()
 }
@@ -113,11 +128,7 @@ impl<'a> Search<'a> {
             let reason = "gains with a trigger on the command need an 'exact' plant";
             return Err(refused("plant", reason));
         };
-        if model.plant.has_uncertain_inertia() {
-            let reason = "gains with a trigger on the command need an inertia that is known";
-            return Err(refused("plant.exact.inertia_uncertainty", reason));
-        }
-        check_covered(model)?;
+        check_synthesized(model)?;
         let Some(specs) = &model.file.specs.command_trigger else {
             return Err(refused("specs.command_trigger", "is missing"));
         };

@@ -81,7 +81,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         }
     } else if has("duration_s") {
         Some(Kind::Scenario)
-    } else if has("problem") && !has("specs") {
+    } else if has("problem") && !(has("specs") && is_empty(&keys["problem"])) {
         Some(Kind::Problem)
     } else if has("manoeuvre") {
         Some(Kind::Requirements)
@@ -94,12 +94,18 @@ pub fn kind_of(text: &str) -> Option<Kind> {
     }
 }
 
+/// Whether a value holds nothing under names.
+fn is_empty(value: &Outline) -> bool {
+    !matches!(value, Outline::Object { empty: false, .. })
+}
+
 /// What a file's kind depends on of a value; the rest is read over, and never held.
 enum Outline {
-    /// An object, with whether it has a `problem` and a `trigger`.
+    /// An object, with whether it has a `problem` and a `trigger`, and whether it has nothing.
     Object {
         problem: bool,
         trigger: bool,
+        empty: bool,
     },
     List,
     Other,
@@ -121,12 +127,17 @@ impl<'de> Visitor<'de> for OutlineVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Outline, A::Error> {
-        let (mut problem, mut trigger) = (false, false);
+        let (mut problem, mut trigger, mut empty) = (false, false, true);
         while let Some((key, _)) = map.next_entry::<String, IgnoredAny>()? {
             problem |= key == "problem";
             trigger |= key == "trigger";
+            empty = false;
         }
-        Ok(Outline::Object { problem, trigger })
+        Ok(Outline::Object {
+            problem,
+            trigger,
+            empty,
+        })
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Outline, A::Error> {
