@@ -285,7 +285,7 @@ fn a_wrong_value_of_a_problem_is_named_with_what_is_allowed() {
         (pendulum, "/plant/vertices/input_matrix".into(), json!([[1]]), "2 x at least 1"),
         (pendulum, "/gain".into(), json!([[1, 2, 3]]), "field 'gain': found 3 entries in row 1, expected 1 x 2"),
         (pendulum, "/problem".into(), json!({ "pole_placement": {} }), "unknown name `pole_placement`"),
-        (pendulum, format!("{region}/input_limit"), json!([1, 1]), "2 entries; it must be 1 entries, one for each input"),
+        (pendulum, format!("{region}/input_limit"), json!([1, 1]), "found 2 entries, expected 1 entry, one for each input"),
         (pendulum, format!("{region}/input_limit"), json!([0]), "'problem.saturated_region.input_limit[0]': the value 0 is not allowed; it must be above 0"),
         (pendulum, format!("{region}/decay_rate_per_s"), json!(-1), "0 or above"),
         (pendulum, format!("{region}/reference"), json!({ "ellipsoid": [[1, 2], [2, 1]] }), "positive definite"),
