@@ -194,7 +194,7 @@ impl Design {
     }
 
     /// What of the scenario the proof does not cover, known before the run. What the model's imperfections may allow is
-    /// compared with the run itself: see [`super::imperfections`].
+    /// compared with the run itself: see `run::imperfections`.
     pub fn not_covered(&self, scenario: &Scenario) -> Vec<String> {
         let mut out = Vec::new();
         if !self.proved() {
