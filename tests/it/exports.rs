@@ -120,6 +120,7 @@ fn scheduled_design() -> &'static Path {
             vec![anti_windup; 7].into(),
         );
         remove(&mut file, "/certificate/certified_vector_part");
+        remove(&mut file, "/certificate/final_bounds");
         let path = write(folder.path(), "scheduled.json", file.to_string());
         (folder, path)
     });
