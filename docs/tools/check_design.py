@@ -116,12 +116,13 @@ def inertias(exact):
 def rigid_body(exact, rate, q0_min):
     rate, q0_min = [Q(w) for w in rate], Q(q0_min)
     nominal, width, corners = inertias(exact)
+    form = mat(exact.get("gyroscopic_form_kg_m2") or zeros(3, 3))
     vertices = []
     for j in corners:
         for *signs, q0 in itertools.product((-1, 1), (-1, 1), (-1, 1), (q0_min, Q(1))):
             w = cross([sign * bound for sign, bound in zip(signs, rate)])
             half = lin((Q(-1, 2), mat(w)))
-            a = stack([[lin((-1, mul(mat(w), j))), zeros(3, 3)], [diagonal([q0 / 2] * 3), half]])
+            a = stack([[lin((1, mul(form, mat(w))), (-1, mul(mat(w), j))), zeros(3, 3)], [diagonal([q0 / 2] * 3), half]])
             vertices.append((stack([[j, zeros(3, 3)], [zeros(3, 3), eye(3)]]), a))
     b = stack([[eye(3)], [zeros(3, 3)]])
     box = [([eye(6)[i]], rate[i] ** 2) for i in range(3)] + [(eye(6)[3:], 1 - q0_min**2)]
@@ -212,6 +213,9 @@ def conditions(design, large, every=1):
     multiple = Q(design["outer"]["trigger_multiple"]) if large else Q(1)
     if cert.get("mismatch"):
         raise ValueError("scheduled gains under a mismatch bound are not known here")
+    further = ("measurement", "gain_error_weight", "first_torque")
+    if model.get("imperfections") or design["controller"].get("trigger_floor") or any(map(cert.get, further)):
+        raise ValueError("imperfections of the loop and a trigger floor are not known here")
     plant = plant_of(model, large)
     u, c = mat(cert["lyapunov"]), plant["C"]
     phi, xi, gamma = Q(specs["phi"]), Q(cert["xi"]), Q(cert["gamma"])
@@ -247,6 +251,10 @@ def conditions(design, large, every=1):
     if cert.get("certified_vector_part") is not None:
         s = Q(cert["certified_vector_part"])
         yield "certified attitudes", lin((1, eye(3)), (-s * s, [row[3:] for row in u[3:]]))
+    for key, part in (("rate_rad_s", eye(6)[:3]), ("vector_part", eye(6)[3:])):
+        bound = Q((cert.get("final_bounds") or {}).get(key, 0))
+        if bound:
+            yield f"final bound {key}", lin((bound**2, u), (-xi * Q(plant["tau"]) ** 2 / phi, mul(t(part), part)))
 
 
 def judge(path, every):

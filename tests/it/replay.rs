@@ -150,6 +150,12 @@ fn settling_is_the_first_instant_inside_and_its_root_lies_before_it() {
         (
             "xu2020-closed-loop.json",
             Some(xu2020_design()),
+            69.408_67,
+            69.399_28,
+        ),
+        (
+            "xu2020-closed-loop.json",
+            Some(design_in_the_papers_form()),
             63.211_92,
             63.209_6,
         ),

@@ -6,7 +6,7 @@ use synth::certify::reach::{angle_above_vector_part_deg, angle_of_vector_part_de
 use synth::certify::theorem1::certified_start;
 use synth::certify::{Report, Verdict};
 use synth::design::{DesignFile, LargeSetCertificate, SearchRecord};
-use synth::model::{Imperfections, Model};
+use synth::model::Model;
 use synth::optimality::Optimality;
 use synth::synthesis::{reached, CrossCheck, Synthesized};
 
@@ -145,9 +145,6 @@ pub struct DesignClaims {
     pointing_deg: Option<f64>,
     /// The rate likewise [rad/s].
     rate_bound_rad_s: Option<f64>,
-    /// Whether the loop is other than ideal.
-    #[serde(skip)]
-    has_imperfections: bool,
     /// Starts with x0'U x0 up to this are certified: 1 where the torque acts at once.
     certified_start: Option<f64>,
     /// Largest angle such that every attitude at rest within it is a certified start (deg).
@@ -203,7 +200,6 @@ impl DesignClaims {
             gamma: Some(part.gamma),
             guaranteed_gain: Some(part.guaranteed_gain),
             xi: Some(part.xi),
-            has_imperfections: model.file.imperfections != Imperfections::default(),
             pointing_deg: part
                 .final_bounds
                 .map(|bounds| angle_above_vector_part_deg(bounds.vector_part)),
@@ -234,10 +230,13 @@ impl DesignClaims {
         let angle =
             angle.map(|angle| format!("certified set: every attitude at rest up to {angle} deg"));
         let bounds = self.pointing_deg.zip(self.rate_bound_rad_s);
-        let bounds = bounds.filter(|_| self.has_imperfections);
+        let set = match self.outer {
+            None => "",
+            Some(_) => " from the small set",
+        };
         let bounds = bounds.map(|(pointing, rate)| {
             format!(
-                "from rest and in the end: pointing error at most {} deg, rate at most {} rad/s",
+                "from rest, and in the end{set}: pointing error at most {} deg, rate at most {} rad/s",
                 Claim::AtMost(pointing),
                 Claim::AtMost(rate)
             )

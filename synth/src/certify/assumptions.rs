@@ -35,9 +35,7 @@ pub(super) fn not_covered(model: &Model, certificate: &Certificate) -> Vec<Strin
         Plant::Spacecraft(craft) => {
             out.push(inertia_assumed(model, craft));
             out.push("a scalar part q0 that starts positive".to_string());
-            if *imperfections != Imperfections::default() {
-                actuators_assumed(imperfections, &mut out);
-            }
+            actuators_assumed(imperfections, &mut out);
             out.push(format!(
                 "a disturbance torque whose norm stays within {} N m",
                 craft.disturbance_bound
@@ -94,11 +92,14 @@ fn gap_assumed(imperfections: &Imperfections, hbar_s: f64) -> String {
 
 /// Torques, wheels and reference of a spacecraft.
 fn actuators_assumed(imperfections: &Imperfections, out: &mut Vec<String>) {
-    if let Some(effectiveness) = &imperfections.effectiveness {
-        let [one, two, three] = [0, 1, 2].map(|input| effectiveness.of(input));
-        out.push(format!(
-            "an applied torque within {one:?}, {two:?} and {three:?} times the commanded one on the three axes"
-        ));
+    match &imperfections.effectiveness {
+        None => out.push("torques applied as commanded, within their limits".to_string()),
+        Some(effectiveness) => {
+            let [one, two, three] = [0, 1, 2].map(|input| effectiveness.of(input));
+            out.push(format!(
+                "an applied torque within {one:?}, {two:?} and {three:?} times the commanded one on the three axes"
+            ));
+        }
     }
     if imperfections.misalignment > 0.0 {
         let bound = imperfections.misalignment;

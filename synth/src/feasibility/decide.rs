@@ -9,9 +9,9 @@ use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    containment_weights, has_point, is_structured, scaled, Answer, Asked, Blocking, Decision,
-    DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers, SynthesisError, Synthesized,
-    FIRST_UNITS, STATE_UNITS,
+    best_form, containment_weights, has_point, is_structured, scaled, slack_in, Answer, Asked,
+    Blocking, Decision, DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers,
+    SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::centre::centred;
@@ -29,31 +29,43 @@ pub fn decide(
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut session = Session::new(solvers, observer);
-    let mut candidates = model.in_candidate_forms();
-    let last = candidates.pop().unwrap_or_else(|| model.clone());
-    for candidate in &candidates {
-        let task = candidate.task();
-        let request = DesignRequest::of_model(candidate, model_text, &task, Form::Chordal);
-        let decision = in_order(request, DecisionGoal::Design, &mut session)?;
-        if let Answer::Feasible(_) = decision.answer {
-            return Ok(decision);
-        }
-    }
-    let task = last.task();
-    let request = DesignRequest::of_model(&last, model_text, &task, Form::Chordal);
-    decide_after(request, model, &mut session)
+    let own = model;
+    let searching = (solvers.for_searches(), Form::VertexRelaxed);
+    let model = &in_promising_form(model, searching, session.observer())?;
+    let task = model.task();
+    let request = DesignRequest::of_model(model, model_text, &task, Form::Chordal);
+    decide_after(request, own, &mut session)
 }
 
-/// Looks for a design only, with the first form of the gyroscopic torque where it is free: an answer that is not
-/// [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are asked in order.
+/// The model in a form of the gyroscopic torque, where that is free, in which the conditions hold; in the one that comes
+/// closest where none is found.
+fn in_promising_form(
+    model: &Model,
+    asked: Asked,
+    observer: Option<Observer>,
+) -> Result<Model, SynthesisError> {
+    if !model.has_free_form() {
+        return Ok(model.clone());
+    }
+    let mut session = Session::alone(asked, observer);
+    let gains = model.task().gains;
+    let mut slack = |form| slack_in(form, model, &gains, &mut session);
+    let (form, _) = best_form(&mut slack, -model.task().specification.margin)?;
+    Ok(model.with_form(form).unwrap_or_else(|| model.clone()))
+}
+
+/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are asked in
+/// order.
 pub(super) fn look_for_a_design(
     model: &Model,
     solvers: &[Asked],
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut sessions = Session::each_alone(solvers.iter().copied(), observer.as_ref());
-    let candidates = model.in_candidate_forms();
-    let model = candidates.first().unwrap_or(model);
+    let model = &match solvers.first() {
+        Some(&asked) => in_promising_form(model, asked, observer.clone())?,
+        None => model.clone(),
+    };
     let task = model.task();
     let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
     SolverSequence::new(&mut sessions, DecisionGoal::Design).decide(request)

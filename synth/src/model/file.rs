@@ -77,13 +77,11 @@ pub struct ExactPlant {
     #[serde(with = "As::<UpToOne>")]
     pub q0_min: f64,
     /// K of the form -(omega^x J - K omega^x) omega of the gyroscopic torque, 3 x 3 [kg m^2]: the same torque for every K,
-    /// other conditions. 0, the form of the paper, when left out, unless it is searched.
+    /// other conditions. Found by the program when left out, for the smallest gain or the largest region; 0 is the form
+    /// of the paper. A design whose model leaves it out is one for 0, as are scheduled gains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[[Finite; 3]; 3]>>")]
     pub gyroscopic_form_kg_m2: Option<[[f64; 3]; 3]>,
-    /// Whether that form is found by the program, for the smallest gain or the largest region.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub search_gyroscopic_form: bool,
 }
 
 /// A box of inertia matrices: each of the six entries, independently of the others, within its own

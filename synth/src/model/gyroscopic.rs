@@ -4,8 +4,8 @@
 
 use nalgebra::Matrix3;
 
-use super::file::{ExactPlant, GainForm, PlantFile};
-use super::Model;
+use super::file::{ExactPlant, PlantFile};
+use super::{Model, Plant};
 
 /// The two numbers of a form K.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +72,7 @@ fn parts(exact: &ExactPlant) -> (f64, Matrix3<f64>) {
 impl Model {
     /// Whether the form of the gyroscopic torque is free: it is to be searched. Scheduled gains have the paper's.
     pub fn has_free_form(&self) -> bool {
-        match &self.file.plant {
-            PlantFile::Exact(exact) => {
-                exact.search_gyroscopic_form
-                    && exact.gyroscopic_form_kg_m2.is_none()
-                    && self.file.gains == GainForm::Constant
-            }
-            _ => false,
-        }
+        matches!(&self.plant, Plant::Spacecraft(craft) if craft.gyroscopic_form.is_none())
     }
 
     /// The model with a form; `None` for a plant without one.
@@ -90,16 +83,5 @@ impl Model {
         };
         exact.gyroscopic_form_kg_m2 = Some(form.matrix(exact));
         Model::new(file).ok()
-    }
-
-    /// The models with each of the forms that are tried first; the model itself where its form is not free.
-    pub fn in_candidate_forms(&self) -> Vec<Model> {
-        match self.has_free_form() {
-            true => GyroscopicForm::CANDIDATES
-                .iter()
-                .filter_map(|&form| self.with_form(form))
-                .collect(),
-            false => vec![self.clone()],
-        }
     }
 }

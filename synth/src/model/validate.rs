@@ -49,9 +49,9 @@ impl Model {
         let mut plant = Plant::of_ranges(&file.plant)?;
         if let Plant::Spacecraft(craft) = &mut plant {
             craft.exchange = file.imperfections.momentum_exchange();
-            let searched =
-                matches!(&file.plant, PlantFile::Exact(exact) if exact.search_gyroscopic_form);
-            if file.gains == GainForm::Scheduled || !searched {
+            let weighted =
+                file.gains == GainForm::Scheduled || matches!(file.mismatch, Mismatch::Kappa(_));
+            if weighted {
                 // Memberships are those of the sixteen vertices of one form.
                 craft.gyroscopic_form.get_or_insert_with(Matrix3::zeros);
             }

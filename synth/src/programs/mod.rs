@@ -6,6 +6,7 @@
 
 mod active;
 mod assemble;
+mod form_search;
 mod optimum;
 mod outcome;
 mod parameter;
@@ -28,6 +29,7 @@ pub use solvers::{solver_order, Solvers};
 pub use units::{scaled_task, FIRST_UNITS};
 
 pub(crate) use assemble::{state, Part};
+pub(crate) use form_search::{best_form, in_form, slack_in};
 pub(crate) use outcome::Recorded;
 pub use parameter::Parameter;
 pub(crate) use record::{blocking, now};

@@ -203,6 +203,23 @@ pub fn xu2020_design() -> &'static Path {
     DESIGN.get_or_init(|| fixture("xu2020-design.json"))
 }
 
+/// The design of `models/xu2020.json` with the form of the gyroscopic torque that the paper has, K = 0.
+pub fn design_in_the_papers_form() -> &'static Path {
+    static DESIGN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, design) = DESIGN.get_or_init(|| {
+        let folder = folder();
+        let mut model = json(&shipped("xu2020.json"));
+        let form = serde_json::json!([[0.0; 3]; 3]);
+        set(&mut model, "/plant/exact/gyroscopic_form_kg_m2", form);
+        let model = write(folder.path(), "model.json", model.to_string());
+        let design = folder.path().join("design.json");
+        let arguments = [Path::new("synthesize"), &model, Path::new("-o"), &design];
+        steadfast(arguments).ends_with(0);
+        (folder, design)
+    });
+    design
+}
+
 /// The design of `models/double-integrator.json`.
 pub fn double_integrator_design() -> &'static Path {
     static DESIGN: OnceLock<PathBuf> = OnceLock::new();
