@@ -65,6 +65,41 @@ fn states_outside_of_the_box_are_refuted_for_some_rho_only_and_undecided() {
     );
 }
 
+/// Refuted for each rho that is tried, this set is contained by designs that no such weight gives.
+#[test]
+fn a_set_that_no_weight_rho_suits_is_contained_about_a_point() {
+    let folder = folder();
+    let model = cart(
+        folder.path(),
+        &[
+            ("/specs/phi_per_s", json!(1.0)),
+            ("/specs/xi_max", json!(100)),
+            (
+                "/specs/must_contain",
+                json!([[0.64015625, 0.0], [0.0, 0.4]]),
+            ),
+            ("/specs/objective", json!("gain")),
+            ("/specs/eps", json!([1, 1, 1])),
+            ("/plant/vertices/input_limit", json!([0.6])),
+            ("/plant/vertices/box/0/bound", json!(1)),
+            ("/plant/vertices/box/1/bound", json!(1)),
+        ],
+    );
+    let report = run("feasibility", &model, &["--json", "--no-relaxations"]).ends_with(0);
+    assert_eq!(report.json()["verdict"], "feasible");
+    for solver in ["auto", "structured"] {
+        let design = folder.path().join(format!("{solver}.json"));
+        let more = ["--json", "--solver", solver, "-o", design.to_str().unwrap()];
+        let report = run("synthesize", &model, &more).ends_with(0).json();
+        assert_eq!(report["verdict"], "proved", "{solver}");
+        // The design made from the smallest slack has 11.45.
+        let gain = report["guaranteed_gain"].as_f64().expect("a gain");
+        assert!((7.5..8.1).contains(&gain), "{solver}: {gain}");
+        let report = run("verify", &design, &["--json"]).ends_with(0).json();
+        assert_eq!(report["verdict"], "proved", "{solver}");
+    }
+}
+
 #[test]
 fn what_is_refuted_without_containment_is_infeasible_for_every_rho() {
     let folder = folder();
