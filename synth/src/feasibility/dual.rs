@@ -7,7 +7,7 @@ use crate::design::ProblemUnits;
 use crate::infeasibility::WeightsFile;
 use crate::programs::{scaled, DesignRequest, Form, Goal, Session, Solved, SynthesisError};
 use crate::scaling::Scaling;
-use sdp::centre::centred;
+use sdp::centre::{centred, refined};
 
 /// Dual multipliers that are proved, as a file holds them.
 pub(super) type Proof = (WeightsFile, Refutation);
@@ -61,10 +61,19 @@ pub(super) fn refuted(request: DesignRequest, solved: &Solved) -> Option<Proof> 
         let proved = refutation.proved;
         proved.then_some((file, refutation))
     };
-    KEPT.iter().find_map(|kept| {
-        let size = kept * excess;
-        let centre = centred(&problem, duals, -(margin + size));
-        shown(centre.as_ref().unwrap_or(duals), size)
+    let mut centres = Vec::new();
+    for kept in KEPT {
+        let (size, target) = (kept * excess, -(margin + kept * excess));
+        let centre = centred(&problem, duals, target);
+        if let Some(proof) = shown(centre.as_ref().unwrap_or(duals), size) {
+            return Some(proof);
+        }
+        centres.extend(centre.map(|centre| (centre, size, target)));
+    }
+    // More digits take longer.
+    centres.iter().find_map(|(centre, size, target)| {
+        let centre = refined(&problem, centre, *target)?;
+        shown(&centre, *size)
     })
 }
 
