@@ -65,6 +65,85 @@ fn states_outside_of_the_box_are_refuted_for_some_rho_only_and_undecided() {
     );
 }
 
+/// Refuted for each rho that is tried, this set is contained by designs that no such weight gives.
+#[test]
+fn a_set_that_no_weight_rho_suits_is_contained_about_a_point() {
+    let folder = folder();
+    let model = cart(
+        folder.path(),
+        &[
+            ("/specs/phi_per_s", json!(1.0)),
+            ("/specs/xi_max", json!(100)),
+            (
+                "/specs/must_contain",
+                json!([[0.64015625, 0.0], [0.0, 0.4]]),
+            ),
+            ("/specs/objective", json!("gain")),
+            ("/specs/eps", json!([1, 1, 1])),
+            ("/plant/vertices/input_limit", json!([0.6])),
+            ("/plant/vertices/box/0/bound", json!(1)),
+            ("/plant/vertices/box/1/bound", json!(1)),
+        ],
+    );
+    let report = run("feasibility", &model, &["--json", "--no-relaxations"]).ends_with(0);
+    assert_eq!(report.json()["verdict"], "feasible");
+    for solver in ["auto", "structured"] {
+        let design = folder.path().join(format!("{solver}.json"));
+        let more = ["--json", "--solver", solver, "-o", design.to_str().unwrap()];
+        let report = run("synthesize", &model, &more).ends_with(0).json();
+        assert_eq!(report["verdict"], "proved", "{solver}");
+        // The design made from the smallest slack has 11.45.
+        let gain = report["guaranteed_gain"].as_f64().expect("a gain");
+        assert!((7.5..8.1).contains(&gain), "{solver}: {gain}");
+        let report = run("verify", &design, &["--json"]).ends_with(0).json();
+        assert_eq!(report["verdict"], "proved", "{solver}");
+    }
+}
+
+/// The dual solution has eigenvalues of very different sizes: its equations must hold to more digits than those of a
+/// Newton step do.
+#[test]
+fn a_flexible_arm_a_tenth_beyond_its_edge_is_refuted_and_within_it_has_a_design() {
+    let folder = folder();
+    let arm = |stiff: f64, damped: f64| {
+        let row = |size: f64, damping: f64| json!([-size, size, -damping, damping]);
+        let motor = row(-stiff / 0.6, -damped / 0.6);
+        json!([[0, 0, 1, 0], [0, 0, 0, 1], row(stiff, damped), motor])
+    };
+    for (interval, status, verdict) in [(0.1793, 2, "infeasible"), (0.16, 0, "feasible")] {
+        let model = json!({
+            "schema_version": 1,
+            "name": "flexible arm",
+            "source": "two masses and a spring",
+            "plant": { "vertices": {
+                "state_matrices": [arm(8.0, 0.1), arm(12.0, 0.1)],
+                "input_matrix": [[0], [0], [0], [10.0 / 3.0]],
+                "output_matrix": [[1, 0, 0, 0]],
+                "input_limit": [7.5_f64.sqrt()],
+                "disturbance_bound": 0.05,
+                "box": []
+            } },
+            "specs": {
+                "phi_per_s": 0.1,
+                "hbar_s": interval,
+                "nu": 0.005,
+                "eps": [1, 0.2, 0.2],
+                "xi_max": 200,
+                "objective": "gain"
+            }
+        });
+        let model = write(folder.path(), "arm.json", model.to_string());
+        let path = folder.path().join(format!("{verdict}.json"));
+        let more = ["--json", "--no-relaxations", "-o", path.to_str().unwrap()];
+        let report = run("feasibility", &model, &more).ends_with(status).json();
+        assert_eq!(report["verdict"], verdict, "{interval}");
+        let report = run("verify", &path, &["--exact", "--json"])
+            .ends_with(0)
+            .json();
+        assert_eq!(report["verdict"], "proved", "{interval}");
+    }
+}
+
 #[test]
 fn what_is_refuted_without_containment_is_infeasible_for_every_rho() {
     let folder = folder();

@@ -5,6 +5,10 @@
 //! `sum_k <F0_k, Z_k>` that is negative enough is as good. From the solver's point, shifted inside, a
 //! damped Newton method finds the one with the largest product of determinants.
 
+mod refine;
+
+pub use refine::refined;
+
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::DMatrix;

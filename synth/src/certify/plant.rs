@@ -344,7 +344,7 @@ fn vertex_system<S: Scalar>(system: &VertexSystem) -> DescriptorPlant<S> {
     let region = (0..system.box_rows.nrows()).map(|row| {
         let bound = S::from_f64(system.box_bounds[row]);
         RegionBound {
-            name: format!("box row {}", row + 1),
+            name: format!("row {}", row + 1),
             rows: exactly(&system.box_rows.rows(row, 1).into_owned()),
             bound_squared: bound.clone() * bound,
         }

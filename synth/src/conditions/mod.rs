@@ -133,6 +133,20 @@ impl Task {
         }
     }
 
+    /// The same task with its containment condition stated about a point P in the place of a weight rho.
+    pub fn containing_about(&self, linearisation: DMatrix<f64>) -> Task {
+        let mut task = self.clone();
+        let states = std::mem::take(&mut task.specification.must_contain).into_iter();
+        let columns =
+            states.map(|state| DMatrix::from_column_slice(state.len(), 1, state.as_slice()));
+        task.containment = Some(Containment {
+            linearisation,
+            contained: columns.collect(),
+            scaled: Vec::new(),
+        });
+        task
+    }
+
     /// The greatest age of the sample behind the torque in force (s): hbar, or h_m.
     pub fn oldest_sample(&self) -> f64 {
         let networked = self.imperfections.oldest_sample;

@@ -1,20 +1,20 @@
 //! One solve, one proof. With an uncertain inertia the proof of a no is for the nominal one.
 
-use super::candidate::Source;
+use nalgebra::DMatrix;
 
-use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
+use super::dual::{refutable, refute_relaxed, refuted, solved_task, Proof};
+
+use crate::certify::infeasible::Refutation;
 use crate::conditions::LoopImperfections;
-use crate::conditions::{GainPlan, Task};
+use crate::conditions::Task;
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    best_form, containment_weights, has_point, is_structured, scaled, slack_in, Answer, Asked,
-    Blocking, Decision, DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers,
-    SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
+    best_form, containment_weights, has_point, is_structured, slack_in, Answer, Asked, Blocking,
+    Decision, DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers, SynthesisError,
+    Synthesized, FIRST_UNITS, STATE_UNITS,
 };
-use crate::scaling::Scaling;
-use sdp::centre::centred;
 use sdp::lmi::Affine;
 use sdp::solve::Observer;
 
@@ -68,7 +68,11 @@ pub(super) fn look_for_a_design(
     };
     let task = model.task();
     let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
-    SolverSequence::new(&mut sessions, DecisionGoal::Design).decide(request)
+    let sequence = SolverSequence {
+        most_linearisations: 0,
+        ..SolverSequence::new(&mut sessions, DecisionGoal::Design)
+    };
+    sequence.decide(request)
 }
 
 /// Whether a design exists for a model, of which the request's has a form of the gyroscopic torque, after other runs, which
@@ -173,16 +177,38 @@ enum AttemptResult {
     Undecided,
 }
 
+impl From<Option<Proof>> for AttemptResult {
+    fn from(proof: Option<Proof>) -> Self {
+        match proof {
+            Some((weights, refutation)) => AttemptResult::Refuted(Box::new(weights), refutation),
+            None => AttemptResult::Undecided,
+        }
+    }
+}
+
 /// The solvers that are run in order, and their goal.
 struct SolverSequence<'a, 'b> {
     sessions: &'a mut [Session<'b>],
     goal: DecisionGoal,
     /// State units that are tried.
     most_units: usize,
+    /// How often the containment condition may be stated about the last point.
+    most_linearisations: usize,
     /// The smallest slack so far.
     slack: Option<f64>,
     /// The conditions that determine it.
     blocking: Vec<Blocking>,
+    /// The point with that slack: its units, and what the containment condition may be stated about.
+    nearest: Option<Nearest>,
+}
+
+/// The point with the smallest slack.
+#[derive(Clone)]
+struct Nearest {
+    units: ProblemUnits,
+    session: usize,
+    /// See [`Containment`](crate::conditions::Containment).
+    linearisation: DMatrix<f64>,
 }
 
 impl<'a, 'b> SolverSequence<'a, 'b> {
@@ -191,8 +217,10 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             sessions,
             goal,
             most_units: STATE_UNITS.len(),
+            most_linearisations: LINEARISATIONS,
             slack: None,
             blocking: Vec::new(),
+            nearest: None,
         }
     }
 
@@ -202,7 +230,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         let mut design = None;
         let mut undecided = false;
         let mut units = FIRST_UNITS;
-        for &containment_weight in containment_weights(request.model) {
+        for &containment_weight in containment_weights(request.task) {
             units.containment_weight = containment_weight;
             match self.in_all_units(request, &mut units)? {
                 AttemptResult::Point(found) => {
@@ -214,8 +242,12 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             }
         }
         let contains = !request.task.specification.must_contain.is_empty();
+        if design.is_none() && contains && self.goal != DecisionGoal::Refutation {
+            design = self.about_last_points(request)?;
+        }
         if design.is_none() && contains && self.goal != DecisionGoal::Design {
             // What cannot hold without containment cannot hold for any rho.
+            let with_containment = (self.slack, self.blocking.clone());
             let mut task = request.task.clone();
             task.specification.must_contain.clear();
             let free = DesignRequest {
@@ -227,8 +259,13 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             if let AttemptResult::Refuted(weights, refutation) = result {
                 refuted = vec![(*weights, refutation)];
                 undecided = false;
+            } else {
+                // The rest alone says nothing about the slack of the whole.
+                (self.slack, self.blocking) = with_containment;
             }
         }
+        let found = design.is_some() && contains;
+        let nearest = self.nearest.filter(|_| found);
         let runs: Vec<SolverRun> = self.sessions.iter().flat_map(|s| s.runs.clone()).collect();
         let answer = match design {
             Some(design) => Answer::Feasible(design.with_runs(&runs)),
@@ -257,8 +294,41 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         Ok(Decision {
             slack: self.slack,
             blocking: self.blocking,
+            linearisation: nearest.map(|nearest| nearest.linearisation),
             ..Decision::new(answer, &runs)
         })
+    }
+
+    /// A design whose containment condition is stated about the point of the smallest slack, then about the next one's,
+    /// as long as the slack falls: no weight rho has to suit the set.
+    fn about_last_points(
+        &mut self,
+        request: DesignRequest,
+    ) -> Result<Option<Box<Synthesized>>, SynthesisError> {
+        let goal = std::mem::replace(&mut self.goal, DecisionGoal::Design);
+        let mut before = f64::INFINITY;
+        let mut design = None;
+        for _ in 0..self.most_linearisations {
+            let (Some(slack), Some(nearest)) = (self.slack, self.nearest.clone()) else {
+                break;
+            };
+            if slack >= before - SLACK_PROGRESS * before.abs() {
+                break;
+            }
+            before = slack;
+            let task = request.task.containing_about(nearest.linearisation);
+            let request = DesignRequest {
+                task: &task,
+                ..request
+            };
+            let attempt = self.attempt(request, nearest.session, &nearest.units)?;
+            if let AttemptResult::Point(found) = attempt {
+                design = Some(found);
+                break;
+            }
+        }
+        self.goal = goal;
+        Ok(design)
     }
 
     /// Runs the solvers in order, in one state unit after the other, until there is an answer.
@@ -286,13 +356,19 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
         session: usize,
         units: &ProblemUnits,
     ) -> Result<AttemptResult, SynthesisError> {
-        let session = &mut self.sessions[session];
+        let index = session;
+        let session = &mut self.sessions[index];
         let solved = session.solve(solved_task(request.task, units), Goal::SmallestSlack)?;
         let slack = solved.solution.objective;
         let usable = has_point(&solved.solution);
         if usable && self.slack.is_none_or(|smallest| slack < smallest) {
             self.slack = Some(slack);
             self.blocking = solved.blocking();
+            self.nearest = solved.linearisation().map(|linearisation| Nearest {
+                units: units.clone(),
+                session: index,
+                linearisation,
+            });
         }
         let design = self.goal == DecisionGoal::Design;
         if slack < solved.task.specification.margin {
@@ -310,91 +386,17 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             return Ok(AttemptResult::Undecided);
         }
         if request.model.plant.is_relaxed_for_refutations() {
-            return refute_relaxed(request, session, units);
+            return Ok(refute_relaxed(request, session, units)?.into());
         }
-        Ok(refuted(request, &solved))
+        Ok(refuted(request, &solved).into())
     }
 }
 
-/// The task in its units, with a threshold that leaves its dual feasible set an interior.
-fn solved_task(task: &Task, units: &ProblemUnits) -> (Scaling, Task) {
-    let (scaling, mut task) = scaled(task, units);
-    let threshold = &mut task.specification.trigger_threshold;
-    *threshold = threshold.max(SMALLEST_THRESHOLD);
-    (scaling, task)
-}
+/// How often the containment condition is stated about the last point.
+const LINEARISATIONS: usize = 12;
 
-/// A plant has no design when the one that it is relaxed to has none.
-fn refute_relaxed(
-    request: DesignRequest,
-    session: &mut Session,
-    units: &ProblemUnits,
-) -> Result<AttemptResult, SynthesisError> {
-    let mut relaxed = request.model.clone();
-    relaxed.plant = relaxed.plant.relaxed();
-    let mut task = request.task.clone();
-    task.system = relaxed.plant.takagi_sugeno();
-    let mut own = session.fresh(Form::Chordal);
-    let solved = own.solve(solved_task(&task, units), Goal::SmallestSlack);
-    session.runs.append(&mut own.runs);
-    let request = DesignRequest {
-        model: &relaxed,
-        ..request
-    };
-    Ok(refuted(request, &solved?))
-}
-
-/// The proof that the dual solution gives, if it gives one.
-fn refuted(request: DesignRequest, solved: &Solved) -> AttemptResult {
-    let margin = solved.task.specification.margin;
-    let excess = solved.solution.objective - margin;
-    if excess.is_nan() || excess <= 0.0 {
-        return AttemptResult::Undecided;
-    }
-    let problem = solved.assembled.problem.lower();
-    let duals = &solved.solution.duals;
-    for kept in KEPT {
-        let centre = centred(&problem, duals, -(margin + kept * excess));
-        let source = Source {
-            request,
-            solved,
-            duals: centre.as_ref().unwrap_or(duals),
-            size: kept * excess,
-        };
-        if let Some((file, weights)) = as_read(&source) {
-            let refutation = refute(request.model, &weights);
-            if refutation.proved {
-                return AttemptResult::Refuted(Box::new(file), refutation);
-            }
-        }
-    }
-    AttemptResult::Undecided
-}
-
-/// Dual multipliers are about one free gain; or about given gains, in any mixture or each with its own vertex.
-fn refutable(task: &Task) -> bool {
-    let gains = &task.gains;
-    let stated = gains.given.is_some() && gains.matched().is_none_or(|kappa| kappa == 0.0);
-    *gains == GainPlan::constant() || stated
-}
-
-/// The dual multipliers as a reader of their file gets them, `None` where no file may hold them.
-fn as_read(source: &Source) -> Option<(WeightsFile, DualMultipliers)> {
-    let file = WeightsFile::new(source.weights()?)?;
-    let weights = file
-        .weights(source.request.model, source.request.given)
-        .ok()?;
-    Some((file, weights))
-}
-
-/// The smallest trigger threshold with which the problem is solved: with 0 its dual feasible set has no
-/// interior. A design for a larger threshold is one for the model's; the dual multipliers leave the held state
-/// out, see [`Source::weights`].
-const SMALLEST_THRESHOLD: f64 = 1e-6;
-
-/// Fractions of the slack above the margin that the dual multipliers of a proof keep, tried in order; the rest moves
-/// them into the interior. Close to feasibility only the second leaves enough.
-const KEPT: [f64; 2] = [0.25, 0.02];
+/// A slack that falls by less than this, relative, ends that.
+const SLACK_PROGRESS: f64 = 1e-3;
 
 /// Stands for a gain bound that is not known yet.
 const UNKNOWN_GAIN: f64 = 1e300;

@@ -7,6 +7,7 @@
 
 mod candidate;
 mod decide;
+mod dual;
 mod given;
 mod relax;
 mod size;

@@ -40,7 +40,7 @@ impl VertexSystem {
     /// The same data in the common form.
     pub fn takagi_sugeno(&self) -> TakagiSugeno {
         let region = (0..self.box_rows.nrows()).map(|row| BoxCondition {
-            name: format!("box row {}", row + 1),
+            name: format!("row {}", row + 1),
             rows: self.box_rows.rows(row, 1).into_owned(),
             bound_squared: self.box_bounds[row] * self.box_bounds[row],
         });

@@ -1,5 +1,6 @@
 //! The outcomes of synthesis and of the feasibility check.
 
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::record::Blocking;
@@ -166,6 +167,8 @@ pub struct Decision<A = Answer> {
     pub limiting_factors: Option<Box<LimitingFactors>>,
     /// How many couplings of two certificates were tried; 0 for one certificate.
     pub couplings: usize,
+    /// Of a feasible answer whose set must contain states: a point about which their condition may be stated.
+    pub(crate) linearisation: Option<DMatrix<f64>>,
     /// Time spent in solvers (s).
     pub solve_seconds: f64,
     /// The solver's runs.
@@ -181,6 +184,7 @@ impl<A> Decision<A> {
             blocking: Vec::new(),
             limiting_factors: None,
             couplings: 0,
+            linearisation: None,
             solve_seconds: seconds(runs),
             runs: runs.to_vec(),
         }

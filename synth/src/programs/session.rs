@@ -4,6 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Instant;
 
+use nalgebra::DMatrix;
+
 use super::active;
 use super::assemble::{assemble_at, Assembled, Form, Goal};
 use super::outcome::{Cancelled, SynthesisError};
@@ -50,6 +52,16 @@ impl Solved {
         let values = &self.solution.values;
         let unknowns = with_weight(&self.task, &self.assembled.design, values)?;
         recover(model, &unknowns, values, (&self.scaling, &self.task))
+    }
+
+    /// Uh^-1 Qh of the solver's point, in SI units: about it the containment condition is exact there.
+    pub fn linearisation(&self) -> Option<DMatrix<f64>> {
+        let (design, values) = (&self.assembled.design, &self.solution.values);
+        let inverse = design.lyapunov.value(values).try_inverse()?;
+        let point = inverse * design.multiplier.value(values);
+        let units = DMatrix::from_diagonal(&self.scaling.state);
+        let point = self.scaling.to_state() * point * units;
+        point.iter().all(|entry| entry.is_finite()).then_some(point)
     }
 
     /// The conditions that carry the dual solution.

@@ -38,9 +38,9 @@ pub(crate) fn scaled(task: &Task, units: &ProblemUnits) -> (Scaling, Task) {
     (scaling, scaled)
 }
 
-/// The weights rho of the containment condition to be tried for a model.
-pub(crate) fn containment_weights(model: &Model) -> &'static [f64] {
-    match model.file.specs.must_contain.is_empty() {
+/// The weights rho of the containment condition to be tried for a task.
+pub(crate) fn containment_weights(task: &Task) -> &'static [f64] {
+    match task.specification.must_contain.is_empty() {
         true => &CONTAINMENT_WEIGHTS[..1],
         false => &CONTAINMENT_WEIGHTS,
     }

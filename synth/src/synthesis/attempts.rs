@@ -123,7 +123,7 @@ impl<Settings: Clone, File> Attempts<Settings, File> {
     }
 
     /// Keeps the better one of the best design and another.
-    fn keep<S: Synthesis<File = File>>(&mut self, other: Option<Box<Synthesized<File>>>) {
+    pub fn keep<S: Synthesis<File = File>>(&mut self, other: Option<Box<Synthesized<File>>>) {
         let both = self.best.take().into_iter().chain(other);
         self.best = both.min_by(|a, b| S::objective(&a.file).total_cmp(&S::objective(&b.file)));
     }

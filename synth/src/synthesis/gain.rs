@@ -4,6 +4,8 @@
 //! and the check decides. The set of a solver's point suggests the units of the next attempt, in which it reaches about
 //! as far along every state.
 
+use nalgebra::DMatrix;
+
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use super::completion::complete;
 use crate::certify::theorem1::Certificate;
@@ -35,6 +37,9 @@ const CLAIM_ROOM: f64 = 1e-5;
 /// How far gamma lies above max(g, xi) where the guaranteed gain is the objective.
 const GAMMA_ALLOWANCE: f64 = 1e-6;
 
+/// How often the containment condition is stated about the last design.
+const LINEARISATIONS: usize = 8;
+
 /// How often the point of a solver may suggest units.
 const RESCALINGS: usize = 4;
 
@@ -60,6 +65,8 @@ pub(super) struct GainSynthesis<'a, 'b, 'c> {
     suggested: Option<Vec<f64>>,
     /// Whether the last point may pass for an optimum; unverified.
     accurate: bool,
+    /// What the containment condition may be stated about after the last design.
+    linearisation: Option<DMatrix<f64>>,
 }
 
 impl Synthesis for GainSynthesis<'_, '_, '_> {
@@ -100,6 +107,7 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
         let model = self.request.model;
         let solved = self.session.solve(program, goal)?;
         self.suggested = suggested_units(&solved);
+        self.linearisation = solved.linearisation();
         let Some(mut certificate) = solved.recover(model) else {
             return Ok(None);
         };
@@ -132,6 +140,7 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
             session,
             suggested: None,
             accurate: false,
+            linearisation: None,
         }
     }
 
@@ -156,7 +165,7 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
     /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
     pub fn in_all_settings(&mut self) -> Result<UnitAttempts, SynthesisError> {
         let mut found = Attempts::default();
-        for &containment_weight in containment_weights(self.request.model) {
+        for &containment_weight in containment_weights(self.request.task) {
             let first = self.units_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
         }
@@ -167,6 +176,39 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
         }
         if let Some(asked) = self.asked {
             self.meet(asked, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    /// Designs whose containment condition is stated about a point, then about the last design's, as long as the gain
+    /// falls: no weight rho has to suit the set.
+    pub fn about_points(
+        request: DesignRequest,
+        first: DMatrix<f64>,
+        session: &mut Session,
+    ) -> Result<UnitAttempts, SynthesisError> {
+        let mut found = UnitAttempts::default();
+        let mut next = Some(first);
+        for _ in 0..LINEARISATIONS {
+            let Some(linearisation) = next.take() else {
+                break;
+            };
+            let task = request.task.containing_about(linearisation);
+            let asked = request.model.file.specs.gamma;
+            let request = DesignRequest {
+                task: &task,
+                form: session.form,
+                ..request
+            };
+            let mut synthesis = GainSynthesis::new(request, asked, session);
+            let before = best_objective(&found);
+            let mut about = synthesis.in_all_settings()?;
+            next = synthesis.linearisation;
+            found.keep::<GainSynthesis>(about.best.take());
+            found.best_seen = found.best_seen.min(about.best_seen);
+            if before <= (1.0 + IMPROVEMENT) * best_objective(&found) {
+                break;
+            }
         }
         Ok(found)
     }
@@ -188,7 +230,7 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
 
     /// A design at a given bound, without a solve for the smallest.
     fn try_bound(&mut self, asked: f64, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
-        for &containment_weight in containment_weights(self.request.model) {
+        for &containment_weight in containment_weights(self.request.task) {
             for &state_fraction in &STATE_UNITS {
                 let mut units = ProblemUnits::of_fraction(state_fraction, containment_weight);
                 for _ in 0..=RESCALINGS {
@@ -278,7 +320,8 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
 fn with_paper_gamma(task: &Task, mut certificate: Certificate, peak: f64) -> Certificate {
     let mut peak = peak;
     let xi = certificate.disturbance_weight;
-    let free = task.system.region.is_empty() && task.specification.must_contain.is_empty();
+    let contains = !task.specification.must_contain.is_empty() || task.containment.is_some();
+    let free = task.system.region.is_empty() && !contains;
     if free && certificate.mismatch.is_empty() {
         let smallest = smallest_scale(task, &certificate);
         let largest = task.specification.disturbance_weight_max / xi;

@@ -6,6 +6,7 @@ use super::attempts::{Attempts, Synthesis};
 use super::gain::{is_enough, GainSynthesis};
 use super::gyroscopic_form::{self, with_chosen_form};
 use super::{measured, parameter_search, two_certificates};
+use crate::claim::Claim;
 use crate::conditions::GainPlan;
 use crate::design::DesignFile;
 use crate::feasibility;
@@ -106,7 +107,7 @@ fn smallest_gain(
             GainSynthesis::new(request, asked, session).in_all_settings()
         })?;
     let best_seen = found.best_seen;
-    let solved = |design: Box<Synthesized>, session: &Session| {
+    let solved = |design: Box<Synthesized>, best_seen: f64, session: &Session| {
         let mut design = design.with_runs(&session.runs);
         let objective = GainSynthesis::objective(&design.file);
         design.optimality = Optimality::of_smallest(objective, best_seen);
@@ -120,17 +121,25 @@ fn smallest_gain(
         }
     };
     if let Some(design) = found.best.take() {
-        return Ok(solved(design, &session));
+        return Ok(solved(design, best_seen, &session));
     }
-    let decision = feasibility::decide_after(request, own, &mut session)?;
+    let mut decision = feasibility::decide_after(request, own, &mut session)?;
+    if let Some(point) = decision.linearisation.take() {
+        // The weights tried did not suit the set that must be contained.
+        let about = GainSynthesis::about_points(request, point, &mut session)?;
+        if let Some(design) = about.best {
+            let before = best_seen.min(about.best_seen);
+            return Ok(solved(design, before, &session));
+        }
+    }
     let slack = decision.slack;
     let blocked = slack.map_or(found.infeasible > 0, |slack| slack > 0.0);
     Ok(match (&decision.answer, found.unproved.take()) {
         (Answer::Infeasible(_), _) => Outcome::Infeasible(decision),
         // The point is a design too, if not one with a small gain.
-        (Answer::Feasible(design), _) => solved(design.clone(), &session),
+        (Answer::Feasible(design), _) => solved(design.clone(), best_seen, &session),
         (Answer::Undecided(Some(_)), _) => Outcome::Undecided(decision),
-        (Answer::Undecided(None), Some(design)) => solved(design, &session),
+        (Answer::Undecided(None), Some(design)) => solved(design, best_seen, &session),
         (Answer::Undecided(None), None) if blocked => Outcome::Undecided(decision),
         // The solvers contradict themselves, or never got anywhere.
         (Answer::Undecided(None), None) => Outcome::SolverFailed(decision),
@@ -150,5 +159,8 @@ fn missed(design: &DesignFile) -> Option<String> {
         _ => "gamma",
     };
     let found = GainSynthesis::objective(design);
-    (found > limit).then(|| format!("the smallest {what} proved is {found:.6}; {key} is {limit}"))
+    (found > limit).then(|| {
+        let found = Claim::AtMost(found);
+        format!("the smallest {what} proved is {found}; {key} is {limit}")
+    })
 }

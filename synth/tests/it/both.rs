@@ -10,7 +10,7 @@ use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::model::Model;
 use synth::solve::Solver;
-use synth::synthesis::{synthesize, Outcome, Solvers};
+use synth::synthesis::{synthesize, Form, Outcome, Solvers};
 
 /// The design of models/xu2020-both.json for one choice of the search.
 fn design() -> &'static Value {
@@ -35,6 +35,21 @@ fn design() -> &'static Value {
             other => panic!("no design: {other:?}"),
         }
     })
+}
+
+#[test]
+fn the_structured_solver_alone_proves_both_certificates() {
+    let text = include_str!("../../../models/xu2020-both.json");
+    let model = Model::from_json(text).expect("a valid model");
+    let alone = Solvers::named(Solver::Structured, Form::VertexRelaxed);
+    match synthesize(&model, text, &alone, None) {
+        Ok(Outcome::Solved(design)) => {
+            assert_eq!(design.report.verdict, Verdict::Proved);
+            let gain = design.file.certificate.guaranteed_gain;
+            assert!((0.5..0.6).contains(&gain), "{gain}");
+        }
+        other => panic!("no design: {other:?}"),
+    }
 }
 
 /// Name and exact truth of every condition that `chosen` picks by its place in the report.

@@ -171,9 +171,16 @@ fn a_gain_that_is_asked_for_is_met_and_one_below_the_smallest_is_not() {
             panic!("{key} below the smallest gain is no design");
         };
         let reason = decision.limiting_factors.expect("a reason").reason;
+        let (_, found) = reason
+            .split_once("the smallest guaranteed gain proved is ")
+            .expect(&reason);
+        let (found, _) = found.split_once(';').expect(&reason);
+        // Six digits, rounded up.
+        assert!(found.trim_start_matches("0.").len() <= 7, "{reason}");
+        let found: f64 = found.parse().expect(&reason);
         assert!(
-            reason.contains("the smallest guaranteed gain proved is"),
-            "{reason}"
+            found >= smallest && found <= 1.01 * smallest,
+            "{reason}; {smallest}"
         );
     }
 }

@@ -15,6 +15,13 @@ const NEARLY_FEASIBLE: f64 = 1e-6;
 /// Relative gap of reduced accuracy.
 const NEARLY_CLOSED: f64 = 1e-5;
 
+/// Relative gap, and residual of `<A_i, Z> = c_i`, up to which a point whose y satisfies the inequalities is returned for
+/// what it is where no start led further: its objective is attained.
+const USABLE: f64 = 1e-4;
+
+/// The same for the residual.
+const USABLE_RESIDUAL: f64 = 1e-5;
+
 /// What is known of a point.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Measures {
@@ -49,6 +56,11 @@ impl Measures {
         self.relative_gap <= gap.max(NEARLY_CLOSED)
             && self.slack_residual <= NEARLY_FEASIBLE
             && self.dual_residual <= NEARLY_FEASIBLE
+    }
+
+    /// True for a point that is near the optimum, if not for certain.
+    fn usable(&self, gap: f64) -> bool {
+        self.relative_gap <= gap.max(USABLE) && self.dual_residual <= USABLE_RESIDUAL
     }
 }
 
@@ -107,6 +119,18 @@ pub struct SolverExit {
     pub iterations: u32,
     /// Where the time went.
     pub timings: Timings,
+}
+
+impl SolverExit {
+    /// The same, with reduced accuracy in the place of a stall where y satisfies the inequalities and is about optimal.
+    pub fn or_reduced(mut self, gap: f64) -> Self {
+        if let Termination::Stalled(why) = self.termination {
+            if self.feasible && self.measures.usable(gap) {
+                self.termination = Termination::Reduced(why);
+            }
+        }
+        self
+    }
 }
 
 /// The input of the iterations.

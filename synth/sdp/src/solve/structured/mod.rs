@@ -203,10 +203,11 @@ fn cold(task: &SolveTask<'_>, mut iterates: Option<&mut Iterates>) -> SolverExit
     let start = cold_start(task.layout, LARGER_START);
     let mut second = interior_point::solve(task, start, iterates);
     second.iterations += outcome.iterations;
-    match second.termination.is_stalled() && outcome.feasible {
+    let best = match second.termination.is_stalled() && outcome.feasible {
         true => outcome,
         false => second,
-    }
+    };
+    best.or_reduced(task.relative_gap)
 }
 
 impl Backend for Structured {
