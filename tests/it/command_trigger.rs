@@ -34,13 +34,13 @@ fn the_proof_of_wu_2018_is_written_verified_and_claims_the_same() {
     let report = wu(&["--json", "-o", path]).ends_with(0).json();
     assert_eq!(report["verdict"], "proved");
     assert!(number(&report, "/certified_angle_deg") >= 27.6, "{report}");
-    assert!(number(&report, "/final_angle_deg") <= 0.11, "{report}");
+    assert!(number(&report, "/pointing_deg") <= 0.11, "{report}");
     let again = steadfast(["verify", path, "--json"]).ends_with(0).json();
     for key in [
         "verdict",
         "certified_angle_deg",
-        "final_angle_deg",
-        "final_rate_rad_s",
+        "pointing_deg",
+        "rate_bound_rad_s",
         "within_limit",
         "hand_over_s",
         "conditions",
@@ -69,7 +69,7 @@ fn a_single_certificate_bounds_the_pointing_where_the_gain_is_the_objective() {
     let gains = shipped("wu2018-gains.json");
     let report = analyse(&gains, &model, &["--json"]).ends_with(0).json();
     assert!(number(&report, "/certified_angle_deg") > 7.0, "{report}");
-    assert!(number(&report, "/final_angle_deg") < 0.11, "{report}");
+    assert!(number(&report, "/pointing_deg") < 0.11, "{report}");
     assert_eq!(report["hand_over_s"], Value::Null);
 }
 

@@ -3,15 +3,16 @@
 use super::candidate::Source;
 
 use crate::certify::infeasible::{refute, DualMultipliers, Refutation};
+use crate::certify::theorem1::relative_supply;
 use crate::conditions::LoopImperfections;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    containment_weights, has_point, is_structured, scaled, Answer, Asked, Blocking, Decision,
-    DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers, SynthesisError, Synthesized,
-    FIRST_UNITS, STATE_UNITS,
+    complete, containment_weights, has_point, is_structured, scaled, Answer, Asked, Blocking,
+    Decision, DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers, SynthesisError,
+    Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::centre::centred;
@@ -287,7 +288,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             if self.goal == DecisionGoal::Refutation {
                 return Ok(AttemptResult::NotPursued);
             }
-            if let Some(design) = point(request, &solved, units) {
+            if let Some(design) = point(request, &solved, units, session)? {
                 return Ok(AttemptResult::Point(design));
             }
         }
@@ -390,24 +391,31 @@ const UNKNOWN_GAIN: f64 = 1e300;
 /// Relative back-off above the smallest gain bound that a point admits.
 const GAIN_BACK_OFF: f64 = 1e-3;
 
-/// The solver's point as a proved design, with the gain bound it admits.
+/// The solver's point, completed as in a synthesis, as a proved design with the gain bound it admits.
 fn point(
     request: DesignRequest,
     solved: &Solved,
     units: &ProblemUnits,
-) -> Option<Box<Synthesized>> {
+    session: &mut Session,
+) -> Result<Option<Box<Synthesized>>, SynthesisError> {
     let mut unknowns = solved.assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
     let (values, scaling) = (&solved.solution.values, &solved.scaling);
-    let mut certificate = recover(request.model, &unknowns, values, (scaling, &solved.task))?;
-    let xi = certificate.disturbance_weight;
+    let model = request.model;
+    let Some(certificate) = recover(model, &unknowns, values, (scaling, &solved.task)) else {
+        return Ok(None);
+    };
+    let Some(mut certificate) = complete(model, certificate, session)? else {
+        return Ok(None);
+    };
     let guaranteed = certificate.guaranteed_gain;
-    let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);
+    let least = relative_supply(model, &certificate).max(certificate.disturbance_weight);
+    let gain_bound = (guaranteed * guaranteed / least).max(least) * (1.0 + GAIN_BACK_OFF);
     if !(gain_bound > 0.0 && gain_bound.is_finite()) {
-        return None;
+        return Ok(None);
     }
     certificate.gain_bound = gain_bound;
     certificate.guaranteed_gain = guaranteed.min(gain_bound);
     let design = request.design(&certificate, None, units);
-    design.filter(|design| design.is_proved())
+    Ok(design.filter(|design| design.is_proved()))
 }

@@ -6,6 +6,7 @@
 
 mod active;
 mod assemble;
+mod completion;
 mod optimum;
 mod outcome;
 mod parameter;
@@ -18,6 +19,7 @@ mod trigger_weight;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
+pub(crate) use completion::{complete, complete_both};
 pub use optimum::Optimum;
 pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,

@@ -2,6 +2,7 @@
 
 use synth::certify::theorem1::Certificate;
 use synth::certify::{check, check_exactly, Verdict};
+use synth::feasibility::{decide, Answer};
 use synth::model::Model;
 use synth::synthesis::{synthesize, Outcome, Solvers};
 
@@ -132,5 +133,35 @@ fn a_worse_loop_than_the_proved_one_is_refused() {
             check_exactly(&changed, &certificate).verdict,
             Verdict::NotProved
         );
+    }
+}
+
+#[test]
+fn a_model_with_a_measurement_error_or_a_network_is_feasible() {
+    let xu2020 = include_str!("../../../models/xu2020.json");
+    let cases = [
+        (CART, r#"{ "measurement": { "state": [1e-4, 1e-4] } }"#),
+        (CART, r#"{ "delay_s": 0.02 }"#),
+        (CART, r#"{ "lost_in_a_row": 1 }"#),
+        (
+            xu2020,
+            r#"{ "measurement": { "rate_rad_s": 1e-5, "attitude_deg": 0.01 } }"#,
+        ),
+        (xu2020, r#"{ "delay_s": 0.02, "lost_in_a_row": 2 }"#),
+    ];
+    let mut models = vec![Model::from_json(CART).expect("a valid model")];
+    for (text, imperfections) in cases {
+        let mut file = Model::from_json(text).expect("a valid model").file;
+        file.imperfections = serde_json::from_str(imperfections).expect("imperfections");
+        file.specs.trigger_floor = None;
+        models.push(Model::new(file).expect("a valid model"));
+    }
+    for model in models {
+        let decision = decide(&model, "", &Solvers::suited_to(&model), None).expect("a decision");
+        let Answer::Feasible(design) = decision.answer else {
+            panic!("{:?}: {:?}", model.file.imperfections, decision.answer);
+        };
+        assert_eq!(design.report.verdict, Verdict::Proved);
+        assert_eq!(design.file.model, model.file);
     }
 }
