@@ -292,7 +292,7 @@ fn the_design_of_a_model_for_two_certificates_is_one_for_the_gain() {
     let folder = folder();
     let output = folder.path().join("design.json");
     let model = shipped("xu2020-both.json");
-    let path = output.to_str().expect("a path in UTF-8");
+    let path = word(&output);
     feasibility(&model, &["--no-relaxations", "-o", path]).ends_with(0);
     assert_eq!(json(&output)["model"]["specs"]["objective"], "gamma");
     verify(&output, &[]).ends_with(0);

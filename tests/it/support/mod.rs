@@ -79,6 +79,22 @@ pub fn steadfast<I: IntoIterator<Item = S>, S: AsRef<OsStr>>(arguments: I) -> Ru
     )
 }
 
+/// A path as an argument.
+#[track_caller]
+pub fn word(path: &Path) -> &str {
+    path.to_str().expect("a name")
+}
+
+/// Simulates a scenario, with a design where there is one, into a folder. A missed requirement is no failure.
+#[track_caller]
+pub fn simulated(scenario: &Path, design: Option<&Path>, out: &Path) -> Run {
+    let own = ["simulate", word(scenario), "-o", word(out)].map(Path::new);
+    let design = design.map(|design| [Path::new("--design"), design]);
+    let run = steadfast(own.into_iter().chain(design.into_iter().flatten()));
+    assert!(matches!(run.status, Some(0 | 2)), "{run:#?}");
+    run
+}
+
 /// The repository's folder.
 pub fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
