@@ -290,8 +290,8 @@ fn a_bad_use_of_the_arguments_is_one_line() {
     let folder = folder();
     let out = folder.path().join("out");
     let scenario = shipped("wu2018-campaign.json");
-    let scenario = scenario.to_str().expect("a path in UTF-8");
-    let out = out.to_str().expect("a path in UTF-8");
+    let scenario = word(&scenario);
+    let out = word(&out);
     let cases: [(&[&str], &str); 5] = [
         (&["synthesize"], "were not provided: <MODEL>; Usage:"),
         (&["simulate", scenario, "--seed", "3"], "--run-index <K>"),

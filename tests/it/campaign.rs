@@ -125,7 +125,7 @@ fn every_run_can_be_made_alone_and_is_the_very_same() {
             let text = index.to_string();
             let alone = steadfast([
                 "simulate",
-                file.to_str().expect("a plain name"),
+                word(&file),
                 "--run-index",
                 &text,
                 "--seed",

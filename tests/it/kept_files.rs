@@ -7,8 +7,10 @@ use serde_json::{json, Value};
 use crate::support::refusals::assert_says;
 use crate::support::*;
 
-fn word(path: &Path) -> &str {
-    path.to_str().expect("a name")
+/// A campaign of 3 runs, with further arguments.
+fn campaign(scenario: &Path, out: &Path, further: &[&str]) -> Run {
+    let own = ["campaign", word(scenario), "--runs", "3", "-o", word(out)];
+    steadfast([&own[..], further].concat())
 }
 
 /// Wu's scenario of 3 seconds, and a folder for a campaign of it in which the folder `inside` has a file of the user's.
@@ -31,8 +33,7 @@ fn a_campaign_leaves_a_folder_of_the_users_that_is_called_like_one_of_its_own() 
     ] {
         let folder = folder();
         let [scenario, out, mine] = prepared(folder.path(), inside, name);
-        let command = ["campaign", word(&scenario), "--runs", "3", "-o", word(&out)];
-        let message = steadfast(command).refusal();
+        let message = campaign(&scenario, &out, &[]).refusal();
         assert_says(&message, &["which is not of this work", "--force"]);
         assert_eq!(text(&mine), "thesis");
     }
@@ -40,16 +41,7 @@ fn a_campaign_leaves_a_folder_of_the_users_that_is_called_like_one_of_its_own() 
     let folder = folder();
     let [scenario, out, mine] = prepared(folder.path(), "parts/sub", "x.txt");
     let beside = write(&out.join("parts"), "chapter1.tex", "thesis");
-    let own = [
-        "campaign",
-        word(&scenario),
-        "--runs",
-        "3",
-        "-o",
-        word(&out),
-        "--force",
-    ];
-    let run = steadfast(own);
+    let run = campaign(&scenario, &out, &["--force"]);
     assert_ne!(run.status, Some(1), "{run:?}");
     assert_eq!([text(&mine), text(&beside)], ["thesis", "thesis"]);
     assert_eq!(names_in(&out.join("parts")), ["chapter1.tex", "sub"]);
@@ -64,23 +56,11 @@ fn a_campaign_removes_a_kept_run_without_what_the_user_has_put_beside_it() {
     file["requirements"] = json!([{ "metric": "triggers", "at_most": 0 }]);
     let scenario = write(folder.path(), "missed.json", file.to_string());
     let out = folder.path().join("out");
-    let own = |keep| {
-        [
-            "campaign",
-            word(&scenario),
-            "--runs",
-            "3",
-            "-o",
-            word(&out),
-            "--keep",
-            keep,
-        ]
-    };
-    steadfast(own("3")).ends_with(2);
+    campaign(&scenario, &out, &["--keep", "3"]).ends_with(2);
     let failed = out.join("failed");
     let notes = write(&failed.join("run-000001"), "notes.txt", "thesis");
     let other = write(&failed, "run-mine", "thesis");
-    steadfast(own("0")).ends_with(2);
+    campaign(&scenario, &out, &["--keep", "0"]).ends_with(2);
     assert_eq!([text(&notes), text(&other)], ["thesis", "thesis"]);
     assert_eq!(names_in(&failed), ["run-000001", "run-mine"]);
     assert_eq!(names_in(&failed.join("run-000001")), ["notes.txt"]);
@@ -98,16 +78,8 @@ fn a_campaign_follows_no_link_in_the_place_of_a_folder_of_its_own() {
         let mine = write(&target, "part-000000.parquet", "thesis");
         let link = out.join(name);
         std::os::unix::fs::symlink(&target, &link).expect("a link");
-        let command = [
-            "campaign",
-            word(&scenario),
-            "--runs",
-            "3",
-            "-o",
-            word(&out),
-            "--force",
-        ];
-        assert_says(&steadfast(command).refusal(), &[name, "this is a link"]);
+        let message = campaign(&scenario, &out, &["--force"]).refusal();
+        assert_says(&message, &[name, "this is a link"]);
         assert!(link.symlink_metadata().expect("it is there").is_symlink());
         assert_eq!(text(&mine), "thesis");
     }
@@ -166,15 +138,7 @@ fn the_summary_of_a_run_is_no_design_though_it_tells_of_one() {
     let scenario = cut("double-integrator-closed-loop.json", 3.0, folder.path());
     let design = double_integrator_design();
     let out = folder.path().join("run");
-    let run = [
-        "simulate",
-        word(&scenario),
-        "--design",
-        word(design),
-        "-o",
-        word(&out),
-    ];
-    assert_ne!(steadfast(run).status, Some(1));
+    simulated(&scenario, Some(design), &out);
     let summary = out.join("summary.json");
     let before = text(&summary);
     let cart = shipped("double-integrator.json");
@@ -210,30 +174,23 @@ fn the_summary_of_a_run_is_no_design_though_it_tells_of_one() {
 fn a_run_and_a_campaign_do_not_share_a_folder_and_their_pages_do_not_replace_each_other() {
     let folder = folder();
     let scenario = cut("wu2018.json", 3.0, folder.path());
-    let [campaign, run] = ["campaign", "run"].map(|name| folder.path().join(name));
-    let runs = ["campaign", word(&scenario), "--runs", "2", "-o"];
-    assert_ne!(
-        steadfast([&runs[..], &[word(&campaign)]].concat()).status,
-        Some(1)
-    );
-    steadfast(["report", word(&campaign)]).ends_with(0);
-    let page = text(&campaign.join("report.html"));
+    let [runs, run] = ["campaign", "run"].map(|name| folder.path().join(name));
+    assert_ne!(campaign(&scenario, &runs, &[]).status, Some(1));
+    steadfast(["report", word(&runs)]).ends_with(0);
+    let page = text(&runs.join("report.html"));
     let simulate = ["simulate", word(&scenario), "-o"];
-    let message = steadfast([&simulate[..], &[word(&campaign)]].concat()).refusal();
+    let message = steadfast([&simulate[..], &[word(&runs)]].concat()).refusal();
     assert_says(&message, &["report.html", "holds the page of a campaign"]);
-    std::fs::remove_file(campaign.join("report.html")).expect("it is there");
-    let message = steadfast([&simulate[..], &[word(&campaign)]].concat()).refusal();
+    std::fs::remove_file(runs.join("report.html")).expect("it is there");
+    let message = steadfast([&simulate[..], &[word(&runs)]].concat()).refusal();
     assert_says(&message, &["holds a campaign; choose another folder"]);
-    steadfast(["report", word(&campaign)]).ends_with(0);
-    assert_eq!(text(&campaign.join("report.html")), page);
+    steadfast(["report", word(&runs)]).ends_with(0);
+    assert_eq!(text(&runs.join("report.html")), page);
 
-    assert_ne!(
-        steadfast([&simulate[..], &[word(&run)]].concat()).status,
-        Some(1)
-    );
-    let message = steadfast([&runs[..], &[word(&run)]].concat()).refusal();
+    simulated(&scenario, None, &run);
+    let message = campaign(&scenario, &run, &[]).refusal();
     assert_says(&message, &["holds a run; choose another folder"]);
-    let target = campaign.join("report.html");
+    let target = runs.join("report.html");
     let message = steadfast(["report", word(&run), "-o", word(&target)]).refusal();
     assert_says(&message, &["where the page of a run"]);
     assert_eq!(text(&target), page);

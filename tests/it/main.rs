@@ -19,6 +19,7 @@ mod coverage;
 mod exact;
 mod export;
 mod exports;
+mod falsification;
 mod feasibility;
 mod fixtures;
 mod fuzz;

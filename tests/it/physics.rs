@@ -24,7 +24,7 @@ fn an_inertia_that_no_rigid_body_has_is_refused_by_every_verb() {
     let scenario = spoiled("wu2018.json", "/system/rigid_body/inertia_kg_m2");
     let requirements = spoiled("requirements-large.json", "/spacecraft/inertia_kg_m2");
     let gains = shipped("xu2020-appendix-gains.json");
-    let path = |path: &Path| path.to_str().expect("a name").to_string();
+    let path = |path: &Path| word(path).to_string();
     let cases: [(&str, &Path, Vec<String>); 9] = [
         ("check", &model, vec![]),
         ("check", &scenario, vec![]),

@@ -30,7 +30,7 @@ fn run(verb: &str, file: &Path, more: &[&str]) -> Run {
 /// A design of a shipped problem in a folder.
 fn designed(folder: &Path, name: &str) -> PathBuf {
     let design = folder.join("design.json");
-    let output = ["-o", design.to_str().expect("a plain path")];
+    let output = ["-o", word(&design)];
     run("synthesize", &shipped(name), &output).ends_with(0);
     design
 }
@@ -45,7 +45,7 @@ fn the_shipped_problems_reach_their_known_answers_and_are_proved_again() {
     for (name, known, tolerance) in KNOWN {
         let folder = folder();
         let design = folder.path().join("design.json");
-        let output = ["--json", "-o", design.to_str().expect("a plain path")];
+        let output = ["--json", "-o", word(&design)];
         let report = run("synthesize", &shipped(name), &output)
             .ends_with(0)
             .json();
@@ -119,7 +119,7 @@ fn an_infeasible_problem_ends_with_2_names_what_blocks_and_writes_nothing() {
     set(&mut problem, stiffness, json!(-9.1));
     let path = write(folder.path(), "soft.json", problem.to_string());
     let design = folder.path().join("design.json");
-    let output = ["--json", "-o", design.to_str().expect("a plain path")];
+    let output = ["--json", "-o", word(&design)];
     let report = run("synthesize", &path, &output).ends_with(2).json();
     assert_eq!(report["status"], "infeasible");
     assert_eq!(report["verdict"], "not_proved");
@@ -157,12 +157,7 @@ fn independent_solvers_reach_the_same_optimum() {
     for name in ALL {
         let folder = folder();
         let path = folder.path().join("problem.dat-s");
-        let more = [
-            "--format",
-            "sdpa",
-            "-o",
-            path.to_str().expect("a plain path"),
-        ];
+        let more = ["--format", "sdpa", "-o", word(&path)];
         run("export", &shipped(name), &more).ends_with(0);
         let report = run("synthesize", &shipped(name), &["--json"])
             .ends_with(0)
@@ -233,7 +228,7 @@ fn what_a_problem_cannot_do_is_said_in_one_sentence() {
     let problem = shipped("saturated-pendulum.json");
     let design = designed(folder.path(), "saturated-pendulum.json");
     let scenario = shipped("double-integrator-closed-loop.json");
-    let given = ["--design", design.to_str().expect("a plain path")];
+    let given = ["--design", word(&design)];
     let cases: [(Run, &str); 7] = [
         (
             run("simulate", &problem, &[]),

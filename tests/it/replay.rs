@@ -9,14 +9,8 @@ use steadfast::base::table::Table;
 use steadfast::batch::campaign::table::column_f64;
 
 /// Simulates a scenario into a folder and reads its summary and its trajectory.
-fn simulated(scenario: &Path, design: Option<&Path>, out: &Path) -> (Value, Table) {
-    let mut command = command();
-    command.arg("simulate").arg(scenario).arg("-o").arg(out);
-    if let Some(design) = design {
-        command.arg("--design").arg(design);
-    }
-    let run = Run::new(command.output().expect("the command runs"));
-    assert!(matches!(run.status, Some(0 | 2)), "{run:#?}");
+fn recorded(scenario: &Path, design: Option<&Path>, out: &Path) -> (Value, Table) {
+    simulated(scenario, design, out);
     let table = Table::from_csv(&text(&out.join("trajectory.csv"))).expect("a table");
     (json(&out.join("summary.json")), table)
 }
@@ -32,7 +26,7 @@ fn an_outside_simulator_replays_a_run_from_its_files_alone() {
         shipped("xu2020-closed-loop.json"),
         folder.path().join("run"),
     );
-    let (summary, _) = simulated(&scenario, Some(xu2020_design()), &out);
+    let (summary, _) = recorded(&scenario, Some(xu2020_design()), &out);
     let script = include_str!("../data/replay.py");
     let files = [
         scenario.as_path(),
@@ -56,7 +50,7 @@ fn every_sample_has_its_row_in_csv_and_in_parquet() {
     let folder = folder();
     let scenario = cut("wu2018.json", 20.0, folder.path());
     let out = folder.path().join("run");
-    let (summary, table) = simulated(&scenario, None, &out);
+    let (summary, table) = recorded(&scenario, None, &out);
     let samples = column(&table, "sample");
     assert_eq!(samples.iter().sum::<f64>(), number(&summary, "/samples"));
     // 32 samples per second, the first at 0.
@@ -88,7 +82,7 @@ fn every_sample_has_its_row_in_csv_and_in_parquet() {
 fn the_controllers_columns_are_those_of_the_rows_own_sample() {
     let folder = folder();
     let scenario = cut("yang2025.json", 5.0, folder.path());
-    let (_, table) = simulated(&scenario, None, &folder.path().join("run"));
+    let (_, table) = recorded(&scenario, None, &folder.path().join("run"));
     let samples = column(&table, "sample");
     let sent = column(&table, "sent");
     let silent = samples
@@ -124,7 +118,7 @@ fn a_row_at_the_edge_of_a_fault_shows_the_side_that_begins() {
         { "axis": 2, "from_s": 1.001, "until_s": 1.507, "effectiveness": 0.5, "additive_nm": 0.3 }
     ]);
     let path = write(folder.path(), "fault.json", scenario.to_string());
-    let (_, table) = simulated(&path, None, &folder.path().join("run"));
+    let (_, table) = recorded(&path, None, &folder.path().join("run"));
     let times = column(&table, "time_s");
     let (disturbance, torque) = (
         column(&table, "disturbance_2_nm"),
@@ -209,7 +203,7 @@ fn a_run_of_more_than_a_million_samples_keeps_rows_of_messages_and_says_so() {
     );
     set(&mut scenario, "/output", json!({ "interval_s": 0.01 }));
     let path = write(folder.path(), "fast.json", scenario.to_string());
-    let (summary, table) = simulated(&path, None, &folder.path().join("run"));
+    let (summary, table) = recorded(&path, None, &folder.path().join("run"));
     assert!(table.rows() < 100_000, "{}", table.rows());
     let sent: f64 = column(&table, "sent").iter().sum();
     assert_eq!(sent, number(&summary, "/triggers"));

@@ -7,10 +7,6 @@ use serde_json::json;
 use crate::support::refusals::assert_says;
 use crate::support::*;
 
-fn word(path: &Path) -> &str {
-    path.to_str().expect("a name")
-}
-
 /// The double integrator with an output so large that gamma, which depends on its unit, is far from the gain.
 fn other_units(folder: &Path) -> PathBuf {
     let mut model = json(&shipped("double-integrator.json"));
@@ -293,14 +289,7 @@ fn one_settling_time_has_one_rendering_that_is_rounded_up() {
     let scenario = shipped("double-integrator-closed-loop.json");
     let design = double_integrator_design();
     let out = folder.path().join("run");
-    let run = steadfast([
-        "simulate",
-        word(&scenario),
-        "--design",
-        word(design),
-        "-o",
-        word(&out),
-    ]);
+    let run = simulated(&scenario, Some(design), &out);
     let settled = run
         .stdout
         .lines()

@@ -10,29 +10,27 @@ use crate::support::refusals::assert_says;
 use crate::support::*;
 use serde_json::{json, Value};
 
-fn word(path: &Path) -> String {
-    path.to_str().expect("a name").to_string()
-}
-
 /// A folder of a run of wu2018 of 5 seconds, and its scenario.
 fn short_run(folder: &Path) -> (PathBuf, PathBuf) {
     let scenario = cut("wu2018.json", 5.0, folder);
     let run = folder.join("run");
-    steadfast(["simulate", &word(&scenario), "-o", &word(&run)]);
-    assert!(run.join("summary.json").exists());
+    simulated(&scenario, None, &run);
     (scenario, run)
 }
 
 /// Commands that write one file, without it.
 fn writers(folder: &Path) -> Vec<Vec<String>> {
     let (_, run) = short_run(folder);
-    let cart = word(&shipped("double-integrator.json"));
+    let cart = shipped("double-integrator.json");
+    let cart = word(&cart);
+    let network = shipped("buffer-network.json");
     let design = word(double_integrator_design());
-    let gains = word(&shipped("saturating-gains.json"));
+    let gains = shipped("saturating-gains.json");
+    let gains = word(&gains);
     let run = word(&run);
     let commands: [&[&str]; 10] = [
         &["synthesize", &cart],
-        &["synthesize", &word(&shipped("buffer-network.json"))],
+        &["synthesize", word(&network)],
         &["feasibility", &cart],
         &["analyse", &gains, "--model", &cart],
         &["export", &design, "--format", "c"],
@@ -69,7 +67,11 @@ fn a_file_of_another_kind_stays_as_it_is_unless_it_is_forced() {
     for command in writers(folder.path()) {
         for (name, contents) in kept.into_iter().zip(contents) {
             let target = write(folder.path(), name, contents);
-            let arguments = [command.clone(), vec!["-o".into(), word(&target)]].concat();
+            let arguments = [
+                command.clone(),
+                vec!["-o".into(), word(&target).to_string()],
+            ]
+            .concat();
             let message = steadfast(&arguments).refusal();
             assert_says(&message, &[name, "holds", "--force"]);
             if name == "scenario.json" {
@@ -79,13 +81,17 @@ fn a_file_of_another_kind_stays_as_it_is_unless_it_is_forced() {
         }
         // What is empty has nothing to lose; the second time the file is of the verb's own kind.
         let target = write(folder.path(), "empty", "");
-        let arguments = [command.clone(), vec!["-o".into(), word(&target)]].concat();
+        let arguments = [
+            command.clone(),
+            vec!["-o".into(), word(&target).to_string()],
+        ]
+        .concat();
         for _ in 0..2 {
             let run = steadfast(&arguments);
             assert_eq!(run.status, Some(0), "{arguments:?}: {run:#?}");
         }
         let target = write(folder.path(), "forced.txt", "not for long");
-        let forced = ["-o".into(), word(&target), "--force".into()];
+        let forced = ["-o", word(&target), "--force"].map(String::from);
         steadfast([command, forced.to_vec()].concat()).ends_with(0);
         assert_ne!(std::fs::read(&target).unwrap(), b"not for long");
         for name in ["empty", "forced.txt"] {
@@ -99,8 +105,10 @@ fn files_of_another_kind_in_an_output_folder_stay_as_they_are() {
     let folder = folder();
     let (scenario, _) = short_run(folder.path());
     let scenario = word(&scenario);
-    let compared = word(&shipped("compare-wu2018.json"));
-    let other = word(&shipped("compare-lei2022.json"));
+    let compared = shipped("compare-wu2018.json");
+    let compared = word(&compared);
+    let other = shipped("compare-lei2022.json");
+    let other = word(&other);
     let cases: [(&[&str], &str); 8] = [
         (&["simulate", &scenario], "trajectory.csv"),
         (&["simulate", &scenario], "report.html"),
@@ -154,9 +162,12 @@ fn an_input_is_never_replaced_not_even_by_force() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_target_that_cannot_be_written_is_refused_before_any_work() {
-    let cart = word(&shipped("double-integrator.json"));
-    let wu = word(&shipped("wu2018.json"));
-    let large = word(&shipped("requirements-large.json"));
+    let cart = shipped("double-integrator.json");
+    let cart = word(&cart);
+    let wu = shipped("wu2018.json");
+    let wu = word(&wu);
+    let large = shipped("requirements-large.json");
+    let large = word(&large);
     let commands: [&[&str]; 6] = [
         &["tune", &large, "-o", "/proc/out.json"],
         &["synthesize", &cart, "-o", "/proc/out.json"],
@@ -215,7 +226,7 @@ fn an_interrupted_feasibility_names_the_certificate_that_it_has_written() {
         infeasible_cart(folder.path()),
         folder.path().join("proof.json"),
     );
-    let child = started(&["feasibility", &word(&model), "-o", &word(&out)]);
+    let child = started(&["feasibility", word(&model), "-o", word(&out)]);
     let run = interrupted_when(child, || out.exists());
     if run.status == Some(2) {
         eprintln!("SKIPPED: the verb had ended before it could be interrupted");
@@ -243,7 +254,7 @@ fn an_interrupted_search_says_that_nothing_was_written() {
         json!({ "candidates": 100_000 }),
     );
     let requirements = write(folder.path(), "requirements.json", requirements.to_string());
-    let child = started(&["tune", &word(&requirements), "-o", &word(&out)]);
+    let child = started(&["tune", word(&requirements), "-o", word(&out)]);
     let begun = Instant::now();
     let run = interrupted_when(child, || begun.elapsed() > Duration::from_secs(1));
     assert_eq!(run.refusal(), "interrupted; nothing was written");
@@ -262,7 +273,7 @@ fn an_interrupted_run_says_that_nothing_was_written() {
         .remove("metrics");
     let scenario = write(folder.path(), "long.json", scenario.to_string());
     let out = folder.path().join("run");
-    let child = started(&["simulate", &word(&scenario), "-o", &word(&out)]);
+    let child = started(&["simulate", word(&scenario), "-o", word(&out)]);
     let begun = Instant::now();
     let run = interrupted_when(child, || begun.elapsed() > Duration::from_secs(1));
     assert_eq!(run.refusal(), "interrupted; nothing was written");

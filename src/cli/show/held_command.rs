@@ -17,9 +17,9 @@ pub struct HeldCommandClaims {
     /// Every attitude at rest up to this angle, about any axis, is a certified start (deg).
     certified_angle_deg: Option<f64>,
     /// Bound on the angle from rest, and in the end from every certified start (deg).
-    final_angle_deg: Option<f64>,
+    pointing_deg: Option<f64>,
     /// The same of the rate [rad/s].
-    final_rate_rad_s: Option<f64>,
+    rate_bound_rad_s: Option<f64>,
     /// Share of the command within the torque limit on the set of starts.
     within_limit: Option<f64>,
     /// Time by which every certified start has reached the last set (s); null where there is one certificate.
@@ -35,8 +35,8 @@ impl HeldCommandClaims {
         let last = proof.last().final_bounds;
         HeldCommandClaims {
             certified_angle_deg: Some(angle_of_vector_part_deg(start.certified_vector_part)),
-            final_angle_deg: Some(angle_above_vector_part_deg(last.vector_part)),
-            final_rate_rad_s: Some(last.rate),
+            pointing_deg: Some(angle_above_vector_part_deg(last.vector_part)),
+            rate_bound_rad_s: Some(last.rate),
             within_limit: Some(start.within_limit),
             hand_over_s: proof.hand_over_time(),
         }
@@ -56,7 +56,7 @@ impl HeldCommandClaims {
                 Claim::AtMost(seconds)
             )
         });
-        let bound = self.final_angle_deg.zip(self.final_rate_rad_s);
+        let bound = self.pointing_deg.zip(self.rate_bound_rad_s);
         let bound = bound.map(|(angle, rate)| {
             let (angle, rate) = (Claim::AtMost(angle), Claim::AtMost(rate));
             format!("in the end: at most {angle:.4} deg and {rate:.4} rad/s")

@@ -5,6 +5,7 @@
 
 mod assumptions;
 mod certificate;
+mod certified_set;
 mod exactly;
 pub mod held_command;
 pub mod infeasible;

@@ -71,6 +71,51 @@ pub fn reached_level<S: Scalar>(
     fed(signals, weight) / phi.clone()
 }
 
+/// The instants between samples that a condition is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instant {
+    /// Just after a sample (r = 1).
+    Start,
+    /// At the end of the longest interval (r = 2).
+    End,
+    /// Any, in a network with delay or loss, where the functional is that of the book's chapter on imperfections.
+    Any,
+}
+
+impl Instant {
+    /// The number r.
+    pub fn index(self) -> usize {
+        match self {
+            Instant::Start => 1,
+            Instant::End | Instant::Any => 2,
+        }
+    }
+
+    /// What the names of its conditions begin with.
+    pub fn label(self) -> &'static str {
+        match self {
+            Instant::Start => "decrease r=1",
+            Instant::End => "decrease r=2",
+            Instant::Any => "decrease",
+        }
+    }
+}
+
+/// The integral of the functional with the free matrices that bound it.
+#[derive(Debug, Clone)]
+pub struct IntegralTerm<S> {
+    /// Y.
+    pub weight: Matrix<S>,
+    /// L1.
+    pub free_state: Matrix<S>,
+    /// L2.
+    pub free_sample: Matrix<S>,
+    /// The greatest age of the sample behind the torque in force.
+    pub oldest: S,
+    /// Not below e^(phi oldest).
+    pub growth: S,
+}
+
 /// A symmetric matrix with one block of rows for each of some signals.
 #[derive(Debug, Clone)]
 pub struct SignalForm<S> {
@@ -124,6 +169,32 @@ impl<S: Scalar> SignalForm<S> {
                     self.matrix.set(r0, c0, sum);
                 }
             }
+        }
+    }
+
+    /// Adds 2 (x'L1 + x(t_k)'L2) (x - x(t_k)), and what the integral gives at an instant.
+    pub fn add_integral(&mut self, term: &IntegralTerm<S>, instant: Instant) {
+        use ProofSignal::{Integral, Rate, Sample, State};
+        let IntegralTerm {
+            weight,
+            free_state,
+            free_sample,
+            oldest,
+            growth,
+        } = term;
+        self.add(State, State, &free_state.symmetrised());
+        self.add(State, Sample, &free_state.negated());
+        self.add(Sample, State, free_sample);
+        self.add(Sample, Sample, &free_sample.symmetrised().negated());
+        if instant != Instant::End {
+            self.add(Rate, Rate, &weight.scaled(oldest));
+        }
+        if instant != Instant::Start {
+            // [Xi, k L; k L', -k Y] with k = oldest e^(phi oldest) has the Schur complement Xi + k L Y^-1 L'.
+            let factor = oldest.clone() * growth.clone();
+            self.add(State, Integral, &free_state.scaled(&factor));
+            self.add(Sample, Integral, &free_sample.scaled(&factor));
+            self.add(Integral, Integral, &weight.scaled(&factor).negated());
         }
     }
 

@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::imperfections::{numbers, present, FinalBoundsFile, FirstTorqueFile, MeasurementFile};
-use super::matrices::{rows, symmetric};
+use super::imperfections::{present, FinalBoundsFile, FirstTorqueFile, MeasurementFile};
+use super::matrices::{positive_list, rows, symmetric};
 use crate::certify::theorem1::{Certificate, MismatchSlack, RuleGains};
 use crate::model::bounded::{As, NonNegative};
 use crate::model::{check_matrix, check_positive, Mismatch, Model, ModelError, Plant};
@@ -192,7 +192,7 @@ impl CertificateFile {
         certificate.first_torque = first.map(|file| file.read((n, d))).transpose()?;
         let count = imperfections.uncertain_gains(m).len();
         let field = "certificate.gain_error_weight";
-        certificate.gain_error_weight = numbers(field, &self.gain_error_weight, count)?;
+        certificate.gain_error_weight = positive_list(field, &self.gain_error_weight, count)?;
         let bounds = self.final_bounds.as_ref();
         certificate.final_bounds = bounds.map(|bounds| bounds.read(model)).transpose()?;
         Ok(())

@@ -1,10 +1,10 @@
 //! The part of a certificate that only a loop with imperfections needs.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::matrices::{rows, symmetric};
+use super::matrices::{positive_list, rows, symmetric};
 use crate::certify::theorem1::{FinalBounds, FirstTorque, MeasurementWeights};
 use crate::model::{check_matrix, check_positive, Model, ModelError, Plant};
 
@@ -54,7 +54,7 @@ impl MeasurementFile {
         let field = "certificate.measurement.error_weight";
         Ok(MeasurementWeights {
             error_weight: symmetric(field, &self.error_weight, states)?,
-            sample_weight: numbers(
+            sample_weight: positive_list(
                 "certificate.measurement.sample_weight",
                 &self.sample_weight,
                 states,
@@ -89,22 +89,6 @@ impl FirstTorqueFile {
             disturbance: matrix("disturbance", &self.disturbance, disturbances)?,
         })
     }
-}
-
-/// A list of numbers above 0, of the given length.
-pub(super) fn numbers(
-    field: &str,
-    list: &[f64],
-    length: usize,
-) -> Result<DVector<f64>, ModelError> {
-    if list.len() != length {
-        let [found, expected] = [list.len(), length].map(|count| format!("{count} entries"));
-        return Err(ModelError::shape(field, found, expected));
-    }
-    for (index, &value) in list.iter().enumerate() {
-        check_positive(&format!("{field}[{index}]"), value)?;
-    }
-    Ok(DVector::from_column_slice(list))
 }
 
 impl FinalBoundsFile {

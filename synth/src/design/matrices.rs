@@ -1,8 +1,8 @@
-//! Matrices as files hold them.
+//! Matrices and lists of numbers as files hold them.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use crate::model::{check_matrix, check_symmetric, ModelError};
+use crate::model::{check_matrix, check_positive, check_symmetric, ModelError};
 
 /// A matrix as a file holds it: a list of rows.
 pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
@@ -27,4 +27,20 @@ pub(crate) fn symmetric(
     let matrix = check_matrix(field, rows, (Some(side), Some(side)))?;
     check_symmetric(field, &matrix)?;
     Ok(matrix)
+}
+
+/// A list of numbers above 0, of this length.
+pub(crate) fn positive_list(
+    field: &str,
+    list: &[f64],
+    length: usize,
+) -> Result<DVector<f64>, ModelError> {
+    if list.len() != length {
+        let [found, expected] = [list.len(), length].map(|count| format!("{count} entries"));
+        return Err(ModelError::shape(field, found, expected));
+    }
+    for (index, &value) in list.iter().enumerate() {
+        check_positive(&format!("{field}[{index}]"), value)?;
+    }
+    Ok(DVector::from_column_slice(list))
 }

@@ -12,6 +12,6 @@ pub use file::{
     SearchRecord, SolverRun, VariedFile, DESIGN_SCHEMA_VERSION,
 };
 pub use imperfections::{FinalBoundsFile, FirstTorqueFile, MeasurementFile};
-pub(crate) use matrices::{matrix, rows, symmetric};
+pub(crate) use matrices::{matrix, positive_list, rows, symmetric};
 pub use recover::recover;
 pub(crate) use recover::{add_claims, descriptor_multiplier, measurement_weights};

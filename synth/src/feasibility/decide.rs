@@ -5,15 +5,16 @@ use nalgebra::DMatrix;
 use super::dual::{refutable, refute_relaxed, refuted, solved_task, Proof};
 
 use crate::certify::infeasible::Refutation;
+use crate::certify::theorem1::relative_supply;
 use crate::conditions::LoopImperfections;
 use crate::conditions::Task;
 use crate::design::{recover, ProblemUnits, SolverRun};
 use crate::infeasibility::{InfeasibilityFile, WeightsFile};
 use crate::model::Model;
 use crate::programs::{
-    best_form, containment_weights, has_point, is_structured, slack_in, Answer, Asked, Blocking,
-    Decision, DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers, SynthesisError,
-    Synthesized, FIRST_UNITS, STATE_UNITS,
+    best_form, complete, containment_weights, has_point, is_structured, slack_in, Answer, Asked,
+    Blocking, Decision, DesignRequest, Form, Goal, Infeasible, Session, Solved, Solvers,
+    SynthesisError, Synthesized, FIRST_UNITS, STATE_UNITS,
 };
 use sdp::lmi::Affine;
 use sdp::solve::Observer;
@@ -31,7 +32,7 @@ pub fn decide(
     let mut session = Session::new(solvers, observer);
     let own = model;
     let searching = (solvers.for_searches(), Form::VertexRelaxed);
-    let model = &in_promising_form(model, searching, session.observer())?;
+    let model = &in_promising_form(model, searching, session.observer().cloned())?;
     let task = model.task();
     let request = DesignRequest::of_model(model, model_text, &task, Form::Chordal);
     decide_after(request, own, &mut session)
@@ -375,7 +376,7 @@ impl<'a, 'b> SolverSequence<'a, 'b> {
             if self.goal == DecisionGoal::Refutation {
                 return Ok(AttemptResult::NotPursued);
             }
-            if let Some(design) = point(request, &solved, units) {
+            if let Some(design) = point(request, &solved, units, session)? {
                 return Ok(AttemptResult::Point(design));
             }
         }
@@ -404,24 +405,31 @@ const UNKNOWN_GAIN: f64 = 1e300;
 /// Relative back-off above the smallest gain bound that a point admits.
 const GAIN_BACK_OFF: f64 = 1e-3;
 
-/// The solver's point as a proved design, with the gain bound it admits.
+/// The solver's point, completed as in a synthesis, as a proved design with the gain bound it admits.
 fn point(
     request: DesignRequest,
     solved: &Solved,
     units: &ProblemUnits,
-) -> Option<Box<Synthesized>> {
+    session: &mut Session,
+) -> Result<Option<Box<Synthesized>>, SynthesisError> {
     let mut unknowns = solved.assembled.design.clone();
     unknowns.gain_bound = Affine::identity(1, UNKNOWN_GAIN);
     let (values, scaling) = (&solved.solution.values, &solved.scaling);
-    let mut certificate = recover(request.model, &unknowns, values, (scaling, &solved.task))?;
-    let xi = certificate.disturbance_weight;
+    let model = request.model;
+    let Some(certificate) = recover(model, &unknowns, values, (scaling, &solved.task)) else {
+        return Ok(None);
+    };
+    let Some(mut certificate) = complete(model, certificate, session)? else {
+        return Ok(None);
+    };
     let guaranteed = certificate.guaranteed_gain;
-    let gain_bound = (guaranteed * guaranteed / xi).max(xi) * (1.0 + GAIN_BACK_OFF);
+    let least = relative_supply(model, &certificate).max(certificate.disturbance_weight);
+    let gain_bound = (guaranteed * guaranteed / least).max(least) * (1.0 + GAIN_BACK_OFF);
     if !(gain_bound > 0.0 && gain_bound.is_finite()) {
-        return None;
+        return Ok(None);
     }
     certificate.gain_bound = gain_bound;
     certificate.guaranteed_gain = guaranteed.min(gain_bound);
     let design = request.design(&certificate, None, units);
-    design.filter(|design| design.is_proved())
+    Ok(design.filter(|design| design.is_proved()))
 }

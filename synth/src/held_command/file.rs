@@ -9,7 +9,9 @@ use crate::certify::held_command::{
     HeldCommandProof, Stage,
 };
 use crate::certify::{ExactReport, Report};
-use crate::design::{rows, symmetric, FinalBoundsFile, SolverRun, DESIGN_SCHEMA_VERSION};
+use crate::design::{
+    positive_list, rows, symmetric, FinalBoundsFile, SolverRun, DESIGN_SCHEMA_VERSION,
+};
 use crate::model::{
     check_matrix, check_positive, check_version, parse, FileError, GivenTrigger, Kind, Model,
     ModelError, ModelFile,
@@ -327,16 +329,7 @@ impl CommandCertificateFile {
             true => 0,
             false => m,
         };
-        let field = within("sector_weight");
-        let found = self.sector_weight.len();
-        if found != expected {
-            let (found, expected) = (format!("{found} entries"), format!("{expected} entries"));
-            return Err(ModelError::shape(field, found, expected));
-        }
-        for (index, weight) in self.sector_weight.iter().enumerate() {
-            check_positive(&format!("{field}[{index}]"), *weight)?;
-        }
-        Ok(DVector::from_column_slice(&self.sector_weight))
+        positive_list(&within("sector_weight"), &self.sector_weight, expected)
     }
 }
 

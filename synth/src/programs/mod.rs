@@ -6,6 +6,7 @@
 
 mod active;
 mod assemble;
+mod completion;
 mod form_search;
 mod optimum;
 mod outcome;
@@ -19,6 +20,7 @@ mod trigger_weight;
 mod units;
 
 pub use assemble::{assemble, assemble_at, Assembled, Form, Goal, MARGIN_UNIT};
+pub(crate) use completion::{complete, complete_both};
 pub use optimum::Optimum;
 pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,

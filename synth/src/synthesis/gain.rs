@@ -7,7 +7,6 @@
 use nalgebra::DMatrix;
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
-use super::completion::complete;
 use crate::certify::theorem1::Certificate;
 use crate::conditions::units::power_of_two;
 use crate::conditions::{GainPlan, Task};
@@ -15,8 +14,8 @@ use crate::design::{DesignFile, ProblemUnits};
 use crate::model::Objective;
 use crate::optimality::Optimality;
 use crate::programs::{
-    containment_weights, scaled, DesignRequest, Form, Goal, Session, Solved, SynthesisError,
-    Synthesized, STATE_UNITS,
+    complete, containment_weights, scaled, DesignRequest, Form, Goal, Session, Solved,
+    SynthesisError, Synthesized, STATE_UNITS,
 };
 use crate::scaling::Scaling;
 use sdp::solve::Status;

@@ -1,7 +1,6 @@
 //! From a model to a proved design.
 
 mod attempts;
-mod completion;
 mod coupled;
 mod cross_check;
 mod gain;

@@ -6,7 +6,6 @@
 //! admits as much saturation as it can prove.
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
-use super::completion::complete_both;
 use super::coupled::{assemble, Coupled, UNBOUNDED_GAIN};
 use crate::certify::theorem1::{reached_from_rest, relative_supply, Certificate};
 use crate::conditions::Task;
@@ -14,8 +13,8 @@ use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, P
 use crate::model::{Model, ModelError};
 use crate::optimality::Optimality;
 use crate::programs::{
-    blocking, Answer, Blocking, Decision, DesignRequest, Form, Goal, Outcome, Session, Solvers,
-    SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
+    blocking, complete_both, Answer, Blocking, Decision, DesignRequest, Form, Goal, Outcome,
+    Session, Solvers, SynthesisError, Synthesized, CONTAINMENT_WEIGHTS,
 };
 use crate::scaling::Scaling;
 use sdp::lmi::LmiProblem;

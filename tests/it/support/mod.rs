@@ -79,6 +79,22 @@ pub fn steadfast<I: IntoIterator<Item = S>, S: AsRef<OsStr>>(arguments: I) -> Ru
     )
 }
 
+/// A path as an argument.
+#[track_caller]
+pub fn word(path: &Path) -> &str {
+    path.to_str().expect("a name")
+}
+
+/// Simulates a scenario, with a design where there is one, into a folder. A missed requirement is no failure.
+#[track_caller]
+pub fn simulated(scenario: &Path, design: Option<&Path>, out: &Path) -> Run {
+    let own = ["simulate", word(scenario), "-o", word(out)].map(Path::new);
+    let design = design.map(|design| [Path::new("--design"), design]);
+    let run = steadfast(own.into_iter().chain(design.into_iter().flatten()));
+    assert!(matches!(run.status, Some(0 | 2)), "{run:#?}");
+    run
+}
+
 /// The repository's folder.
 pub fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -209,7 +225,7 @@ pub fn design_in_the_papers_form() -> &'static Path {
     let (_, design) = DESIGN.get_or_init(|| {
         let folder = folder();
         let mut model = json(&shipped("xu2020.json"));
-        let form = serde_json::json!([[0.0; 3]; 3]);
+        let form = serde_json::json!(vec![[0.0; 3]; 3]);
         set(&mut model, "/plant/exact/gyroscopic_form_kg_m2", form);
         let model = write(folder.path(), "model.json", model.to_string());
         let design = folder.path().join("design.json");

@@ -1,4 +1,4 @@
-//! A small seeded generator (SplitMix64, Steele, Lea and Flood 2014) for corrupted files.
+//! A small seeded generator (SplitMix64, Steele, Lea and Flood 2014) for corrupted files and for starts.
 
 pub struct Random(pub u64);
 
@@ -15,5 +15,10 @@ impl Random {
     /// A number below `limit`.
     pub fn below(&mut self, limit: usize) -> usize {
         (self.bits() % limit as u64) as usize
+    }
+
+    /// A number in [-1, 1).
+    pub fn signed_unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 }

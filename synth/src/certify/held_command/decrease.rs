@@ -5,18 +5,9 @@ use crate::certify::plant::DescriptorPlant;
 use crate::certify::signals::ProofSignal::{
     Bounded, DeadZone, Error, Integral, Rate, Sample, State,
 };
-use crate::certify::signals::{ProofSignal, SignalForm};
+use crate::certify::signals::{Instant, IntegralTerm, ProofSignal, SignalForm};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
-
-/// The two ends of the sampling interval.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum End {
-    /// The integral's weight is whole, r = 1.
-    First,
-    /// What the integral bounds is whole, r = 2.
-    Last,
-}
 
 /// The disturbance among the signals.
 const DISTURBANCE: ProofSignal = Bounded(0);
@@ -28,19 +19,20 @@ impl<S: Scalar> Assembly<'_, S> {
                 let number = body * plant.vertices.len() + vertex + 1;
                 // The vertices of a plant run through the same corners of the box for every inertia.
                 let annihilator = &self.annihilators[vertex];
-                for (end, r) in [(End::First, 1), (End::Last, 2)] {
-                    let form = self.form(plant, frozen, annihilator, end);
-                    emit(format!("decrease r={r} vertex {number}"), form.negated());
+                for instant in [Instant::Start, Instant::End] {
+                    let form = self.form(plant, frozen, annihilator, instant);
+                    let name = format!("{} vertex {number}", instant.label());
+                    emit(name, form.negated());
                 }
             }
         }
     }
 
     /// The rows x, x', x(t_k), e, p, tau and, for r = 2, that of the integral.
-    fn signals(&self, plant: &DescriptorPlant<S>, end: End) -> Vec<(ProofSignal, usize)> {
+    fn signals(&self, plant: &DescriptorPlant<S>, instant: Instant) -> Vec<(ProofSignal, usize)> {
         let (n, m) = (plant.states(), plant.input.ncols());
         let zone = self.saturates().then_some((DeadZone, m));
-        let integral = (end == End::Last).then_some((Integral, n));
+        let integral = (instant == Instant::End).then_some((Integral, n));
         let mut out = vec![(State, n), (Rate, n), (Sample, n), (Error, m)];
         out.extend(zone);
         out.push((DISTURBANCE, plant.disturbance.ncols()));
@@ -53,10 +45,10 @@ impl<S: Scalar> Assembly<'_, S> {
         plant: &DescriptorPlant<S>,
         frozen: &Matrix<S>,
         annihilator: &Matrix<S>,
-        end: End,
+        instant: Instant,
     ) -> SignalForm<S> {
         let own = self.certificate;
-        let mut out = SignalForm::zeros(&self.signals(plant, end));
+        let mut out = SignalForm::zeros(&self.signals(plant, instant));
         // phi x'Ux + 2 x'Ux'
         out.add(State, State, &self.lyapunov.scaled(&self.phi));
         out.add(State, Rate, &self.lyapunov);
@@ -74,7 +66,7 @@ impl<S: Scalar> Assembly<'_, S> {
             DISTURBANCE,
             &Matrix::identity(side, -disturbance),
         );
-        self.add_integral(&mut out, end);
+        out.add_integral(&self.integral(), instant);
         out
     }
 
@@ -137,25 +129,14 @@ impl<S: Scalar> Assembly<'_, S> {
         out.add(DeadZone, DeadZone, &sector.plus(&sector).negated());
     }
 
-    /// 2 (x'L1 + x(t_k)'L2) (x - x(t_k)), and what the integral gives at one end.
-    fn add_integral(&self, out: &mut SignalForm<S>, end: End) {
+    fn integral(&self) -> IntegralTerm<S> {
         let own = self.certificate;
-        let first = Matrix::exactly(&own.free_state);
-        let second = Matrix::exactly(&own.free_sample);
-        let weight = Matrix::exactly(&own.integral_weight);
-        out.add(State, State, &first.symmetrised());
-        out.add(State, Sample, &first.negated());
-        out.add(Sample, State, &second);
-        out.add(Sample, Sample, &second.symmetrised().negated());
-        match end {
-            End::First => out.add(Rate, Rate, &weight.scaled(&self.hbar)),
-            // The Schur complement of hbar e^(phi hbar) L Y^-1 L'.
-            End::Last => {
-                let factor = self.hbar.clone() * self.growth.clone();
-                out.add(State, Integral, &first.scaled(&factor));
-                out.add(Sample, Integral, &second.scaled(&factor));
-                out.add(Integral, Integral, &weight.scaled(&factor).negated());
-            }
+        IntegralTerm {
+            weight: Matrix::exactly(&own.integral_weight),
+            free_state: Matrix::exactly(&own.free_state),
+            free_sample: Matrix::exactly(&own.free_sample),
+            oldest: self.hbar.clone(),
+            growth: self.growth.clone(),
         }
     }
 }

@@ -3,41 +3,11 @@
 use nalgebra::DMatrix;
 
 use super::{gain_suffix, Assembly};
-use crate::certify::signals::{ProofSignal, SignalForm};
+use crate::certify::signals::{Instant, IntegralTerm, ProofSignal, SignalForm};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
 
 use ProofSignal::{DeadZone, Error, GainError, Integral, Rate, Sample, State};
-
-/// The instants that one of the conditions is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Instant {
-    /// Just after a sample (r = 1).
-    Start,
-    /// At the end of the longest interval (r = 2).
-    End,
-    /// Any, in a network with delay or loss, where the functional is that of the book's chapter on imperfections.
-    Any,
-}
-
-impl Instant {
-    /// The number r.
-    fn index(self) -> usize {
-        match self {
-            Instant::Start => 1,
-            Instant::End | Instant::Any => 2,
-        }
-    }
-
-    /// What the names of its conditions begin with.
-    fn label(self) -> &'static str {
-        match self {
-            Instant::Start => "decrease r=1",
-            Instant::End => "decrease r=2",
-            Instant::Any => "decrease",
-        }
-    }
-}
 
 impl<S: Scalar> Assembly<'_, S> {
     /// (18), negated. Rows: x, x', x(t_k^l), e, dead zone, the bounded signals and, for r = 2, the integral.
@@ -132,13 +102,7 @@ impl<S: Scalar> Assembly<'_, S> {
         // phi x'Ux + 2 x'Ux'
         out.add(State, State, &self.lyapunov.scaled(&self.phi));
         out.add(State, Rate, &self.lyapunov);
-        // 2 (x'L1 + x(t_k^l)'L2) (x - x(t_k^l))
-        let l1 = exactly(&self.certificate.free_state);
-        let l2 = exactly(&self.certificate.free_sample);
-        out.add(State, State, &l1.symmetrised());
-        out.add(State, Sample, &l1.negated());
-        out.add(Sample, State, &l2);
-        out.add(Sample, Sample, &l2.symmetrised().negated());
+        out.add_integral(&self.integral(), instant);
         // The trigger: nu w'Ww - e'We with w = x(t_k^l) - e
         let weight = self.trigger_weight();
         let nu_weight = weight.scaled(&self.nu);
@@ -156,22 +120,20 @@ impl<S: Scalar> Assembly<'_, S> {
         out.add(Sample, DeadZone, &anti_windup);
         out.add(Error, DeadZone, &anti_windup.negated());
         out.add(DeadZone, DeadZone, &sector.plus(&sector).negated());
-        let integral = exactly(&self.certificate.integral_weight);
-        if instant != Instant::End {
-            out.add(Rate, Rate, &integral.scaled(&self.oldest));
-        }
-        if instant != Instant::Start {
-            // [Xi, k L; k L', -k Y] with k = hbar e^(phi hbar), or h_m in the place of hbar, has the Schur complement
-            // Xi + k L Y^-1 L'.
-            let factor = self.oldest.clone() * self.growth.clone();
-            out.add(State, Integral, &l1.scaled(&factor));
-            out.add(Sample, Integral, &l2.scaled(&factor));
-            out.add(Integral, Integral, &integral.scaled(&factor).negated());
-        }
         self.add_gain_error(&mut out, gain);
         if let Some(added) = self.mismatch_term(instant.index(), &out) {
             out.add_whole(&added);
         }
         out
+    }
+
+    fn integral(&self) -> IntegralTerm<S> {
+        IntegralTerm {
+            weight: Matrix::exactly(&self.certificate.integral_weight),
+            free_state: Matrix::exactly(&self.certificate.free_state),
+            free_sample: Matrix::exactly(&self.certificate.free_sample),
+            oldest: self.oldest.clone(),
+            growth: self.growth.clone(),
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What holds on the sets x'Ux <= k2 and x'Ux <= 1: saturation, region, starts, gain, pointing.
 
 use super::{gain_suffix, Assembly};
+use crate::certify::certified_set::{self, attitudes_contained, final_bounds, states_contained};
 use crate::model::{Model, Plant};
 use verified::matrix::Matrix;
 use verified::scalar::Scalar;
@@ -63,15 +64,12 @@ impl<S: Scalar> Assembly<'_, S> {
     }
 
     /// `C'C <= bound phi U`.
-    pub(super) fn gain_block(&self, bound: S) -> Matrix<S> {
+    fn gain_block(&self, bound: S) -> Matrix<S> {
         self.inside(self.phi.clone(), &self.plant.output, bound)
     }
 
-    /// `[ factor U, rows' ; *, unit I ]`: |rows x|^2 <= factor unit x'Ux.
-    pub(super) fn inside(&self, factor: S, rows: &Matrix<S>, unit: S) -> Matrix<S> {
-        let corner = Matrix::identity(rows.nrows(), unit);
-        let upper = [&self.lyapunov.scaled(&factor), &rows.transposed()];
-        Matrix::symmetric(&[&upper, &[&corner]])
+    fn inside(&self, factor: S, rows: &Matrix<S>, unit: S) -> Matrix<S> {
+        certified_set::inside(&self.lyapunov, &factor, rows, unit)
     }
 
     /// The set x'Ux <= k2 lies in the region of the model.
@@ -83,61 +81,30 @@ impl<S: Scalar> Assembly<'_, S> {
         }
     }
 
-    /// x0' U x0 < rho_0 for every state that the model requires; rho_0 = 1 where the torque acts at once.
+    /// Every state that the model requires is a certified start, x0'U x0 < rho_0; rho_0 = 1 where the torque acts at once.
     pub(super) fn must_contain(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
-        for (index, state) in model.file.specs.must_contain.iter().enumerate() {
-            let state = Matrix::from_fn(state.len(), 1, |r, _| S::from_f64(state[r]));
-            let value = state.transposed().times(&self.lyapunov).times(&state);
-            let room = self.supply.certified_start.clone() - value.at(0, 0).clone();
-            emit(
-                format!("must contain state {}", index + 1),
-                Matrix::identity(1, room),
-            );
-        }
+        let (start, states) = (&self.supply.certified_start, &model.file.specs.must_contain);
+        states_contained(&self.lyapunov, start, states, emit);
     }
 
-    /// s^2 U_qq < rho_0 I: every attitude at rest with |q| <= s is a certified start.
+    /// Every attitude at rest up to the claimed radius is a certified start.
     pub(super) fn certified_attitudes(
         &self,
         model: &Model,
         emit: &mut impl FnMut(String, Matrix<S>),
     ) {
-        let radius = match (&model.plant, self.certificate.certified_vector_part) {
-            (Plant::Spacecraft(_), Some(radius)) => S::from_f64(radius),
-            _ => return,
-        };
-        let square = radius.clone() * radius;
-        let start = &self.supply.certified_start;
-        let room = Matrix::from_fn(3, 3, |r, c| {
-            let unit = if r == c { start.clone() } else { S::zero() };
-            unit - square.clone() * self.lyapunov.at(r + 3, c + 3).clone()
-        });
-        emit("certified attitudes".into(), room);
+        let radius = self.certificate.certified_vector_part;
+        if let (Plant::Spacecraft(_), Some(radius)) = (&model.plant, radius) {
+            let start = &self.supply.certified_start;
+            attitudes_contained(&self.lyapunov, start, radius, emit);
+        }
     }
 
-    /// s^2 U > V_r P'P: from rest, and in the end from every certified start, |P x| <= s. P is the rate or the vector part
-    /// and V_r the bound on the functional from rest.
+    /// The bounds from rest, and in the end from every certified start.
     pub(super) fn final_bounds(&self, model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
-        let claims = match (&model.plant, &self.certificate.final_bounds) {
-            (Plant::Spacecraft(_), Some(claims)) => claims,
-            _ => return,
-        };
-        let parts = [
-            ("rate", 0, claims.rate),
-            ("attitude", 3, claims.vector_part),
-        ];
-        for (name, first, claim) in parts {
-            let claim = S::from_f64(claim);
-            let square = claim.clone() * claim;
-            let own = first..first + 3;
-            let room = Matrix::from_fn(6, 6, |r, c| {
-                let scaled = square.clone() * self.lyapunov.at(r, c).clone();
-                match r == c && own.contains(&r) {
-                    true => scaled - self.supply.from_rest.clone(),
-                    false => scaled,
-                }
-            });
-            emit(format!("final {name} bound"), room);
+        let claims = &self.certificate.final_bounds;
+        if let (Plant::Spacecraft(_), Some(claims)) = (&model.plant, claims) {
+            final_bounds(&self.lyapunov, &self.supply.from_rest, claims, emit);
         }
     }
 }

@@ -137,9 +137,13 @@ fn terms_with(task: &Task, end: SamplingEnd, unknowns: &DesignUnknowns, rate: Af
     let specification = &task.specification;
     let (phi, nu) = (specification.decay_rate, task.trigger_threshold());
     let bw = &task.system.disturbance;
-    let b = &match &task.imperfections.gain_error {
-        None => task.system.input.clone(),
-        Some(error) => &task.system.input * DMatrix::from_diagonal(&error.centre),
+    let centred;
+    let b = match &task.imperfections.gain_error {
+        None => &task.system.input,
+        Some(error) => {
+            centred = &task.system.input * DMatrix::from_diagonal(&error.centre);
+            &centred
+        }
     };
     let DesignUnknowns {
         lyapunov: uh,

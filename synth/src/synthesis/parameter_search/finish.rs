@@ -14,11 +14,10 @@ use crate::design::{matrix, rows, DesignFile, ProblemUnits, SearchRecord, Varied
 use crate::model::{Model, ModelFile, Plant};
 use crate::optimality::Optimality;
 use crate::programs::{
-    scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Parameter, Session,
+    complete, scaled, Decision, DesignRequest, Goal, LimitingFactors, Outcome, Parameter, Session,
     SynthesisError, Synthesized,
 };
 use crate::synthesis::attempts::Smallest;
-use crate::synthesis::completion::complete;
 use crate::synthesis::gain::GainSynthesis;
 
 /// Settings of one attempt at a design; they are tried in order until a design is proved.

@@ -30,6 +30,7 @@ pub fn numbers_of_proof(design: &Value) -> Vec<String> {
 pub fn mirrored(path: &str) -> Option<String> {
     let symmetric = [
         "trigger_weight",
+        "error_weight",
         "lyapunov",
         "integral_weight",
         "inertia_kg_m2",

@@ -2,12 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::outcome::SynthesisError;
+use super::session::{has_point, Session};
+use super::units::{scaled, FIRST_UNITS};
 use crate::certify::theorem1::{relative_supply, supplied, Certificate, FirstTorque};
 use crate::conditions::xu2020::{smallest_growth, Functional};
 use crate::conditions::ERROR_SPLIT;
 use crate::design::{add_claims, descriptor_multiplier, measurement_weights};
 use crate::model::{ErrorBall, Model, TriggerFloor, FLOOR_SHARE};
-use crate::programs::{has_point, scaled, Session, SynthesisError, FIRST_UNITS};
 use sdp::solve::Accuracy;
 
 /// How far kappa lies above the smallest one, relative: a margin for the proof.
@@ -30,7 +32,7 @@ const GAMMA_ALLOWANCE: f64 = 1e-9;
 
 /// The certificate with the floor, the numbers of the first torque and the claims that follow; `None` where there is no
 /// such certificate.
-pub(super) fn complete(
+pub(crate) fn complete(
     model: &Model,
     mut certificate: Certificate,
     session: &mut Session,
@@ -38,13 +40,14 @@ pub(super) fn complete(
     if !add_measurement(model, &mut certificate) {
         return Ok(None);
     }
-    certificate.trigger_floor = floor(model, &certificate);
+    let given = model.file.specs.trigger_floor;
+    certificate.trigger_floor = floor(given, || automatic_floor(model, &certificate));
     with_claims(model, certificate, session)
 }
 
 /// The certificates of one controller with two, whose trigger weight is the first one's; the second functional uses
 /// `multiple` times that weight, which is what its own numbers hold.
-pub(super) fn complete_both(
+pub(crate) fn complete_both(
     models: [&Model; 2],
     certificates: [Certificate; 2],
     multiple: f64,
@@ -54,11 +57,11 @@ pub(super) fn complete_both(
     if !(add_measurement(models[0], &mut first) && add_measurement(models[1], &mut second)) {
         return Ok(None);
     }
-    let shared = floor(models[0], &first).min(floor(models[1], &second) / multiple);
-    let shared = match models[0].file.specs.trigger_floor {
-        Some(TriggerFloor::Given(given)) => given,
-        _ => shared,
+    let automatic = || {
+        let second = automatic_floor(models[1], &second) / multiple;
+        automatic_floor(models[0], &first).min(second)
     };
+    let shared = floor(models[0].file.specs.trigger_floor, automatic);
     second.trigger_multiple = multiple;
     (first.trigger_floor, second.trigger_floor) = (shared, shared);
     let first = with_claims(models[0], first, session)?;
@@ -127,19 +130,21 @@ fn add_first_torque(
     Ok(certificate.first_torque.is_some())
 }
 
-/// eps_a: the model's own; or as much as two measurement errors can make of e'We, up to its share of the supply.
-fn floor(model: &Model, certificate: &Certificate) -> f64 {
-    match model.file.specs.trigger_floor {
+/// eps_a: the model's own, or the automatic one.
+fn floor(given: Option<TriggerFloor>, automatic: impl FnOnce() -> f64) -> f64 {
+    match given {
         None => 0.0,
         Some(TriggerFloor::Given(floor)) => floor,
-        Some(TriggerFloor::Auto(_)) => {
-            let balls = model.file.imperfections.measurement_error();
-            let balls = balls.map_or(Vec::new(), |bounds| bounds.balls());
-            let noise = noise_in_trigger(&certificate.trigger_weight, &balls);
-            let supplied = supplied(model, certificate) / certificate.trigger_multiple;
-            (noise * (1.0 + FLOOR_ALLOWANCE)).min(FLOOR_SHARE * supplied)
-        }
+        Some(TriggerFloor::Auto(_)) => automatic(),
     }
+}
+
+/// As much as two measurement errors can make of e'We, up to a share of what else feeds the functional.
+fn automatic_floor(model: &Model, certificate: &Certificate) -> f64 {
+    let balls = model.file.imperfections.measurement_error();
+    let balls = balls.map_or(Vec::new(), |bounds| bounds.balls());
+    let noise = noise_in_trigger(&certificate.trigger_weight, &balls);
+    (noise * (1.0 + FLOOR_ALLOWANCE)).min(FLOOR_SHARE * supplied(model, certificate))
 }
 
 /// A bound on (d1 - d2)'W(d1 - d2) for errors d1, d2 in the balls.
