@@ -80,6 +80,7 @@ pub mod optimality;
 pub mod problem;
 pub mod programs;
 pub mod reduce;
+pub mod requirements;
 pub mod riccati;
 pub mod scaling;
 pub mod synthesis;

@@ -130,7 +130,7 @@ fn no_loss(count: &u32) -> bool {
 }
 
 /// Whether nothing departs from the ideal loop.
-pub(super) fn is_none(imperfections: &Imperfections) -> bool {
+pub(crate) fn is_none(imperfections: &Imperfections) -> bool {
     *imperfections == Imperfections::default()
 }
 

@@ -10,6 +10,8 @@ use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Vis
 pub enum Kind {
     /// A model file.
     Model,
+    /// A model file with `requirements`: what is not given is found.
+    Facts,
     /// A design file.
     Design,
     /// A scenario file.
@@ -45,6 +47,7 @@ impl fmt::Display for Kind {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Kind::Model => "model",
+            Kind::Facts => "facts",
             Kind::Design => "design",
             Kind::Scenario => "scenario",
             Kind::Infeasibility => "infeasibility",
@@ -85,6 +88,8 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         Some(Kind::Problem)
     } else if has("manoeuvre") {
         Some(Kind::Requirements)
+    } else if has("requirements") {
+        Some(Kind::Facts)
     } else if has("specs") {
         Some(Kind::Model)
     } else if matches!(keys.get("gains"), Some(Outline::List)) {

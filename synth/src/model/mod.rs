@@ -30,6 +30,7 @@ pub use file::{
 };
 pub use gains::{GainsFile, GAINS_SCHEMA_VERSION};
 pub use gyroscopic::GyroscopicForm;
+pub(crate) use imperfections::is_none as is_ideal;
 pub use imperfections::{
     Auto, Effectiveness, ErrorBall, ErrorUnit, Imperfections, MeasurementBounds, MomentumBound,
     ReferenceMotion, TriggerFloor,

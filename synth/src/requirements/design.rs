@@ -1,0 +1,149 @@
+//! One model after the other is synthesized in natural units and restated in SI units, until one meets every requirement.
+
+use super::answer::{Achieved, Answered};
+use super::facts::Facts;
+use super::natural_units::NaturalUnits;
+use super::recipe::{stated, Recipe};
+use crate::certify::theorem1::{relative_supply, Certificate};
+use crate::certify::Verdict;
+use crate::design::{add_claims, CertificateFile, DesignFile};
+use crate::model::{Model, ModelError};
+use crate::programs::{Outcome, Solvers, SynthesisError, Synthesized};
+use crate::synthesis::synthesize;
+use sdp::solve::Observer;
+
+/// How far gamma lies above what it must bound, relative.
+const GAMMA_ALLOWANCE: f64 = 1e-6;
+
+/// A proved design, what it achieves, and how it was found.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The recipe.
+    pub recipe: Recipe,
+    /// The design in SI units, proved there.
+    pub design: Box<Synthesized>,
+    /// What is proved of it.
+    pub achieved: Achieved,
+    /// Each requirement with its proved value.
+    pub answered: Vec<Answered>,
+}
+
+impl Candidate {
+    /// Whether every requirement is met.
+    pub fn meets_all(&self) -> bool {
+        self.answered.iter().all(Answered::is_met)
+    }
+
+    /// The smallest fraction of a requirement that is met: 1 or above where all are.
+    pub fn fraction(&self) -> f64 {
+        let fractions = self.answered.iter().map(Answered::fraction);
+        fractions.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The first proved design that meets every requirement; without one the proved design that meets the largest fraction.
+/// `text` is the file's.
+///
+/// # Errors
+/// Stopped by the observer; a problem that the solver refuses.
+pub fn best(
+    facts: &Facts,
+    text: &str,
+    solvers: &Solvers,
+    observer: Option<Observer>,
+) -> Result<Option<Candidate>, SynthesisError> {
+    let mut best: Option<Candidate> = None;
+    for recipe in Recipe::ALL {
+        let Some(found) = candidate(facts, recipe, text, solvers, observer.clone())? else {
+            continue;
+        };
+        let better = best
+            .as_ref()
+            .is_none_or(|best| found.fraction() > best.fraction());
+        if better {
+            best = Some(found);
+        }
+        if best.as_ref().is_some_and(Candidate::meets_all) {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+/// The proved design of a recipe, if it gives one.
+///
+/// # Errors
+/// As [`best`].
+pub fn candidate(
+    facts: &Facts,
+    recipe: Recipe,
+    text: &str,
+    solvers: &Solvers,
+    observer: Option<Observer>,
+) -> Result<Option<Candidate>, SynthesisError> {
+    let stated = stated(facts, recipe);
+    let Ok(model) = Model::new(stated.model) else {
+        return Ok(None);
+    };
+    let outcome = match synthesize(&model, text, solvers, observer) {
+        // Numbers that no file may hold are one recipe's failure.
+        Err(SynthesisError::Invalid(_)) => return Ok(None),
+        outcome => outcome?,
+    };
+    let Outcome::Solved(design) = outcome else {
+        return Ok(None);
+    };
+    let Ok(design) = restated(stated.units, *design) else {
+        return Ok(None);
+    };
+    if design.report.verdict != Verdict::Proved {
+        return Ok(None);
+    }
+    let achieved = Achieved::of(&design.file);
+    let answered = achieved.answers(facts);
+    Ok(Some(Candidate {
+        recipe,
+        design: Box::new(design),
+        achieved,
+        answered,
+    }))
+}
+
+/// A design in natural units, restated in SI units with its claims made anew, and checked there.
+fn restated(units: NaturalUnits, design: Synthesized) -> Result<Synthesized, ModelError> {
+    let mut file: DesignFile = units.design_to_si(&design.file);
+    let model = Model::new(file.model.clone())?;
+    let mut own = file.certificate(&model)?;
+    claim(&model, &mut own);
+    let large = file.large_set_certificate(&model)?;
+    file.certificate = CertificateFile::split(&own).1;
+    if let (Some(mut large), Some(outer)) = (large, &mut file.outer) {
+        claim(&large.model, &mut large.certificate);
+        outer.certificate = CertificateFile::split(&large.certificate).1;
+    }
+    let report = file.verify(&model)?;
+    file.verdict = report.clone();
+    Ok(Synthesized {
+        file,
+        report,
+        optimality: None,
+        ..design
+    })
+}
+
+/// gamma, and the claims that follow.
+fn claim(model: &Model, certificate: &mut Certificate) {
+    let system = model.plant.takagi_sugeno();
+    let Some(inverse) = certificate.lyapunov.clone().try_inverse() else {
+        return;
+    };
+    let spread = &system.output * inverse * system.output.transpose();
+    let spread = 0.5 * (&spread + spread.transpose());
+    let gain = spread.symmetric_eigenvalues().max() / model.file.specs.phi_per_s;
+    let least = gain
+        .max(certificate.disturbance_weight)
+        .max(relative_supply(model, certificate));
+    certificate.gain_bound = least * (1.0 + GAMMA_ALLOWANCE);
+    // Where U is singular the claims stay as they are, and the check denies them.
+    let _ = add_claims(model, certificate);
+}

@@ -1,0 +1,14 @@
+//! From what an engineer knows and requires to a proved design.
+
+mod answer;
+mod design;
+mod facts;
+mod natural_units;
+mod recipe;
+mod tables;
+
+pub use answer::{Achieved, Answered};
+pub use design::{best, candidate, Candidate};
+pub use facts::{Facts, FactsFile, FactsPlant, FactsSpacecraft, FactsSpecs, Requirements};
+pub use natural_units::NaturalUnits;
+pub use recipe::{stated, Recipe, Stated};

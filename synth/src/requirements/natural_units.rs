@@ -1,0 +1,236 @@
+//! Units in which every spacecraft looks alike: a time of half a turn at full torque, the largest moment, and the torque
+//! that goes with them. All are powers of two, so that a design is restated in SI units without rounding.
+//!
+//! With x = D x~, D = diag(1/Ts I, I), t = Ts t~, J = m J~ and torques E = m / Ts^2:
+//! U = D^-1 U~ D^-1, Y likewise; Upsilon, L1, L2 and Wp the same over Ts; Q = D^-1 Q~ diag(Ts/m I, I) in descriptor form; F = E
+//! F~ D^-1, N likewise; M and T over E^2 Ts; xi over Ts E^2; phi over Ts; eps_2 times Ts.
+
+use crate::conditions::units::power_of_two;
+use crate::design::{CertificateFile, DesignFile, FirstTorqueFile};
+use crate::model::{
+    Imperfections, MeasurementBounds, ModelFile, MomentumBound, PlantFile, ReferenceMotion,
+    TriggerFloor,
+};
+
+type Rows = Vec<Vec<f64>>;
+
+/// Units of time and inertia; powers of two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NaturalUnits {
+    /// Ts (s).
+    pub time: f64,
+    /// m [kg m^2].
+    pub inertia: f64,
+}
+
+/// Rows 1 to 3 of a state belong to rates, the others to the attitude.
+fn is_rate(index: usize) -> bool {
+    index < 3
+}
+
+impl NaturalUnits {
+    /// The powers of two nearest to a time (s) and a moment of inertia [kg m^2].
+    pub fn near(time: f64, inertia: f64) -> Self {
+        NaturalUnits {
+            time: power_of_two(time),
+            inertia: power_of_two(inertia),
+        }
+    }
+
+    /// E [N m].
+    pub fn torque(self) -> f64 {
+        self.inertia / (self.time * self.time)
+    }
+
+    /// The units in which numbers in these are SI numbers.
+    fn inverse(self) -> Self {
+        NaturalUnits {
+            time: 1.0 / self.time,
+            inertia: 1.0 / self.inertia,
+        }
+    }
+
+    /// A model in SI units, restated in these.
+    pub fn from_si(self, model: &ModelFile) -> ModelFile {
+        self.inverse().to_si(model)
+    }
+
+    /// A model in these units, restated in SI units.
+    pub fn to_si(self, model: &ModelFile) -> ModelFile {
+        let mut out = model.clone();
+        let (time, torque) = (self.time, self.torque());
+        if let PlantFile::Exact(exact) = &mut out.plant {
+            exact
+                .inertia_kg_m2
+                .iter_mut()
+                .flatten()
+                .for_each(|entry| *entry *= self.inertia);
+            if let Some(set) = &mut exact.inertia_uncertainty {
+                set.off_diagonal_kg_m2 *= self.inertia;
+            }
+            if let Some(form) = &mut exact.gyroscopic_form_kg_m2 {
+                form.iter_mut()
+                    .flatten()
+                    .for_each(|entry| *entry *= self.inertia);
+            }
+            exact
+                .torque_limit_nm
+                .iter_mut()
+                .for_each(|limit| *limit *= torque);
+            exact.disturbance_bound_nm *= torque;
+            exact.rate_rad_s.iter_mut().for_each(|rate| *rate /= time);
+        }
+        let weight = 1.0 / (time * torque * torque);
+        let specs = &mut out.specs;
+        specs.phi_per_s /= time;
+        specs.hbar_s *= time;
+        specs.hmin_s = specs.hmin_s.map(|shortest| shortest * time);
+        specs.eps[1] *= time;
+        specs.xi_max *= weight;
+        if let Some(TriggerFloor::Given(floor)) = &mut specs.trigger_floor {
+            *floor /= time;
+        }
+        for state in &mut specs.must_contain {
+            state.iter_mut().take(3).for_each(|rate| *rate /= time);
+        }
+        if let Some(outer) = &mut specs.outer {
+            outer.phi_per_s /= time;
+            outer.rate_rad_s.iter_mut().for_each(|rate| *rate /= time);
+            outer.xi_max *= weight;
+            for state in &mut outer.must_contain {
+                state.iter_mut().take(3).for_each(|rate| *rate /= time);
+            }
+        }
+        if let Some(search) = &mut specs.search {
+            let scale = |range: &mut Option<[f64; 2]>, factor: f64| {
+                *range = range.map(|ends| ends.map(|end| end * factor));
+            };
+            scale(&mut search.phi_per_s, 1.0 / time);
+            scale(&mut search.rate_rad_s, 1.0 / time);
+            scale(&mut search.xi_max, weight);
+        }
+        self.imperfections(&mut out.imperfections);
+        out
+    }
+
+    /// The same for bounds on what the loop does otherwise than an ideal one.
+    fn imperfections(self, bounds: &mut Imperfections) {
+        let time = self.time;
+        if let Some(MeasurementBounds {
+            rate_rad_s: Some(rate),
+            ..
+        }) = &mut bounds.measurement
+        {
+            *rate /= time;
+        }
+        bounds.delay_s *= time;
+        let momentum = self.inertia / time;
+        match &mut bounds.wheel_momentum_nms {
+            None => {}
+            Some(MomentumBound::Norm(norm)) => *norm *= momentum,
+            Some(MomentumBound::PerAxis(axes)) => {
+                axes.iter_mut().for_each(|axis| *axis *= momentum);
+            }
+        }
+        if let Some(ReferenceMotion {
+            rate_rad_s,
+            acceleration_rad_s2,
+        }) = &mut bounds.reference
+        {
+            *rate_rad_s /= time;
+            *acceleration_rad_s2 /= time * time;
+        }
+        bounds.torque_quantum_nm *= self.torque();
+    }
+
+    /// A design in these units, restated in SI units; gains, angles and bounds that depend on units are as they were and
+    /// must be claimed anew.
+    pub fn design_to_si(self, design: &DesignFile) -> DesignFile {
+        let mut out = design.clone();
+        out.model = self.to_si(&design.model);
+        for gain in &mut out.controller.gains {
+            self.gain(gain);
+        }
+        self.weight(&mut out.controller.trigger_weight, 1.0 / self.time);
+        out.controller.trigger_floor /= self.time;
+        self.certificate(&mut out.certificate);
+        if let Some(outer) = &mut out.outer {
+            self.certificate(&mut outer.certificate);
+        }
+        out.provenance.search = None;
+        out
+    }
+
+    fn certificate(self, part: &mut CertificateFile) {
+        let (time, torque) = (self.time, self.torque());
+        let power = 1.0 / (torque * torque * time);
+        self.weight(&mut part.lyapunov, 1.0);
+        self.weight(&mut part.integral_weight, 1.0);
+        self.weight(&mut part.free_state, 1.0 / time);
+        self.weight(&mut part.free_sample, 1.0 / time);
+        self.multiplier(&mut part.multiplier);
+        for gain in &mut part.anti_windup {
+            self.gain(gain);
+        }
+        part.sector_weight.iter_mut().for_each(|m| *m *= power);
+        part.gain_error_weight.iter_mut().for_each(|t| *t *= power);
+        part.xi *= power;
+        if let Some(measurement) = &mut part.measurement {
+            self.weight(&mut measurement.error_weight, 1.0 / time);
+            let weights = measurement.sample_weight.iter_mut().enumerate();
+            weights.for_each(|(state, weight)| *weight *= self.state(state).powi(2) / time);
+        }
+        if let Some(first) = &mut part.first_torque {
+            self.first_torque(first);
+        }
+    }
+
+    fn first_torque(self, first: &mut FirstTorqueFile) {
+        first.growth_per_s /= self.time;
+        self.multiplier(&mut first.state);
+        self.multiplier(&mut first.rate);
+        for row in &mut first.disturbance {
+            let entries = row.iter_mut().enumerate();
+            entries.for_each(|(column, entry)| *entry *= self.equation(column) / self.torque());
+        }
+    }
+
+    /// The entry of D^-1 of a state.
+    fn state(self, index: usize) -> f64 {
+        match is_rate(index) {
+            true => self.time,
+            false => 1.0,
+        }
+    }
+
+    /// The factor of an equation in descriptor form, times the unit of time.
+    fn equation(self, index: usize) -> f64 {
+        match is_rate(index) {
+            true => self.time / self.inertia,
+            false => 1.0,
+        }
+    }
+
+    /// D^-1 X D^-1 times a factor; n x n.
+    fn weight(self, rows: &mut Rows, factor: f64) {
+        scale(rows, |r, c| self.state(r) * self.state(c) * factor);
+    }
+
+    /// D^-1 Q diag(Ts/m I, I); n x n.
+    fn multiplier(self, rows: &mut Rows) {
+        scale(rows, |r, c| self.state(r) * self.equation(c));
+    }
+
+    /// E F D^-1; m x n.
+    fn gain(self, rows: &mut Rows) {
+        scale(rows, |_, c| self.torque() * self.state(c));
+    }
+}
+
+fn scale(rows: &mut Rows, factor: impl Fn(usize, usize) -> f64) {
+    for (r, row) in rows.iter_mut().enumerate() {
+        for (c, entry) in row.iter_mut().enumerate() {
+            *entry *= factor(r, c);
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! From facts to model files that synthesis takes, in natural units.
+
+use super::facts::Facts;
+use super::natural_units::NaturalUnits;
+use super::tables::{box_rate, fastest_decay, smallest_scalar_part};
+use crate::model::{
+    ExactPlant, GainForm, Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, SearchFile, Specs,
+    MODEL_SCHEMA_VERSION,
+};
+
+/// The angle that is certified where none is required (rad).
+const USUAL_ANGLE: f64 = 0.35;
+
+/// How far beyond the required angle a set must reach, so that the angle can be proved.
+const ROOM: f64 = 1.02;
+
+/// The trigger threshold where none is given.
+const THRESHOLD: f64 = 0.2;
+
+/// Rounds of a search.
+const ROUNDS: u32 = 8;
+
+/// Weights of the multiplier that a search starts from.
+const WEIGHTS: [f64; 3] = [1.4, 1.0, 1.35];
+
+/// How a model is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Recipe {
+    /// A small and a large set: the small one reaches `inner` times the angle, and both decay with `decay` times the fastest
+    /// rate.
+    TwoSets {
+        /// Angle of the small set over that of the large one.
+        inner: f64,
+        /// Decay rate over the fastest one.
+        decay: f64,
+    },
+    /// One set, searched: the decay rate begins at `decay` times the fastest, and xi where the disturbance alone reaches
+    /// `level` times delta.
+    OneSet {
+        /// Decay rate over the fastest one.
+        decay: f64,
+        /// Size from rest over that of the disturbance over the torque limit.
+        level: f64,
+    },
+}
+
+impl Recipe {
+    /// In the order in which they are tried.
+    pub const ALL: [Recipe; 6] = [
+        Recipe::TwoSets {
+            inner: 0.25,
+            decay: 0.3,
+        },
+        Recipe::TwoSets {
+            inner: 1.0 / 3.0,
+            decay: 0.3,
+        },
+        Recipe::TwoSets {
+            inner: 1.0 / 3.0,
+            decay: 0.15,
+        },
+        Recipe::OneSet {
+            decay: 0.8,
+            level: 10.0,
+        },
+        Recipe::OneSet {
+            decay: 0.8,
+            level: 20.0,
+        },
+        Recipe::OneSet {
+            decay: 0.48,
+            level: 14.0,
+        },
+    ];
+}
+
+/// A model in natural units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stated {
+    /// The units.
+    pub units: NaturalUnits,
+    /// The model.
+    pub model: ModelFile,
+}
+
+/// Time of a turn by an angle (rad) at full torque about the weakest axis (s); longer where the rate is limited.
+fn turn(facts: &Facts, angle: f64) -> f64 {
+    let craft = facts.craft();
+    let ratios = (0..3).map(|i| craft.inertia_kg_m2[i][i] / craft.torque_limit_nm[i]);
+    let time = (angle * ratios.fold(0.0, f64::max)).sqrt();
+    let limit = facts.file.requirements.rate_rad_s;
+    limit.map_or(time, |limit| time.max(box_rate(angle) * angle / limit))
+}
+
+/// The angle to be certified (rad).
+pub fn wanted_angle(facts: &Facts) -> f64 {
+    let angle = facts.file.requirements.certified_angle_deg;
+    angle.map_or(USUAL_ANGLE, f64::to_radians)
+}
+
+/// The model of a recipe.
+pub fn stated(facts: &Facts, recipe: Recipe) -> Stated {
+    let angle = wanted_angle(facts);
+    let time = turn(facts, angle);
+    let craft = facts.craft();
+    let largest = (0..3).map(|i| craft.inertia_kg_m2[i][i]);
+    let units = NaturalUnits::near(0.5 * time, largest.fold(0.0, f64::max));
+    let si = match recipe {
+        Recipe::TwoSets { inner, decay } => two_sets(facts, angle, inner, decay),
+        Recipe::OneSet { decay, level } => one_set(facts, angle, decay, level),
+    };
+    // The weights of the multiplier are stated in natural units.
+    let mut model = units.from_si(&si);
+    model.specs.eps = match recipe {
+        Recipe::TwoSets { .. } => [1.0; 3],
+        Recipe::OneSet { .. } => WEIGHTS,
+    };
+    Stated { units, model }
+}
+
+/// One set for an angle (rad), with what is searched.
+fn one_set(facts: &Facts, angle: f64, decay: f64, level: f64) -> ModelFile {
+    let craft = facts.craft();
+    let time = turn(facts, angle);
+    let own = facts.file.specs.phi_per_s;
+    let phi = own.unwrap_or(decay * fastest_decay(angle) / time);
+    let largest = phi / craft.disturbance_bound_nm.powi(2);
+    let start = (largest * (level / facts.authority()).powi(2)).min(largest);
+    let rate = rates(facts, angle, time);
+    let mut model = model(facts, rate, scalar_part(facts, angle), phi);
+    model.specs.objective = Objective::Gain;
+    model.specs.xi_max = start;
+    let ceiling = facts.file.requirements.rate_rad_s;
+    model.specs.search = Some(SearchFile {
+        phi_per_s: own.is_none().then_some([phi / 6.0, 6.0 * phi]),
+        rate_rad_s: craft.rate_rad_s.is_none().then(|| {
+            let [low, high] = [rate[0] / 6.0, 6.0 * rate[0]];
+            [low, ceiling.map_or(high, |limit| high.min(limit))]
+        }),
+        q0_min: craft
+            .q0_min
+            .is_none()
+            .then(|| [0.02, (0.5 * ROOM * angle).cos()]),
+        xi_max: Some([start * 1e-4, largest]),
+        certified_angle_min_deg: facts.file.requirements.certified_angle_deg,
+        rounds: ROUNDS,
+        ..SearchFile::unlimited()
+    });
+    model
+}
+
+/// Two sets for an angle (rad).
+fn two_sets(facts: &Facts, angle: f64, inner: f64, decay: f64) -> ModelFile {
+    let craft = facts.craft();
+    let time = turn(facts, angle);
+    let small = inner * angle;
+    let small_time = time * inner.sqrt();
+    let own = facts.file.specs.phi_per_s;
+    let phi = own.unwrap_or(decay * fastest_decay(small) / small_time);
+    let mut model = model(
+        facts,
+        rates(facts, small, small_time),
+        scalar_part(facts, small),
+        phi,
+    );
+    let specs = &mut model.specs;
+    specs.objective = Objective::Both;
+    specs.margin = 1e-4;
+    let phi = decay * fastest_decay(angle) / time;
+    let level = 20.0 / facts.authority();
+    let half = (0.5 * ROOM * angle).sin();
+    let start = |axis: usize| {
+        let mut state = vec![0.0; 6];
+        state[3 + axis] = half;
+        state
+    };
+    specs.outer = Some(OuterSpecs {
+        phi_per_s: phi,
+        rate_rad_s: rates(facts, angle, time),
+        q0_min: scalar_part(facts, angle),
+        xi_max: phi * (level.min(1.0) / craft.disturbance_bound_nm).powi(2),
+        must_contain: (0..3).map(start).collect(),
+        inner_scale: None,
+        containment_weight: Some(0.5),
+    });
+    model
+}
+
+/// The box's rates for an angle (rad) in a time (s).
+fn rates(facts: &Facts, angle: f64, time: f64) -> [f64; 3] {
+    let rate = box_rate(angle) * angle / time;
+    let limit = facts.file.requirements.rate_rad_s.unwrap_or(f64::INFINITY);
+    facts.craft().rate_rad_s.unwrap_or([rate.min(limit); 3])
+}
+
+fn scalar_part(facts: &Facts, angle: f64) -> f64 {
+    facts.craft().q0_min.unwrap_or(smallest_scalar_part(angle))
+}
+
+/// What every model has, in SI units.
+fn model(facts: &Facts, rate: [f64; 3], q0_min: f64, phi: f64) -> ModelFile {
+    let (file, craft) = (&facts.file, facts.craft());
+    let specs = &file.specs;
+    ModelFile {
+        schema_version: MODEL_SCHEMA_VERSION,
+        name: file.name.clone(),
+        source: file.source.clone(),
+        plant: PlantFile::Exact(ExactPlant {
+            inertia_kg_m2: craft.inertia_kg_m2,
+            inertia_uncertainty: craft.inertia_uncertainty,
+            torque_limit_nm: craft.torque_limit_nm,
+            disturbance_bound_nm: craft.disturbance_bound_nm,
+            rate_rad_s: rate,
+            q0_min,
+            gyroscopic_form_kg_m2: craft.gyroscopic_form_kg_m2,
+        }),
+        specs: Specs {
+            phi_per_s: phi,
+            hbar_s: facts.longest_interval(),
+            hmin_s: specs
+                .hmin_s
+                .or(specs.sample_hz.map(|_| facts.longest_interval())),
+            nu: specs.nu.unwrap_or(THRESHOLD),
+            trigger_floor: specs.trigger_floor,
+            nu_min: None,
+            threshold_update: None,
+            eps: [1.0; 3],
+            xi_max: f64::INFINITY,
+            objective: Objective::Gain,
+            gamma: None,
+            gamma_max: None,
+            must_contain: Vec::new(),
+            outer: None,
+            command_trigger: None,
+            search: None,
+            margin: 1e-6,
+        },
+        imperfections: file.imperfections.clone(),
+        gains: GainForm::Constant,
+        mismatch: Mismatch::None,
+    }
+}
