@@ -45,8 +45,15 @@ fn an_infeasible_problem_is_proved_so() {
     let report = solve(contradiction, &["--json"]).ends_with(2).json();
     assert_eq!(report["status"], "infeasible");
     assert_eq!(report["objective"], serde_json::Value::Null);
-    assert!(number(&report, "/excluded_radius") > 1e6, "{report}");
+    let radius = number(&report, "/excluded_radius");
+    assert!(radius > 1e6, "{report}");
     assert!(number(&report, "/certificate_residual") < 1e-8, "{report}");
+    // In words the radius is rounded down.
+    let words = solve(contradiction, &[]).ends_with(2).stdout;
+    let said = words.split_once("every unknown below ").map(|said| said.1);
+    let said = said.and_then(|said| said.split(' ').next()).expect(&words);
+    let said: f64 = said.parse().expect(&words);
+    assert!(said <= radius && said > 0.8 * radius, "{said} of {radius}");
 }
 
 #[test]
