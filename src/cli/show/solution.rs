@@ -198,6 +198,10 @@ impl<'a> SolutionReport<'a> {
     fn status_line(&self) -> String {
         let judgement = self.judgement;
         let claim = match (&judgement.refutation, &judgement.descent) {
+            (Some(own), _) if own.exclusion.radius == f64::INFINITY => format!(
+                ": certificate with residual {:.1e}; proved: no point satisfies the conditions",
+                own.residual
+            ),
             (Some(own), _) if own.exclusion.radius > 0.0 => format!(
                 ": certificate with residual {:.1e}; proved: no point with every unknown below {:.2} in size \
                  satisfies the conditions",
