@@ -387,6 +387,8 @@ fn the_coupled_problem_is_exported_with_the_conditions_of_both() {
             file,
             Path::new("--format"),
             Path::new("sdpa"),
+            Path::new("--form"),
+            Path::new("chordal"),
             Path::new("-o"),
             output,
         ];
