@@ -4,14 +4,14 @@
 use std::collections::HashMap;
 use std::fmt;
 
-use nalgebra::{DVector, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{DVector, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde_json::{json, Value};
 use steadfast::run::design::Design;
 use steadfast::run::simulate;
 use steadfast::run::summary::{CertificateOutcome, OutputBound, RunVerdict};
 use steadfast::scenario::Scenario;
 use synth::certify::theorem1::certified_start;
-use synth::model::Model;
+use synth::model::{Imperfections, Model, MomentumBound, ReferenceMotion};
 use synth::synthesis::{synthesize, Outcome, Solvers};
 
 use crate::common;
@@ -25,6 +25,12 @@ fn starts_asked() -> Option<usize> {
 
 /// Boundary starts of each design in the short search, which flies the designs that are found fastest.
 const FEW: usize = 12;
+
+/// The bound on the disturbance, N m.
+const TORQUE_NM: f64 = 0.01;
+
+/// The momentum that a run from the boundary mostly needs for its way back, N m s.
+const TURNING_NMS: f64 = 1.0;
 
 /// Length of a run from the boundary and of one from rest, s.
 const LENGTHS_S: [f64; 2] = [100.0, 200.0];
@@ -132,6 +138,113 @@ fn direction(random: &mut Random) -> Vector3<f64> {
     Vector3::from_fn(|_, _| random.signed_unit()).normalize()
 }
 
+/// How imperfections are chosen within their bounds in one run.
+struct Kinds {
+    error: Value,
+    delay: Value,
+    loss: Value,
+    gain: Value,
+    instants: Value,
+}
+
+impl Kinds {
+    /// Against the design where `worst`, else in any way; samples are at most `longest` seconds apart.
+    fn drawn(worst: bool, longest: f64, random: &mut Random) -> Self {
+        let mut kind = |hard: &[Value], mild: &[Value]| -> Value {
+            any(if worst { hard } else { mild }, random).clone()
+        };
+        let along = json!({ "constant": { "direction": [1, -1, 1, -1, 1, 1] } });
+        let held = json!("towards_held");
+        let hard = [json!("worst"), json!("worst"), held.clone(), along.clone()];
+        let aperiodic = json!({ "aperiodic": { "shortest_s": 0.001, "longest_s": longest } });
+        Kinds {
+            error: kind(&hard, &[json!("random"), along, held]),
+            delay: kind(&[json!("worst"), json!("largest")], &[json!("random")]),
+            loss: kind(
+                &[json!("worst")],
+                &[json!({ "random": { "probability": 0.7 } })],
+            ),
+            gain: kind(&[json!("worst")], &[json!("random"), json!("constant")]),
+            instants: kind(
+                &[json!({ "periodic": { "interval_s": longest } })],
+                &[aperiodic],
+            ),
+        }
+    }
+}
+
+/// A disturbance of the largest norm.
+fn disturbance(worst: bool, random: &mut Random) -> Value {
+    let push = (direction(random) * TORQUE_NM).as_slice().to_vec();
+    match (worst, random.below(2)) {
+        (true, _) => json!({ "worst_nm": TORQUE_NM }),
+        (false, 0) => json!({ "bias_nm": push }),
+        (false, _) => json!({ "sines": [{ "frequency_rad_s": 0.1, "sine_nm": push }] }),
+    }
+}
+
+/// A reference that turns as fast as is allowed, and its rate at the start, where it is the zero attitude.
+fn reference(bounds: &ReferenceMotion, random: &mut Random) -> (Value, Vector3<f64>) {
+    let axis = direction(random);
+    let zero = json!({ "quaternion_scalar_first": [1, 0, 0, 0] });
+    let (direction, rate) = (axis.as_slice(), bounds.rate_rad_s);
+    let moving = match random.below(2) {
+        0 => json!({ "slew": { "start": zero, "axis": direction, "rate_rad_s": rate,
+                               "from_s": 0, "until_s": 1e9 } }),
+        _ => {
+            let frequency = bounds.acceleration_rad_s2 / rate;
+            let amplitude = (rate / frequency).to_degrees() * (1.0 - 1e-12);
+            json!({ "sine": { "centre": zero, "axis": direction, "amplitude_deg": amplitude,
+                              "frequency_rad_s": frequency * (1.0 - 1e-12) } })
+        }
+    };
+    (moving, axis * rate)
+}
+
+/// That of models/xu2020.json, kg m^2.
+fn inertia() -> Matrix3<f64> {
+    Matrix3::new(350.0, 3.0, 4.0, 3.0, 270.0, 10.0, 4.0, 10.0, 190.0)
+}
+
+/// The spacecraft, which starts with the error x0.
+fn spacecraft(
+    proved: &Imperfections,
+    start: &DVector<f64>,
+    (kinds, worst, duration_s): (&Kinds, bool, f64),
+    random: &mut Random,
+) -> Value {
+    let mut body = json!({ "disturbance": disturbance(worst, random) });
+    let mut rate = Vector3::zeros();
+    if let Some(bounds) = &proved.reference {
+        (body["reference"], rate) = reference(bounds, random);
+    }
+    let vector = Vector3::new(start[3], start[4], start[5]);
+    let scalar = (1.0 - vector.norm_squared()).sqrt();
+    let error = UnitQuaternion::from_quaternion(Quaternion::from_parts(scalar, vector));
+    let rate = Vector3::new(start[0], start[1], start[2]) + error.inverse() * rate;
+    body["initial_attitude"] =
+        json!({ "quaternion_scalar_first": [error.w, error.i, error.j, error.k] });
+    body["initial_rate_rad_s"] = json!(rate.as_slice());
+    let inertia = inertia();
+    body["inertia_kg_m2"] =
+        json!([0, 1, 2].map(|row| [0, 1, 2].map(|column| inertia[(row, column)])));
+    if let Some(bounds) = &proved.measurement {
+        body["sensors"] = json!({ "bounded_error": { "rate_rad_s": bounds.rate_rad_s,
+            "attitude_deg": bounds.attitude_deg, "kind": kinds.error } });
+    }
+    if let Some(effectiveness) = &proved.effectiveness {
+        let gain = json!({ "effectiveness": effectiveness, "kind": kinds.gain });
+        body["actuators"] = json!({ "gain_error": gain });
+    }
+    if let Some(MomentumBound::Norm(bound)) = &proved.wheel_momentum_nms {
+        // Body and wheels turn against each other, so that little is left for the wheels when the body has come to rest.
+        let left = bound - TORQUE_NM * duration_s - TURNING_NMS;
+        let momentum = direction(random) * left.max(0.0) - inertia * rate;
+        body["wheels"] = json!({ "initial_momentum_nms": momentum.as_slice() });
+    }
+    body
+}
+
 /// A scenario that starts at x0 with all that the design's model allows: worst-case kinds where `worst`, else any.
 fn scenario(
     design: &Design,
@@ -140,95 +253,18 @@ fn scenario(
     random: &mut Random,
 ) -> Value {
     let proved = &design.model.file.imperfections;
-    let mut kind = |hard: &[Value], mild: &[Value]| -> Value {
-        any(if worst { hard } else { mild }, random).clone()
-    };
-    let along = json!({ "constant": { "direction": [1, -1, 1, -1, 1, 1] } });
-    let error_kind = kind(
-        &[
-            json!("worst"),
-            json!("worst"),
-            json!("towards_held"),
-            along.clone(),
-        ],
-        &[json!("random"), along, json!("towards_held")],
-    );
-    let delay_kind = kind(&[json!("worst"), json!("largest")], &[json!("random")]);
-    let loss = kind(
-        &[json!("worst")],
-        &[json!({ "random": { "probability": 0.7 } })],
-    );
-    let gain_kind = kind(&[json!("worst")], &[json!("random"), json!("constant")]);
-    let longest = design.model.file.specs.hbar_s;
-    let instants = kind(
-        &[json!({ "periodic": { "interval_s": longest } })],
-        &[json!({ "aperiodic": { "shortest_s": 0.001, "longest_s": longest } })],
-    );
-    let push = direction(random) * 0.01;
-    let disturbance = match (worst, random.below(2)) {
-        (true, _) => json!({ "worst_nm": 0.01 }),
-        (false, 0) => json!({ "bias_nm": [push.x, push.y, push.z] }),
-        (false, _) => {
-            json!({ "sines": [{ "frequency_rad_s": 0.1, "sine_nm": [push.x, push.y, push.z] }] })
-        }
-    };
-    let mut body = json!({ "disturbance": disturbance });
-    let (mut attitude, mut rate) = (UnitQuaternion::identity(), Vector3::zeros());
-    if let Some(bounds) = &proved.reference {
-        let axis = direction(random);
-        let [x, y, z] = [axis.x, axis.y, axis.z];
-        let zero = json!({ "quaternion_scalar_first": [1, 0, 0, 0] });
-        rate = axis * bounds.rate_rad_s;
-        body["reference"] = match random.below(2) {
-            0 => {
-                json!({ "slew": { "start": zero, "axis": [x, y, z], "rate_rad_s": bounds.rate_rad_s,
-                                   "from_s": 0, "until_s": 1e9 } })
-            }
-            _ => {
-                let frequency = bounds.acceleration_rad_s2 / bounds.rate_rad_s;
-                let amplitude = (bounds.rate_rad_s / frequency).to_degrees() * (1.0 - 1e-12);
-                json!({ "sine": { "centre": zero, "axis": [x, y, z], "amplitude_deg": amplitude,
-                                  "frequency_rad_s": frequency * (1.0 - 1e-12) } })
-            }
-        };
-    }
-    let vector = Vector3::new(start[3], start[4], start[5]);
-    let scalar = (1.0 - vector.norm_squared()).sqrt();
-    let error = UnitQuaternion::from_quaternion(Quaternion::from_parts(scalar, vector));
-    attitude *= error;
-    let rate = Vector3::new(start[0], start[1], start[2]) + error.inverse() * rate;
-    body["initial_attitude"] =
-        json!({ "quaternion_scalar_first": [attitude.w, attitude.i, attitude.j, attitude.k] });
-    body["initial_rate_rad_s"] = json!([rate.x, rate.y, rate.z]);
-    body["inertia_kg_m2"] = json!([[350, 3, 4], [3, 270, 10], [4, 10, 190]]);
-    if let Some(bounds) = &proved.measurement {
-        body["sensors"] = json!({ "bounded_error": { "rate_rad_s": bounds.rate_rad_s,
-            "attitude_deg": bounds.attitude_deg, "kind": error_kind } });
-    }
-    if let Some(effectiveness) = &proved.effectiveness {
-        body["actuators"] =
-            json!({ "gain_error": { "effectiveness": effectiveness, "kind": gain_kind } });
-    }
-    if let Some(bound) = &proved.wheel_momentum_nms {
-        let bound = serde_json::to_value(bound)
-            .expect("a number")
-            .as_f64()
-            .expect("a norm");
-        // What the wheels take from the body and from the disturbance stays within the bound.
-        let taken = 350.0 * rate.norm() + 0.01 * duration_s;
-        let momentum = direction(random) * (bound - taken);
-        body["wheels"] = json!({ "initial_momentum_nms": [momentum.x, momentum.y, momentum.z] });
-    }
+    let kinds = Kinds::drawn(worst, design.model.file.specs.hbar_s, random);
+    let body = spacecraft(proved, start, (&kinds, worst, duration_s), random);
     let mut out = json!({
         "schema_version": 1, "name": "falsification", "duration_s": duration_s,
         "random": { "generator": "chacha8", "seed": random.below(1_000_000) },
         "system": { "rigid_body": body },
-        "sampling": { "instants": instants },
+        "sampling": { "instants": kinds.instants },
         "controller": { "design": {} }
     });
     if proved.is_networked() {
-        out["network"] = json!({ "delay_s": proved.delay_s, "delay": delay_kind,
-                                 "lost_in_a_row": proved.lost_in_a_row, "loss": loss });
+        out["network"] = json!({ "delay_s": proved.delay_s, "delay": kinds.delay,
+                                 "lost_in_a_row": proved.lost_in_a_row, "loss": kinds.loss });
     }
     out
 }
@@ -244,6 +280,8 @@ fn flown(design: &Design, scenario: &Value) -> (CertificateOutcome, RunVerdict) 
 #[derive(Default)]
 struct Tightest {
     runs: usize,
+    /// Runs that do not count: their wheels took up more momentum than the model allows.
+    left_out: usize,
     /// x'Ux over its bound, from the boundary and from rest.
     levels: [f64; 2],
     /// |x| from rest over its bound.
@@ -265,7 +303,8 @@ impl fmt::Display for Tightest {
 fn fly(design: &Design, count: usize) -> Tightest {
     let mut random = Random(29);
     let mut out = Tightest::default();
-    for index in 0..count + count / 4 {
+    while out.runs < count + count / 4 {
+        let index = out.runs;
         let rest = usize::from(index >= count);
         let start = match rest {
             0 => boundary(design, index, &mut random),
@@ -274,7 +313,17 @@ fn fly(design: &Design, count: usize) -> Tightest {
         let how = (index % 4 != 3, LENGTHS_S[rest]);
         let scenario = scenario(design, &start, how, &mut random);
         let (outcome, verdict) = flown(design, &scenario);
-        assert!(outcome.covers_run, "{:?}\n{scenario}", outcome.not_covered);
+        if !outcome.covers_run {
+            // The momentum of wheels is a consequence of the run.
+            let mut reasons = outcome.not_covered.iter();
+            let momentum = reasons.all(|reason| reason.starts_with("momentum of the wheels"));
+            out.left_out += 1;
+            assert!(
+                momentum && out.left_out < 3 * count,
+                "{outcome:#?}\n{scenario}"
+            );
+            continue;
+        }
         assert_ne!(verdict, RunVerdict::ProofBroken, "{outcome:#?}\n{scenario}");
         assert!(!outcome.broken(), "{outcome:#?}\n{scenario}");
         out.runs += 1;
@@ -282,7 +331,7 @@ fn fly(design: &Design, count: usize) -> Tightest {
         if rest == 1 {
             let bound = match outcome.output_bound {
                 OutputBound::Peak(peak) => peak,
-                _ => outcome.guaranteed_gain.expect("a gain") * 0.01,
+                _ => outcome.guaranteed_gain.expect("a gain") * TORQUE_NM,
             };
             out.output = out.output.max(outcome.peak_output / bound);
         }
@@ -301,11 +350,13 @@ fn no_run_breaks_what_is_proved_of_a_loop_with_imperfections() {
             continue;
         }
         let found = fly(&designed(&imperfections), count);
+        let [boundary, rest] = found.levels;
         println!("| {name} | {found} |");
         assert!(
-            found.levels[0] > 0.9 && found.levels[0] <= 1.0 + 1e-9,
+            boundary > 0.9 && boundary.max(rest) <= 1.0,
             "{name}: {found}"
         );
+        assert!(found.output > 0.1 && found.output <= 1.0, "{name}: {found}");
     }
 }
 

@@ -212,6 +212,15 @@ fn a_gain_that_is_asked_for_is_had_or_answered_with_the_nearest() {
     let words = run("synthesize", &below, &[]).ends_with(2).stdout;
     let answer = "UNDECIDED: no feedback with gamma 2.7 was found; the smallest gain of a proved feedback is 2.80";
     assert!(words.contains(answer), "{words}");
+    // The nearest is rounded up.
+    let report = run("synthesize", &below, &["--json"]).ends_with(2).json();
+    let nearest = number(&report, "/wanted/value");
+    let said = words.split_once("feedback is ").expect(&words).1;
+    let said: f64 = said.lines().next().expect(&words).parse().expect(&words);
+    assert!(
+        said >= nearest && said < nearest * 1.000_01,
+        "{said} of {nearest}"
+    );
     let mut both = json(&wanted);
     set(&mut both, "/problem/h_infinity/gamma_max", json!(4));
     set(&mut both, "/problem/h_infinity/gamma", json!(3));

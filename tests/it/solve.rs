@@ -45,8 +45,25 @@ fn an_infeasible_problem_is_proved_so() {
     let report = solve(contradiction, &["--json"]).ends_with(2).json();
     assert_eq!(report["status"], "infeasible");
     assert_eq!(report["objective"], serde_json::Value::Null);
-    assert!(number(&report, "/excluded_radius") > 1e6, "{report}");
+    let radius = number(&report, "/excluded_radius");
+    assert!(radius > 1e6, "{report}");
     assert!(number(&report, "/certificate_residual") < 1e-8, "{report}");
+    let words = solve(contradiction, &[]).ends_with(2).stdout;
+    let proved = "proved: no point satisfies the conditions";
+    assert!(words.contains(proved), "{words}");
+    // With a third, the equations are met to rounding only; in words the radius is rounded down.
+    let contradiction = "1\n2\n1 1\n1\n0 1 1 1 1\n1 1 1 1 0.3\n1 2 1 1 -0.1\n";
+    let report = solve(contradiction, &["--json"]).ends_with(2).json();
+    let radius = number(&report, "/excluded_radius");
+    let words = solve(contradiction, &[]).ends_with(2).stdout;
+    match words.split_once("every unknown below ") {
+        Some((_, said)) => {
+            let said = said.split(' ').next().expect("a number");
+            let said: f64 = said.parse().expect(&words);
+            assert!(said <= radius && said > 0.8 * radius, "{said} of {radius}");
+        }
+        None => assert!(words.contains(proved) && radius == f64::MAX, "{words}"),
+    }
 }
 
 #[test]

@@ -29,16 +29,16 @@ fn writers(folder: &Path) -> Vec<Vec<String>> {
     let gains = word(&gains);
     let run = word(&run);
     let commands: [&[&str]; 10] = [
-        &["synthesize", &cart],
+        &["synthesize", cart],
         &["synthesize", word(&network)],
-        &["feasibility", &cart],
-        &["analyse", &gains, "--model", &cart],
-        &["export", &design, "--format", "c"],
-        &["export", &design, "--format", "csv"],
-        &["export", &design, "--format", "mat"],
-        &["export", &design, "--format", "sdpa"],
-        &["export", &run, "--format", "parquet"],
-        &["report", &run],
+        &["feasibility", cart],
+        &["analyse", gains, "--model", cart],
+        &["export", design, "--format", "c"],
+        &["export", design, "--format", "csv"],
+        &["export", design, "--format", "mat"],
+        &["export", design, "--format", "sdpa"],
+        &["export", run, "--format", "parquet"],
+        &["report", run],
     ];
     let owned = commands
         .iter()
@@ -110,24 +110,24 @@ fn files_of_another_kind_in_an_output_folder_stay_as_they_are() {
     let other = shipped("compare-lei2022.json");
     let other = word(&other);
     let cases: [(&[&str], &str); 8] = [
-        (&["simulate", &scenario], "trajectory.csv"),
-        (&["simulate", &scenario], "report.html"),
+        (&["simulate", scenario], "trajectory.csv"),
+        (&["simulate", scenario], "report.html"),
         (
-            &["sweep", &scenario, "--vary", "duration_s=1,2"],
+            &["sweep", scenario, "--vary", "duration_s=1,2"],
             "sweep.csv",
         ),
         (
-            &["sweep", &scenario, "--vary", "duration_s=1,2"],
+            &["sweep", scenario, "--vary", "duration_s=1,2"],
             "sweep.json",
         ),
-        (&["campaign", &scenario, "--runs", "2"], "scenario.json"),
-        (&["campaign", &scenario, "--runs", "2"], "runs.parquet"),
+        (&["campaign", scenario, "--runs", "2"], "scenario.json"),
+        (&["campaign", scenario, "--runs", "2"], "runs.parquet"),
         (
-            &["compare", &compared, &other, "--without-faults"],
+            &["compare", compared, other, "--without-faults"],
             "comparison.json",
         ),
         (
-            &["compare", &compared, &other, "--without-faults"],
+            &["compare", compared, other, "--without-faults"],
             "comparison.html",
         ),
     ];
@@ -153,7 +153,7 @@ fn an_input_is_never_replaced_not_even_by_force() {
     );
     let model = word(&model);
     for verb in ["synthesize", "feasibility"] {
-        let message = steadfast([verb, &model, "-o", &model, "--force"]).refusal();
+        let message = steadfast([verb, model, "-o", model, "--force"]).refusal();
         assert_says(&message, &["this is the input; it would be overwritten"]);
     }
 }
@@ -169,12 +169,12 @@ fn a_target_that_cannot_be_written_is_refused_before_any_work() {
     let large = shipped("requirements-large.json");
     let large = word(&large);
     let commands: [&[&str]; 6] = [
-        &["tune", &large, "-o", "/proc/out.json"],
-        &["synthesize", &cart, "-o", "/proc/out.json"],
-        &["feasibility", &cart, "-o", "/proc/out.json"],
-        &["simulate", &wu, "-o", "/proc/out"],
-        &["campaign", &wu, "--runs", "9", "-o", "/proc/out/deep"],
-        &["sweep", &wu, "--vary", "duration_s=1,2", "-o", "/proc/out"],
+        &["tune", large, "-o", "/proc/out.json"],
+        &["synthesize", cart, "-o", "/proc/out.json"],
+        &["feasibility", cart, "-o", "/proc/out.json"],
+        &["simulate", wu, "-o", "/proc/out"],
+        &["campaign", wu, "--runs", "9", "-o", "/proc/out/deep"],
+        &["sweep", wu, "--vary", "duration_s=1,2", "-o", "/proc/out"],
     ];
     for arguments in commands {
         let message = steadfast(arguments).refusal();

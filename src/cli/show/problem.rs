@@ -252,8 +252,8 @@ impl<'a> NoFeedbackReport<'a> {
             return lines;
         }
         if let Some(Requirement { value, limit, .. }) = self.wanted {
-            let nearest = value.map_or(String::new(), |value| {
-                format!("; the smallest gain of a proved feedback is {value:.6}")
+            let nearest = value.map(Claim::AtMost).map_or(String::new(), |value| {
+                format!("; the smallest gain of a proved feedback is {value}")
             });
             lines.push(format!(
                 "UNDECIDED: no feedback with gamma {limit} was found{nearest}"

@@ -1,6 +1,7 @@
 //! The solution of a semidefinite program.
 
 use serde::Serialize;
+use synth::claim::Claim;
 use synth::lmi::Semidefinite;
 use synth::solve::{Attempt, Found, Judgement, Outcome, Residuals, Timings};
 
@@ -197,10 +198,15 @@ impl<'a> SolutionReport<'a> {
     fn status_line(&self) -> String {
         let judgement = self.judgement;
         let claim = match (&judgement.refutation, &judgement.descent) {
+            (Some(own), _) if own.exclusion.radius == f64::INFINITY => format!(
+                ": certificate with residual {:.1e}; proved: no point satisfies the conditions",
+                own.residual
+            ),
             (Some(own), _) if own.exclusion.radius > 0.0 => format!(
-                ": certificate with residual {:.1e}; proved: no point with every unknown below {:.1e} in size \
+                ": certificate with residual {:.1e}; proved: no point with every unknown below {:.2} in size \
                  satisfies the conditions",
-                own.residual, own.exclusion.radius
+                own.residual,
+                Claim::AtLeast(own.exclusion.radius)
             ),
             (Some(own), _) => format!(
                 ": the solver claims that no point satisfies the conditions, but its certificate (residual {:.1e}) \

@@ -24,6 +24,7 @@ use finish::Finish;
 use plan::{outside_every_box, Plan};
 use progress::SearchProgress;
 
+use crate::claim::Claim;
 use crate::design::SolverRun;
 use crate::model::Model;
 use crate::programs::{
@@ -268,9 +269,9 @@ impl ParameterSearch<'_> {
             return Ok(none.to_string());
         };
         let end = free.ascend(&evaluator, begun, f64::INFINITY, &mut |_| {})?;
-        let gain = Aim::Gain.value(end.objective);
+        let gain = Claim::AtMost(Aim::Gain.value(end.objective));
         Ok(format!(
-            "no design meets the bound {bound} on the gain; the smallest guaranteed gain found, whatever its set, is {gain:.5}"
+            "no design meets the bound {bound} on the gain; the smallest guaranteed gain found, whatever its set, is {gain}"
         ))
     }
 }
