@@ -144,8 +144,8 @@ fn settling_is_the_first_instant_inside_and_its_root_lies_before_it() {
         (
             "xu2020-closed-loop.json",
             Some(xu2020_design()),
-            69.408_67,
-            69.399_28,
+            59.231_51,
+            59.223_48,
         ),
         (
             "xu2020-closed-loop.json",
