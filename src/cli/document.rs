@@ -5,6 +5,7 @@ use synth::feasibility::InfeasibilityFile;
 use synth::held_command::HeldCommandDesignFile;
 use synth::model::{kind_of, FileError, GainsFile, Kind, Model, ModelError};
 use synth::problem::{Problem, ProblemDesignFile};
+use synth::requirements::Facts;
 
 use crate::batch::tune::file::Requirements;
 use crate::run::summary::Summary;
@@ -14,6 +15,8 @@ use crate::scenario::Scenario;
 pub enum Document {
     /// A model.
     Model(Box<Model>),
+    /// A spacecraft with requirements.
+    Facts(Box<Facts>),
     /// A design, and its model.
     Design(Box<DesignFile>, Box<Model>),
     /// A scenario.
@@ -42,6 +45,7 @@ impl Document {
     pub fn read(kind: Kind, text: &str) -> Result<Self, FileError> {
         Ok(match kind {
             Kind::Model => Document::Model(Box::new(Model::from_json(text)?)),
+            Kind::Facts => Document::Facts(Box::new(Facts::from_json(text)?)),
             Kind::Design => {
                 let (file, model) = DesignFile::from_json(text)?;
                 Document::Design(Box::new(file), Box::new(model))

@@ -35,6 +35,7 @@ mod readme;
 mod region;
 mod replay;
 mod report;
+mod requirements;
 mod rules;
 mod said;
 mod schema;

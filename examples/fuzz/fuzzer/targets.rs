@@ -24,6 +24,7 @@ use synth::held_command::HeldCommandDesignFile;
 use synth::lmi::{SdpaForm, Semidefinite};
 use synth::model::{kind_of, FileError, GainsFile, Kind, Model};
 use synth::problem::{Problem, ProblemDesignFile};
+use synth::requirements::{stated, Facts, Recipe};
 use synth::solve::{Accuracy, Attempt, Outcome, Progress, Solver};
 
 use super::corpus::Reader;
@@ -75,6 +76,10 @@ fn by_kind(text: &str, deep: bool) -> Effect {
         Kind::Model => Effect::accepted(Model::from_json(text).is_ok_and(|model| {
             let plant = model.plant.takagi_sugeno();
             plant.states() > 0
+        })),
+        Kind::Facts => Effect::accepted(Facts::from_json(text).is_ok_and(|facts| {
+            let models = Recipe::ALL.map(|recipe| Model::new(stated(&facts, recipe).model));
+            models.iter().any(Result::is_ok)
         })),
         Kind::Problem => Effect::accepted(Problem::from_json(text).is_ok()),
         Kind::Gains => Effect::accepted(GainsFile::from_json(text).is_ok()),

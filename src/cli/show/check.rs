@@ -7,6 +7,7 @@ use synth::claim::Claim;
 use synth::fuzzy::triangle_excess;
 use synth::model::{GainsFile, Kind, Model, Plant};
 use synth::problem::Problem;
+use synth::requirements::Facts;
 
 use crate::batch::tune::file::Requirements;
 use crate::batch::tune::limits::least_time_s;
@@ -52,6 +53,13 @@ impl<'a> CheckReport<'a> {
         let check = self.design_check.into_iter().flat_map(condition_lines);
         [title].into_iter().chain(check).collect()
     }
+}
+
+/// A spacecraft and its requirements.
+pub fn of_facts(facts: &Facts) -> String {
+    let interval = facts.longest_interval();
+    let name = &facts.file.name;
+    format!("{name}, sampled every {interval} s, the rest to be found")
 }
 
 /// The conditions of a paper in words, those that fail marked.

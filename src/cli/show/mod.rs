@@ -10,6 +10,7 @@ pub mod held_command;
 pub mod infeasibility;
 pub mod no_design;
 pub mod problem;
+pub mod requirements;
 pub mod run;
 pub mod solution;
 pub mod sweep;

@@ -9,7 +9,9 @@ use crate::cli::document::Document;
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics;
-use crate::cli::show::check::{of_gains, of_model, of_problem, of_requirements, CheckReport};
+use crate::cli::show::check::{
+    of_facts, of_gains, of_model, of_problem, of_requirements, CheckReport,
+};
 use crate::scenario::design_check;
 
 /// Arguments of `check`.
@@ -37,6 +39,7 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
             warnings = physics::of_model(model, &text);
             of_model(&model.file.name, model)
         }
+        Document::Facts(facts) => of_facts(facts),
         Document::Design(file, model) => of_model(&file.name, model),
         Document::Infeasibility(file, model) => of_model(&file.name, model),
         Document::Scenario(scenario) => {

@@ -7,6 +7,7 @@ use synth::feasibility::InfeasibilityFile;
 use synth::held_command::HeldCommandDesignFile;
 use synth::model::{GainsFile, ModelFile};
 use synth::problem::{ProblemDesignFile, ProblemFile};
+use synth::requirements::FactsFile;
 
 use crate::batch::tune::file::TuneFile;
 use crate::cli::answer::{Answer, Exit};
@@ -25,6 +26,8 @@ pub struct SchemaArgs {
 enum KindArg {
     /// What an engineer writes
     Model,
+    /// What an engineer knows and requires; the rest of a model is found
+    Facts,
     /// What synthesize writes
     Design,
     /// What simulate runs
@@ -47,6 +50,7 @@ enum KindArg {
 pub fn run(args: &SchemaArgs) -> Result<Answer, CliError> {
     let schema = match args.kind {
         KindArg::Model => schema_for!(ModelFile),
+        KindArg::Facts => schema_for!(FactsFile),
         KindArg::Design => schema_for!(DesignFile),
         KindArg::Gains => schema_for!(GainsFile),
         KindArg::Scenario => schema_for!(ScenarioFile),

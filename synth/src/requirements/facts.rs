@@ -4,9 +4,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::model::bounded::{
-    AngleDeg, As, BelowOne, Finite, Positive, ShortestInterval, UpToOne,
-};
+use crate::model::bounded::{AngleDeg, As, BelowOne, Finite, Positive, ShortestInterval, UpToOne};
 use crate::model::{
     check_inertia, check_line, check_version, parse, FileError, Imperfections,
     InertiaUncertaintyFile, Kind, ModelError, TriggerFloor, MODEL_SCHEMA_VERSION,
@@ -105,7 +103,8 @@ pub struct FactsSpecs {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Requirements {
-    /// Largest pointing error from rest, and in the end from every certified start, in (0, 180) (deg).
+    /// Largest pointing error from rest, and in the end, in (0, 180) (deg); where a design has two sets, in the end from the
+    /// small one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<AngleDeg>>")]
     pub pointing_deg: Option<f64>,

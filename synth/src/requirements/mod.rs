@@ -5,6 +5,7 @@ mod design;
 mod facts;
 mod natural_units;
 mod recipe;
+mod suggestions;
 mod tables;
 
 pub use answer::{Achieved, Answered};
@@ -12,3 +13,4 @@ pub use design::{best, candidate, Candidate};
 pub use facts::{Facts, FactsFile, FactsPlant, FactsSpacecraft, FactsSpecs, Requirements};
 pub use natural_units::NaturalUnits;
 pub use recipe::{stated, Recipe, Stated};
+pub use suggestions::{suggestions, Suggestion};

@@ -17,6 +17,9 @@ const ROOM: f64 = 1.02;
 /// The trigger threshold where none is given.
 const THRESHOLD: f64 = 0.2;
 
+/// The same where the measurement has errors: its conditions take up to twice the threshold.
+const THRESHOLD_WITH_ERRORS: f64 = 0.05;
+
 /// Rounds of a search.
 const ROUNDS: u32 = 8;
 
@@ -46,9 +49,13 @@ pub enum Recipe {
 
 impl Recipe {
     /// In the order in which they are tried.
-    pub const ALL: [Recipe; 6] = [
+    pub const ALL: [Recipe; 7] = [
         Recipe::TwoSets {
             inner: 0.25,
+            decay: 0.3,
+        },
+        Recipe::TwoSets {
+            inner: 0.18,
             decay: 0.3,
         },
         Recipe::TwoSets {
@@ -220,7 +227,10 @@ fn model(facts: &Facts, rate: [f64; 3], q0_min: f64, phi: f64) -> ModelFile {
             hmin_s: specs
                 .hmin_s
                 .or(specs.sample_hz.map(|_| facts.longest_interval())),
-            nu: specs.nu.unwrap_or(THRESHOLD),
+            nu: specs.nu.unwrap_or(match file.imperfections.measurement {
+                None => THRESHOLD,
+                Some(_) => THRESHOLD_WITH_ERRORS,
+            }),
             trigger_floor: specs.trigger_floor,
             nu_min: None,
             threshold_update: None,

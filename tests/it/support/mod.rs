@@ -120,6 +120,8 @@ pub fn shipped_kind(file: &Value) -> &'static str {
         "problem"
     } else if has("manoeuvre") {
         "requirements"
+    } else if has("requirements") {
+        "facts"
     } else if file["gains"].is_array() {
         "gains"
     } else {

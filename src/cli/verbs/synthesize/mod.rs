@@ -2,6 +2,7 @@
 
 pub mod conclude;
 mod problem;
+mod requirements;
 
 use std::path::PathBuf;
 
@@ -81,6 +82,19 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         targets.check_file(output, Contents::Document(&[Kind::ProblemDesign]))?;
         let how = (output, args.solver);
         return problem::synthesize(&args.model, &text, how, unused);
+    }
+    if kind_of(&text) == Some(Kind::Facts) {
+        let given = [
+            (args.form.is_some(), "--form"),
+            (args.objective.is_some(), "--objective"),
+            (args.cross_check, "--cross-check"),
+        ];
+        if let Some((_, option)) = given.into_iter().find(|(given, _)| *given) {
+            let reason = format!("{option} has no meaning for a file with requirements");
+            return Err(CliError::unsuitable(&args.model, reason));
+        }
+        targets.check_file(output, Contents::Document(&[Kind::Design]))?;
+        return requirements::synthesize(&args.model, &text, (output, args.solver));
     }
     let mut model = files::parse(&args.model, &text, Model::from_json)?;
     if let Some(objective) = args.objective {

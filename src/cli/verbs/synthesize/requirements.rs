@@ -1,0 +1,63 @@
+//! What `synthesize` does for a spacecraft with requirements.
+
+use std::path::Path;
+
+use synth::design::DesignFile;
+use synth::model::Model;
+use synth::requirements::{best, suggestions, Candidate, Facts};
+use synth::solve::Solver;
+
+use super::conclude::keep;
+use crate::cli::answer::{Answer, Exit};
+use crate::cli::error::CliError;
+use crate::cli::files;
+use crate::cli::progress::{solve, ASSEMBLING};
+use crate::cli::show::design::SynthesisReport;
+use crate::cli::show::facts::{design_written, NOTHING};
+use crate::cli::show::requirements::{lines, MissedReport, RequirementsReport};
+use crate::cli::solver::SolverArg;
+
+/// Finds what the file leaves open, designs, writes and proves. 0: every requirement is proved; 2: not.
+pub fn synthesize(
+    path: &Path,
+    text: &str,
+    (output, solver): (Option<&Path>, SolverArg),
+) -> Result<Answer, CliError> {
+    let facts = files::parse(path, text, Facts::from_json)?;
+    let solvers = solver.solvers([Solver::Structured, Solver::Clarabel], None);
+    let found = solve(path, ASSEMBLING, |observer| {
+        best(&facts, text, &solvers, observer)
+    })?;
+    if let Some(found) = found.as_ref().filter(|found| found.meets_all()) {
+        return written(path, found, output);
+    }
+    let fraction = found.as_ref().map_or(1.0, Candidate::fraction);
+    let changes = solve(path, "looking for a change that helps", |observer| {
+        suggestions(&facts, fraction, &solvers, observer)
+    })?;
+    let report = MissedReport::new(found.as_ref(), &changes);
+    let mut said = report.lines(path);
+    said.push(NOTHING.to_string());
+    Ok(Answer::new(Exit::No, &report, &said))
+}
+
+/// Writes a design that meets every requirement, and answers.
+fn written(path: &Path, found: &Candidate, output: Option<&Path>) -> Result<Answer, CliError> {
+    let design = &found.design;
+    let model = Model::new(design.file.model.clone());
+    let model = model.map_err(|error| CliError::value(path, error))?;
+    let again = |text: &str| {
+        let (file, model) = DesignFile::from_json(text)?;
+        Ok(file.verify(&model)?)
+    };
+    let json = || design.file.to_json();
+    let (kept, checked) = keep(output, &design.report, json, again)?;
+    let report = RequirementsReport {
+        requirements: &found.answered,
+        design: SynthesisReport::new(design, &model, &checked, None),
+    };
+    let mut said = lines(&found.answered);
+    said.extend(report.design.lines(&design.file.name));
+    said.push(design_written(kept, checked.verdict));
+    Ok(Answer::new(Exit::from(checked.verdict), &report, &said))
+}
