@@ -88,7 +88,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         Some(Kind::Problem)
     } else if has("manoeuvre") {
         Some(Kind::Requirements)
-    } else if has("requirements") {
+    } else if has("specs") && has("requirements") {
         Some(Kind::Facts)
     } else if has("specs") {
         Some(Kind::Model)
