@@ -24,6 +24,7 @@
 //! | [`synthesis`] | runs these steps, from a model to a proved design |
 //! | [`problem`] | takes other design problems the same way |
 //! | [`held_command`] | proves given gains that send by a trigger on the command |
+//! | [`requirements`] | from what an engineer knows and requires to a proved design |
 //! | [`claim`] | writes what is claimed, rounded to the safe side |
 //! | [`riccati`] | Riccati and Lyapunov equations, for candidates and units |
 //!

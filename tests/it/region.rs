@@ -5,11 +5,6 @@ use std::path::{Path, PathBuf};
 use crate::support::*;
 use serde_json::{json, Value};
 
-fn synthesize(model: &Path, more: &[&str]) -> Run {
-    let output = command().arg("synthesize").arg(model).args(more).output();
-    Run::new(output.expect("the command runs"))
-}
-
 fn verify(design: &Path) -> Run {
     steadfast(["verify".as_ref(), design.as_os_str(), "--json".as_ref()])
 }

@@ -6,12 +6,6 @@ use serde_json::{json, Value};
 
 use crate::support::*;
 
-fn synthesize(facts: &Path, further: &[&str]) -> Run {
-    let mut command = command();
-    command.arg("synthesize").arg(facts).args(further);
-    Run::new(command.output().expect("the command runs"))
-}
-
 /// A shipped file with one value changed.
 fn changed(folder: &Path, pointer: &str, value: Value) -> PathBuf {
     let mut file = json(&shipped("facts-cubesat.json"));
@@ -129,6 +123,12 @@ fn wrong_facts_are_refused_in_one_line_with_the_field() {
             "plant.exact.disturbance_bound_nm",
         ),
         ("/requirements/pointing", json!(1), "pointing"),
+        ("/specs/hmin_s", json!(3), "specs.hmin_s"),
+        (
+            "/imperfections",
+            json!({ "measurement": { "state": [1, 1, 1, 1, 1, 1] } }),
+            "imperfections.measurement",
+        ),
     ];
     for (pointer, value, field) in cases {
         let facts = changed(folder.path(), pointer, value);

@@ -23,11 +23,6 @@ const PROMISED_KEYS: [&str; 10] = [
     "certified_angle_deg",
 ];
 
-fn synthesize(model: &Path, more: &[&str]) -> Run {
-    let output = command().arg("synthesize").arg(model).args(more).output();
-    Run::new(output.expect("the command runs"))
-}
-
 #[track_caller]
 fn assert_has_keys(report: &Value, keys: &[&str]) {
     for key in keys {

@@ -14,4 +14,4 @@ pub use file::{
 pub use imperfections::{FinalBoundsFile, FirstTorqueFile, MeasurementFile};
 pub(crate) use matrices::{matrix, positive_list, rows, symmetric};
 pub use recover::recover;
-pub(crate) use recover::{add_claims, descriptor_multiplier, measurement_weights};
+pub(crate) use recover::{add_claims, claim_anew, descriptor_multiplier, measurement_weights};

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::certify::theorem1::{
-    certified_start, reached_from_rest, Certificate, FinalBounds, MeasurementWeights,
-    MismatchSlack, RuleGains,
+    certified_start, reached_from_rest, relative_supply, Certificate, FinalBounds,
+    MeasurementWeights, MismatchSlack, RuleGains,
 };
 use crate::conditions::xu2020::{DesignUnknowns, DEAD_ZONE_UNIT};
 use crate::conditions::Task;
@@ -261,6 +261,23 @@ pub(crate) fn add_claims(model: &Model, certificate: &mut Certificate) -> Option
         });
     }
     Some(())
+}
+
+/// How far a gamma that is claimed anew lies above what it must bound, relative.
+const GAMMA_ALLOWANCE: f64 = 1e-6;
+
+/// gamma from U, xi and what else feeds the functional, and the claims that follow: for a certificate whose units have
+/// changed. `None` where U is singular.
+pub(crate) fn claim_anew(model: &Model, certificate: &mut Certificate) -> Option<()> {
+    let output = model.plant.takagi_sugeno().output;
+    let inverse = certificate.lyapunov.clone().try_inverse()?;
+    let spread = &output * inverse * output.transpose();
+    let gain = largest_eigenvalue(&spread) / model.file.specs.phi_per_s;
+    let least = gain
+        .max(certificate.disturbance_weight)
+        .max(relative_supply(model, certificate));
+    certificate.gain_bound = least * (1.0 + GAMMA_ALLOWANCE);
+    add_claims(model, certificate)
 }
 
 fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {

@@ -31,8 +31,7 @@ pub fn decide(
 ) -> Result<Decision, SynthesisError> {
     let mut session = Session::new(solvers, observer);
     let own = model;
-    let searching = (solvers.for_searches(), Form::VertexRelaxed);
-    let model = &in_promising_form(model, searching, session.observer().cloned())?;
+    let model = &in_promising_form(model, solvers, session.observer().cloned())?;
     let task = model.task();
     let request = DesignRequest::of_model(model, model_text, &task, Form::Chordal);
     decide_after(request, own, &mut session)
@@ -40,14 +39,15 @@ pub fn decide(
 
 /// The model in a form of the gyroscopic torque, where that is free, in which the conditions hold; in the one that comes
 /// closest where none is found.
-fn in_promising_form(
+pub(super) fn in_promising_form(
     model: &Model,
-    asked: Asked,
+    solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Model, SynthesisError> {
     if !model.has_free_form() {
         return Ok(model.clone());
     }
+    let asked = (solvers.for_searches(), Form::VertexRelaxed);
     let mut session = Session::alone(asked, observer);
     let gains = model.task().gains;
     let mut slack = |form| slack_in(form, model, &gains, &mut session);
@@ -55,18 +55,14 @@ fn in_promising_form(
     Ok(model.with_form(form).unwrap_or_else(|| model.clone()))
 }
 
-/// Looks for a design only: an answer that is not [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are asked in
-/// order.
+/// Looks for a design only, of a model whose form of the gyroscopic torque is chosen: an answer that is not
+/// [`Answer::Feasible`] is [`Answer::Undecided`]. The solvers are asked in order.
 pub(super) fn look_for_a_design(
     model: &Model,
     solvers: &[Asked],
     observer: Option<Observer>,
 ) -> Result<Decision, SynthesisError> {
     let mut sessions = Session::each_alone(solvers.iter().copied(), observer.as_ref());
-    let model = &match solvers.first() {
-        Some(&asked) => in_promising_form(model, asked, observer.clone())?,
-        None => model.clone(),
-    };
     let task = model.task();
     let request = DesignRequest::of_model(model, "", &task, Form::Chordal);
     let sequence = SolverSequence {

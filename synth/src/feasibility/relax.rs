@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::decide::look_for_a_design;
+use super::decide::{in_promising_form, look_for_a_design};
 use crate::model::Model;
 use crate::programs::{is_structured, Answer, Asked, Form, Parameter, Solvers, SynthesisError};
 use sdp::solve::{Observer, Structured};
@@ -83,6 +83,8 @@ pub fn relaxations(
     observer: Option<Observer>,
 ) -> Result<Vec<Relaxation>, SynthesisError> {
     let mut out = Vec::new();
+    // One form of the gyroscopic torque serves all neighbours.
+    let model = &in_promising_form(model, solvers, observer.clone())?;
     // Neighbours of one model: each is warm-started from the iterates of the last.
     let structured = Structured::warm();
     let may = is_structured(solvers.for_searches());

@@ -5,7 +5,7 @@
 //! not depend on how K was found.
 
 use super::{has_point, scaled, Goal, Session, SynthesisError, FIRST_UNITS};
-use crate::conditions::GainPlan;
+use crate::conditions::{GainPlan, Task};
 use crate::model::{GyroscopicForm, Model};
 
 /// Steps of the two numbers about the best candidate.
@@ -69,11 +69,9 @@ pub(crate) fn slack_in(
     gains: &GainPlan,
     session: &mut Session,
 ) -> Result<f64, SynthesisError> {
-    let Some(model) = in_form(model, form) else {
+    let Some((_, task)) = in_form(form, model, gains) else {
         return Ok(f64::INFINITY);
     };
-    let mut task = model.task();
-    task.gains = gains.clone();
     let solved = session.solve(scaled(&task, &FIRST_UNITS), Goal::SmallestSlack)?;
     Ok(match has_point(&solved.solution) {
         true => solved.solution.objective,
@@ -81,11 +79,20 @@ pub(crate) fn slack_in(
     })
 }
 
-/// A model in a form. A set of inertias has many vertices; the nominal one shows which form is good.
-pub(crate) fn in_form(model: &Model, form: GyroscopicForm) -> Option<Model> {
+/// A model in a form, with its task for these gains; `None` for a plant without one. A set of inertias has many vertices;
+/// the nominal one shows which form is good.
+pub(crate) fn in_form(
+    form: GyroscopicForm,
+    model: &Model,
+    gains: &GainPlan,
+) -> Option<(Model, Task)> {
     let mut model = model.with_form(form)?;
     model.plant = model.plant.relaxed();
-    Some(model)
+    let task = Task {
+        gains: gains.clone(),
+        ..model.task()
+    };
+    Some((model, task))
 }
 
 struct FormSearch<'a> {
@@ -116,7 +123,10 @@ impl FormSearch<'_> {
         if curvature > 0.0 && curvature.is_finite() {
             let shift = 0.5 * (behind - ahead) / curvature;
             let grains = (step * shift.clamp(-2.0, 2.0) / GRAIN).round();
-            self.at(along(from, grains * GRAIN))?;
+            // The best form itself is known.
+            if grains != 0.0 {
+                self.at(along(from, grains * GRAIN))?;
+            }
         }
         Ok(())
     }

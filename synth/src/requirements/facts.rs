@@ -6,9 +6,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::bounded::{AngleDeg, As, BelowOne, Finite, Positive, ShortestInterval, UpToOne};
 use crate::model::{
-    check_inertia, check_line, check_version, parse, FileError, Imperfections,
-    InertiaUncertaintyFile, Kind, ModelError, TriggerFloor, MODEL_SCHEMA_VERSION,
+    check_version, parse, ExactPlant, FileError, GainForm, Imperfections, InertiaUncertaintyFile,
+    Kind, Mismatch, Model, ModelError, ModelFile, Objective, PlantFile, Specs, TriggerFloor,
+    MODEL_SCHEMA_VERSION,
 };
+
+/// The trigger threshold where none is given.
+const THRESHOLD: f64 = 0.2;
+
+/// The same where the measurement has errors: its conditions take up to twice the threshold.
+const THRESHOLD_WITH_ERRORS: f64 = 0.05;
+
+/// A box [rad/s] and a decay rate [1/s] with which the rest of a file is checked.
+const USUAL_RATE: [f64; 3] = [0.1; 3];
+const USUAL_SCALAR_PART: f64 = 0.5;
+const USUAL_DECAY: f64 = 0.01;
 
 /// A model file in which only the spacecraft, its sampling and the requirements are given.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -144,9 +156,6 @@ impl Facts {
     /// A value out of its range.
     pub fn new(file: FactsFile) -> Result<Self, ModelError> {
         check_version(file.schema_version, MODEL_SCHEMA_VERSION)?;
-        check_line("name", &file.name)?;
-        let FactsPlant::Exact(craft) = &file.plant;
-        check_inertia("plant.exact.inertia_kg_m2", &craft.inertia_kg_m2)?;
         let (rate, interval) = (file.specs.sample_hz, file.specs.hbar_s);
         if rate.is_some() == interval.is_some() {
             let reason = "exactly one of sample_hz and hbar_s must be given";
@@ -156,7 +165,13 @@ impl Facts {
             let reason = "at least one requirement must be given";
             return Err(ModelError::choice("requirements", reason));
         }
-        Ok(Facts { file })
+        let facts = Facts { file };
+        // What else a model checks does not depend on what is found.
+        let craft = facts.craft();
+        let rate = craft.rate_rad_s.unwrap_or(USUAL_RATE);
+        let scalar_part = craft.q0_min.unwrap_or(USUAL_SCALAR_PART);
+        Model::new(facts.model(rate, scalar_part, USUAL_DECAY))?;
+        Ok(facts)
     }
 
     /// The spacecraft.
@@ -184,5 +199,51 @@ impl Facts {
         let craft = self.craft();
         let weakest = craft.torque_limit_nm.into_iter().fold(f64::MAX, f64::min);
         weakest / craft.disturbance_bound_nm
+    }
+
+    /// A model in SI units with a box and a decay rate; the objective is the smallest gain.
+    pub(super) fn model(&self, rate_rad_s: [f64; 3], q0_min: f64, phi_per_s: f64) -> ModelFile {
+        let (file, craft) = (&self.file, self.craft());
+        let specs = &file.specs;
+        let interval = self.longest_interval();
+        ModelFile {
+            schema_version: MODEL_SCHEMA_VERSION,
+            name: file.name.clone(),
+            source: file.source.clone(),
+            plant: PlantFile::Exact(ExactPlant {
+                inertia_kg_m2: craft.inertia_kg_m2,
+                inertia_uncertainty: craft.inertia_uncertainty,
+                torque_limit_nm: craft.torque_limit_nm,
+                disturbance_bound_nm: craft.disturbance_bound_nm,
+                rate_rad_s,
+                q0_min,
+                gyroscopic_form_kg_m2: craft.gyroscopic_form_kg_m2,
+            }),
+            specs: Specs {
+                phi_per_s,
+                hbar_s: interval,
+                hmin_s: specs.hmin_s.or(specs.sample_hz.map(|_| interval)),
+                nu: specs.nu.unwrap_or(match file.imperfections.measurement {
+                    None => THRESHOLD,
+                    Some(_) => THRESHOLD_WITH_ERRORS,
+                }),
+                trigger_floor: specs.trigger_floor,
+                nu_min: None,
+                threshold_update: None,
+                eps: [1.0; 3],
+                xi_max: f64::INFINITY,
+                objective: Objective::Gain,
+                gamma: None,
+                gamma_max: None,
+                must_contain: Vec::new(),
+                outer: None,
+                command_trigger: None,
+                search: None,
+                margin: 1e-6,
+            },
+            imperfections: file.imperfections.clone(),
+            gains: GainForm::Constant,
+            mismatch: Mismatch::None,
+        }
     }
 }

@@ -8,8 +8,8 @@
 use crate::conditions::units::power_of_two;
 use crate::design::{CertificateFile, DesignFile, FirstTorqueFile};
 use crate::model::{
-    Imperfections, MeasurementBounds, ModelFile, MomentumBound, PlantFile, ReferenceMotion,
-    TriggerFloor,
+    ExactPlant, Imperfections, MeasurementBounds, ModelFile, MomentumBound, PlantFile,
+    ReferenceMotion, Specs, TriggerFloor,
 };
 
 type Rows = Vec<Vec<f64>>;
@@ -42,6 +42,11 @@ impl NaturalUnits {
         self.inertia / (self.time * self.time)
     }
 
+    /// The factor of a weight of squared torques in the functional's derivative: 1 / (Ts E^2).
+    fn supply(self) -> f64 {
+        1.0 / (self.time * self.torque() * self.torque())
+    }
+
     /// The units in which numbers in these are SI numbers.
     fn inverse(self) -> Self {
         NaturalUnits {
@@ -58,48 +63,46 @@ impl NaturalUnits {
     /// A model in these units, restated in SI units.
     pub fn to_si(self, model: &ModelFile) -> ModelFile {
         let mut out = model.clone();
-        let (time, torque) = (self.time, self.torque());
         if let PlantFile::Exact(exact) = &mut out.plant {
-            exact
-                .inertia_kg_m2
-                .iter_mut()
-                .flatten()
-                .for_each(|entry| *entry *= self.inertia);
-            if let Some(set) = &mut exact.inertia_uncertainty {
-                set.off_diagonal_kg_m2 *= self.inertia;
-            }
-            if let Some(form) = &mut exact.gyroscopic_form_kg_m2 {
-                form.iter_mut()
-                    .flatten()
-                    .for_each(|entry| *entry *= self.inertia);
-            }
-            exact
-                .torque_limit_nm
-                .iter_mut()
-                .for_each(|limit| *limit *= torque);
-            exact.disturbance_bound_nm *= torque;
-            exact.rate_rad_s.iter_mut().for_each(|rate| *rate /= time);
+            self.spacecraft(exact);
         }
-        let weight = 1.0 / (time * torque * torque);
-        let specs = &mut out.specs;
+        self.specs(&mut out.specs);
+        self.imperfections(&mut out.imperfections);
+        out
+    }
+
+    /// The same for a spacecraft and its box.
+    fn spacecraft(self, exact: &mut ExactPlant) {
+        scale(&mut exact.inertia_kg_m2, |_, _| self.inertia);
+        if let Some(set) = &mut exact.inertia_uncertainty {
+            set.off_diagonal_kg_m2 *= self.inertia;
+        }
+        if let Some(form) = &mut exact.gyroscopic_form_kg_m2 {
+            scale(form, |_, _| self.inertia);
+        }
+        let torque = self.torque();
+        exact.torque_limit_nm = exact.torque_limit_nm.map(|limit| limit * torque);
+        exact.disturbance_bound_nm *= torque;
+        exact.rate_rad_s = exact.rate_rad_s.map(|rate| rate / self.time);
+    }
+
+    /// The same for requirements and design parameters.
+    fn specs(self, specs: &mut Specs) {
+        let time = self.time;
         specs.phi_per_s /= time;
         specs.hbar_s *= time;
         specs.hmin_s = specs.hmin_s.map(|shortest| shortest * time);
         specs.eps[1] *= time;
-        specs.xi_max *= weight;
+        specs.xi_max *= self.supply();
         if let Some(TriggerFloor::Given(floor)) = &mut specs.trigger_floor {
             *floor /= time;
         }
-        for state in &mut specs.must_contain {
-            state.iter_mut().take(3).for_each(|rate| *rate /= time);
-        }
+        self.states(&mut specs.must_contain);
         if let Some(outer) = &mut specs.outer {
             outer.phi_per_s /= time;
-            outer.rate_rad_s.iter_mut().for_each(|rate| *rate /= time);
-            outer.xi_max *= weight;
-            for state in &mut outer.must_contain {
-                state.iter_mut().take(3).for_each(|rate| *rate /= time);
-            }
+            outer.rate_rad_s = outer.rate_rad_s.map(|rate| rate / time);
+            outer.xi_max *= self.supply();
+            self.states(&mut outer.must_contain);
         }
         if let Some(search) = &mut specs.search {
             let scale = |range: &mut Option<[f64; 2]>, factor: f64| {
@@ -107,10 +110,13 @@ impl NaturalUnits {
             };
             scale(&mut search.phi_per_s, 1.0 / time);
             scale(&mut search.rate_rad_s, 1.0 / time);
-            scale(&mut search.xi_max, weight);
+            scale(&mut search.xi_max, self.supply());
         }
-        self.imperfections(&mut out.imperfections);
-        out
+    }
+
+    /// The same for states, one each row.
+    fn states(self, states: &mut Rows) {
+        scale(states, |_, state| 1.0 / self.state(state));
     }
 
     /// The same for bounds on what the loop does otherwise than an ideal one.
@@ -162,8 +168,7 @@ impl NaturalUnits {
     }
 
     fn certificate(self, part: &mut CertificateFile) {
-        let (time, torque) = (self.time, self.torque());
-        let power = 1.0 / (torque * torque * time);
+        let (time, power) = (self.time, self.supply());
         self.weight(&mut part.lyapunov, 1.0);
         self.weight(&mut part.integral_weight, 1.0);
         self.weight(&mut part.free_state, 1.0 / time);
@@ -227,9 +232,9 @@ impl NaturalUnits {
     }
 }
 
-fn scale(rows: &mut Rows, factor: impl Fn(usize, usize) -> f64) {
+fn scale<Row: AsMut<[f64]>>(rows: &mut [Row], factor: impl Fn(usize, usize) -> f64) {
     for (r, row) in rows.iter_mut().enumerate() {
-        for (c, entry) in row.iter_mut().enumerate() {
+        for (c, entry) in row.as_mut().iter_mut().enumerate() {
             *entry *= factor(r, c);
         }
     }

@@ -3,22 +3,13 @@
 use super::facts::Facts;
 use super::natural_units::NaturalUnits;
 use super::tables::{box_rate, fastest_decay, smallest_scalar_part};
-use crate::model::{
-    ExactPlant, GainForm, Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, SearchFile, Specs,
-    MODEL_SCHEMA_VERSION,
-};
+use crate::model::{ModelFile, Objective, OuterSpecs, SearchFile};
 
 /// The angle that is certified where none is required (rad).
 const USUAL_ANGLE: f64 = 0.35;
 
 /// How far beyond the required angle a set must reach, so that the angle can be proved.
 const ROOM: f64 = 1.02;
-
-/// The trigger threshold where none is given.
-const THRESHOLD: f64 = 0.2;
-
-/// The same where the measurement has errors: its conditions take up to twice the threshold.
-const THRESHOLD_WITH_ERRORS: f64 = 0.05;
 
 /// Rounds of a search.
 const ROUNDS: u32 = 8;
@@ -134,7 +125,7 @@ fn one_set(facts: &Facts, angle: f64, decay: f64, level: f64) -> ModelFile {
     let largest = phi / craft.disturbance_bound_nm.powi(2);
     let start = (largest * (level / facts.authority()).powi(2)).min(largest);
     let rate = rates(facts, angle, time);
-    let mut model = model(facts, rate, scalar_part(facts, angle), phi);
+    let mut model = facts.model(rate, scalar_part(facts, angle), phi);
     model.specs.objective = Objective::Gain;
     model.specs.xi_max = start;
     let ceiling = facts.file.requirements.rate_rad_s;
@@ -164,8 +155,7 @@ fn two_sets(facts: &Facts, angle: f64, inner: f64, decay: f64) -> ModelFile {
     let small_time = time * inner.sqrt();
     let own = facts.file.specs.phi_per_s;
     let phi = own.unwrap_or(decay * fastest_decay(small) / small_time);
-    let mut model = model(
-        facts,
+    let mut model = facts.model(
         rates(facts, small, small_time),
         scalar_part(facts, small),
         phi,
@@ -202,51 +192,4 @@ fn rates(facts: &Facts, angle: f64, time: f64) -> [f64; 3] {
 
 fn scalar_part(facts: &Facts, angle: f64) -> f64 {
     facts.craft().q0_min.unwrap_or(smallest_scalar_part(angle))
-}
-
-/// What every model has, in SI units.
-fn model(facts: &Facts, rate: [f64; 3], q0_min: f64, phi: f64) -> ModelFile {
-    let (file, craft) = (&facts.file, facts.craft());
-    let specs = &file.specs;
-    ModelFile {
-        schema_version: MODEL_SCHEMA_VERSION,
-        name: file.name.clone(),
-        source: file.source.clone(),
-        plant: PlantFile::Exact(ExactPlant {
-            inertia_kg_m2: craft.inertia_kg_m2,
-            inertia_uncertainty: craft.inertia_uncertainty,
-            torque_limit_nm: craft.torque_limit_nm,
-            disturbance_bound_nm: craft.disturbance_bound_nm,
-            rate_rad_s: rate,
-            q0_min,
-            gyroscopic_form_kg_m2: craft.gyroscopic_form_kg_m2,
-        }),
-        specs: Specs {
-            phi_per_s: phi,
-            hbar_s: facts.longest_interval(),
-            hmin_s: specs
-                .hmin_s
-                .or(specs.sample_hz.map(|_| facts.longest_interval())),
-            nu: specs.nu.unwrap_or(match file.imperfections.measurement {
-                None => THRESHOLD,
-                Some(_) => THRESHOLD_WITH_ERRORS,
-            }),
-            trigger_floor: specs.trigger_floor,
-            nu_min: None,
-            threshold_update: None,
-            eps: [1.0; 3],
-            xi_max: f64::INFINITY,
-            objective: Objective::Gain,
-            gamma: None,
-            gamma_max: None,
-            must_contain: Vec::new(),
-            outer: None,
-            command_trigger: None,
-            search: None,
-            margin: 1e-6,
-        },
-        imperfections: file.imperfections.clone(),
-        gains: GainForm::Constant,
-        mismatch: Mismatch::None,
-    }
 }

@@ -60,11 +60,9 @@ fn gain_in(
     gains: &GainPlan,
     session: &mut Session,
 ) -> Result<f64, SynthesisError> {
-    let Some(model) = in_form(model, form) else {
+    let Some((model, task)) = in_form(form, model, gains) else {
         return Ok(f64::INFINITY);
     };
-    let mut task = model.task();
-    task.gains = gains.clone();
     let request = DesignRequest::of_model(&model, "", &task, session.form);
     let mut synthesis = GainSynthesis::new(request, None, session);
     Ok(match synthesis.smallest(&FIRST_UNITS)? {

@@ -221,6 +221,12 @@ pub fn xu2020_design() -> &'static Path {
     DESIGN.get_or_init(|| fixture("xu2020-design.json"))
 }
 
+/// `steadfast synthesize` of a file, with further arguments.
+pub fn synthesize(model: &Path, more: &[&str]) -> Run {
+    let output = command().arg("synthesize").arg(model).args(more).output();
+    Run::new(output.expect("the command runs"))
+}
+
 /// The design of `models/xu2020.json` with the form of the gyroscopic torque that the paper has, K = 0.
 pub fn design_in_the_papers_form() -> &'static Path {
     static DESIGN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();

@@ -50,12 +50,7 @@ impl Conclusion<'_> {
     }
 
     fn found(&self, design: &Synthesized) -> Result<Answer, CliError> {
-        let again = |text: &str| {
-            let (file, model) = DesignFile::from_json(text)?;
-            Ok(file.verify(&model)?)
-        };
-        let json = || design.file.to_json();
-        let (kept, checked) = keep(self.output, &design.report, json, again)?;
+        let (kept, checked) = keep_design(self.output, design)?;
         let check = self.cross_check;
         let check = check.map(|solver| self.other_solver(solver, design));
         let report = SynthesisReport::new(design, self.model, &checked, check.transpose()?);
@@ -96,6 +91,18 @@ impl Conclusion<'_> {
         lines.push(written_or_nothing(kept.map(|(path, _)| path)));
         Ok(Answer::new(status.exit_without_design(), &report, &lines))
     }
+}
+
+/// [`keep`] for the design of a model.
+pub fn keep_design<'a>(
+    output: Option<&'a Path>,
+    design: &Synthesized,
+) -> Result<(Option<&'a Path>, Report), CliError> {
+    let again = |text: &str| {
+        let (file, model) = DesignFile::from_json(text)?;
+        Ok(file.verify(&model)?)
+    };
+    keep(output, &design.report, || design.file.to_json(), again)
 }
 
 /// Writes a proved design. What counts is then the check of what a reader of the file gets.

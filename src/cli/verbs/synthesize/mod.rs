@@ -71,30 +71,25 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         inputs: &[&args.model],
         force: args.force,
     };
-    if kind_of(&text) == Some(Kind::Problem) {
-        let given = [
-            (args.form.is_some(), "--form"),
-            (args.objective.is_some(), "--objective"),
-            (args.cross_check, "--cross-check"),
-        ];
-        let unused = given.into_iter().find(|(given, _)| *given);
-        let unused = unused.map(|(_, option)| option);
-        targets.check_file(output, Contents::Document(&[Kind::ProblemDesign]))?;
-        let how = (output, args.solver);
-        return problem::synthesize(&args.model, &text, how, unused);
-    }
-    if kind_of(&text) == Some(Kind::Facts) {
-        let given = [
-            (args.form.is_some(), "--form"),
-            (args.objective.is_some(), "--objective"),
-            (args.cross_check, "--cross-check"),
-        ];
-        if let Some((_, option)) = given.into_iter().find(|(given, _)| *given) {
-            let reason = format!("{option} has no meaning for a file with requirements");
-            return Err(CliError::unsuitable(&args.model, reason));
+    // Options about the one problem of a model.
+    let given = [
+        (args.form.is_some(), "--form"),
+        (args.objective.is_some(), "--objective"),
+        (args.cross_check, "--cross-check"),
+    ];
+    let unused = given.into_iter().find(|(given, _)| *given);
+    let unused = unused.map(|(_, option)| option);
+    let how = (output, args.solver);
+    match kind_of(&text) {
+        Some(Kind::Problem) => {
+            targets.check_file(output, Contents::Document(&[Kind::ProblemDesign]))?;
+            return problem::synthesize(&args.model, &text, how, unused);
         }
-        targets.check_file(output, Contents::Document(&[Kind::Design]))?;
-        return requirements::synthesize(&args.model, &text, (output, args.solver));
+        Some(Kind::Facts) => {
+            targets.check_file(output, Contents::Document(&[Kind::Design]))?;
+            return requirements::synthesize(&args.model, &text, how, unused);
+        }
+        _ => {}
     }
     let mut model = files::parse(&args.model, &text, Model::from_json)?;
     if let Some(objective) = args.objective {

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use synth::design::DesignFile;
 use synth::model::Model;
 use synth::requirements::{best, suggestions, Candidate, Facts};
 use synth::solve::Solver;
 
-use super::conclude::keep;
+use super::conclude::keep_design;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
@@ -17,13 +16,19 @@ use crate::cli::show::facts::{design_written, NOTHING};
 use crate::cli::show::requirements::{lines, MissedReport, RequirementsReport};
 use crate::cli::solver::SolverArg;
 
-/// Finds what the file leaves open, designs, writes and proves. 0: every requirement is proved; 2: not.
+/// Finds what the file leaves open, designs, writes and proves. 0: every requirement is proved; 2: not. `unused` is an
+/// option given that says nothing about such a file.
 pub fn synthesize(
     path: &Path,
     text: &str,
     (output, solver): (Option<&Path>, SolverArg),
+    unused: Option<&str>,
 ) -> Result<Answer, CliError> {
     let facts = files::parse(path, text, Facts::from_json)?;
+    if let Some(option) = unused {
+        let reason = format!("{option} has no meaning for a file with requirements");
+        return Err(CliError::unsuitable(path, reason));
+    }
     let solvers = solver.solvers([Solver::Structured, Solver::Clarabel], None);
     let found = solve(path, ASSEMBLING, |observer| {
         best(&facts, text, &solvers, observer)
@@ -46,12 +51,7 @@ fn written(path: &Path, found: &Candidate, output: Option<&Path>) -> Result<Answ
     let design = &found.design;
     let model = Model::new(design.file.model.clone());
     let model = model.map_err(|error| CliError::value(path, error))?;
-    let again = |text: &str| {
-        let (file, model) = DesignFile::from_json(text)?;
-        Ok(file.verify(&model)?)
-    };
-    let json = || design.file.to_json();
-    let (kept, checked) = keep(output, &design.report, json, again)?;
+    let (kept, checked) = keep_design(output, design)?;
     let report = RequirementsReport {
         requirements: &found.answered,
         design: SynthesisReport::new(design, &model, &checked, None),
