@@ -48,8 +48,10 @@ pub struct Seed {
 
 /// All files.
 pub struct Corpus {
-    /// The files.
+    /// The files, the smallest first.
     pub seeds: Vec<Seed>,
+    /// The places of those that have a proof to decide, the smallest first.
+    pub proofs: Vec<usize>,
     /// Their keys, with quotes.
     pub keys: Vec<String>,
 }
@@ -100,9 +102,13 @@ impl Corpus {
         let axes = AXES.iter();
         seeds.extend(axes.map(|text| Seed::new("axis", Reader::Axis, text.to_string())));
         seeds.push(Seed::of_bytes("runs.parquet", Reader::Table, TABLE));
+        seeds.sort_by_key(|seed| seed.bytes.len());
+        let proofs = (0..seeds.len()).filter(|&place| seeds[place].decided);
+        let proofs = proofs.collect();
         let keys: BTreeSet<String> = seeds.iter().flat_map(Seed::keys).collect();
         Ok(Corpus {
             seeds,
+            proofs,
             keys: keys.into_iter().collect(),
         })
     }

@@ -183,23 +183,21 @@ pub fn file(corpus: &Corpus, seed: u64, index: u64, deep: bool) -> (&Seed, Vec<u
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(index);
     let mut dice = Dice(random);
-    let mut chosen = &corpus.seeds[dice.below(corpus.seeds.len())];
-    // The smaller of three: more files in the same time.
-    for _ in 0..2 {
-        let other = &corpus.seeds[dice.below(corpus.seeds.len())];
-        if other.bytes.len() < chosen.bytes.len() {
-            chosen = other;
-        }
-    }
+    let mut chosen = &corpus.seeds[smallest(corpus.seeds.len(), &mut dice)];
     // Half of the files that are decided have a proof.
     if deep && (chosen.long || dice.below(2) == 0) {
-        while !chosen.decided {
-            chosen = &corpus.seeds[dice.below(corpus.seeds.len())];
-        }
+        chosen = &corpus.seeds[corpus.proofs[smallest(corpus.proofs.len(), &mut dice)]];
     }
     let small = deep && dice.below(4) > 0 && !chosen.numbers.is_empty();
     let bytes = mutated(chosen, corpus, small, &mut dice);
     (chosen, bytes)
+}
+
+/// The smallest of three places among seeds that are sorted by size: more files in the same time, and still some of
+/// every size.
+fn smallest(count: usize, dice: &mut Dice) -> usize {
+    let drawn = [(); 3].map(|()| dice.below(count));
+    drawn.into_iter().fold(count, usize::min)
 }
 
 /// How a file is read: now and then as what it is not.
