@@ -35,6 +35,15 @@ impl Form {
         }
     }
 
+    /// The other one of the two small forms.
+    pub(crate) fn other(self) -> Option<Self> {
+        match self {
+            Form::Chordal => Some(Form::VertexRelaxed),
+            Form::VertexRelaxed => Some(Form::Chordal),
+            Form::Full => None,
+        }
+    }
+
     /// The form of this name.
     pub fn named(name: &str) -> Option<Self> {
         let all = [Form::Chordal, Form::VertexRelaxed, Form::Full];

@@ -26,7 +26,7 @@ pub use outcome::{
     Answer, Cancelled, Decision, Infeasible, LimitingFactors, Outcome, Sensitivity, SynthesisError,
     Synthesized,
 };
-pub(crate) use solvers::{is_structured, Asked};
+pub(crate) use solvers::{is_small, is_structured, Asked};
 pub use solvers::{solver_order, Solvers};
 pub use units::{scaled_task, FIRST_UNITS};
 

@@ -119,13 +119,13 @@ pub fn solver_order(model: &Model) -> [Solver; 2] {
     let specs = &model.file.specs;
     let many_solves =
         specs.search.is_some() || matches!(specs.objective, Objective::Region | Objective::Both);
-    match many_solves || statements(&model.task()) > FEW_VERTICES {
+    match many_solves || !is_small(&model.task()) {
         true => [Solver::Structured, Solver::Clarabel],
         false => [Solver::Clarabel, Solver::Structured],
     }
 }
 
-/// How often (18) is stated at each end of the sampling interval: at every vertex system, for every gain.
-fn statements(task: &Task) -> usize {
-    task.system.vertices.len() * task.gains.count
+/// Whether (18) is stated at few vertices and gains, so that either solver is fast.
+pub(crate) fn is_small(task: &Task) -> bool {
+    task.system.vertices.len() * task.gains.count <= FEW_VERTICES
 }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::attempts::{Attempts, Synthesis};
-use super::gain::{is_enough, GainSynthesis};
+use super::gain::{is_enough, GainSynthesis, UnitAttempts};
 use super::gyroscopic_form::{self, with_chosen_form};
 use super::{measured, parameter_search, two_certificates};
 use crate::claim::Claim;
@@ -13,8 +13,8 @@ use crate::feasibility;
 use crate::model::{Mismatch, Model, Objective};
 use crate::optimality::Optimality;
 use crate::programs::{
-    Answer, ConditionSubset, Decision, DesignRequest, LimitingFactors, Outcome, Session, Solvers,
-    SynthesisError, Synthesized,
+    is_small, Answer, Asked, ConditionSubset, Decision, DesignRequest, Form, LimitingFactors,
+    Outcome, Session, Solvers, SynthesisError, Synthesized,
 };
 use sdp::solve::Observer;
 
@@ -106,6 +106,21 @@ fn smallest_gain(
             let asked = request.model.file.specs.gamma;
             GainSynthesis::new(request, asked, session).in_all_settings()
         })?;
+    let asked = request.model.file.specs.gamma;
+    let met = |design: &Synthesized| {
+        asked.is_some_and(|asked| GainSynthesis::objective(&design.file) <= asked)
+    };
+    let poor = !is_enough(&found);
+    if found
+        .best
+        .as_ref()
+        .is_some_and(|design| poor && !met(design))
+    {
+        // Before a design is called much worse than the best objective seen.
+        let other = in_other_forms(request, &mut session)?;
+        found.keep::<GainSynthesis>(other.best);
+        found.best_seen = found.best_seen.min(other.best_seen);
+    }
     let best_seen = found.best_seen;
     let solved = |design: Box<Synthesized>, best_seen: f64, session: &Session| {
         let mut design = design.with_runs(&session.runs);
@@ -132,6 +147,12 @@ fn smallest_gain(
             return Ok(solved(design, before, &session));
         }
     }
+    if let Answer::Undecided(_) = decision.answer {
+        let other = in_other_forms(request, &mut session)?;
+        if let Some(design) = other.best {
+            return Ok(solved(design, best_seen.min(other.best_seen), &session));
+        }
+    }
     let slack = decision.slack;
     let blocked = slack.map_or(found.infeasible > 0, |slack| slack > 0.0);
     Ok(match (&decision.answer, found.unproved.take()) {
@@ -146,6 +167,39 @@ fn smallest_gain(
     })
 }
 
+/// The designs of each solver in the form that suits it less: the forms have the same solutions, but a solver may fail in
+/// one of them only. None where that form would be large, or where another form than the one that suits was chosen.
+fn in_other_forms(
+    request: DesignRequest,
+    session: &mut Session,
+) -> Result<UnitAttempts, SynthesisError> {
+    let mut found = UnitAttempts::default();
+    if !is_small(request.task) {
+        return Ok(found);
+    }
+    let solvers = session.solvers().iter();
+    let suited =
+        solvers.filter(|(backend, form)| backend.solver().map(Form::suited_to) == Some(*form));
+    let asked: Vec<Asked> = suited
+        .filter_map(|&(backend, form)| Some((backend, form.other()?)))
+        .collect();
+    for mut own in Session::each_alone(asked, session.observer()) {
+        let form = own.form;
+        let request = DesignRequest { form, ..request };
+        let asked = request.model.file.specs.gamma;
+        let outcome = GainSynthesis::new(request, asked, &mut own).in_all_settings();
+        session.runs.append(&mut own.runs);
+        let other = outcome?;
+        found.keep::<GainSynthesis>(other.best);
+        found.bounds.extend(other.bounds);
+        found.best_seen = found.best_seen.min(other.best_seen);
+        if is_enough(&found) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
 /// The gain that a model asks for and a design does not meet, as a sentence.
 fn missed(design: &DesignFile) -> Option<String> {
     let specs = &design.model.specs;
@@ -155,7 +209,7 @@ fn missed(design: &DesignFile) -> Option<String> {
         (None, None) => return None,
     };
     let what = match specs.objective {
-        Objective::Gain => "guaranteed gain",
+        Objective::Gain | Objective::Pointing => "guaranteed gain",
         _ => "gamma",
     };
     let found = GainSynthesis::objective(design);
