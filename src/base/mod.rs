@@ -6,6 +6,7 @@ pub mod compressed;
 pub mod condition;
 pub mod csv;
 pub mod files;
+pub mod guarded;
 pub mod number;
 pub mod parquet;
 pub mod plant_model;

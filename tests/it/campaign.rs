@@ -1,5 +1,6 @@
 //! `steadfast campaign` and `merge`: the same bytes however the runs are made.
 
+mod damaged;
 mod disk;
 
 use std::collections::BTreeMap;

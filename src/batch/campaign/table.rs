@@ -2,6 +2,7 @@
 //!
 //! The bytes of a table depend on its rows and its metadata only, not on how the rows were made.
 
+use std::fmt::Display;
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
@@ -9,7 +10,7 @@ use std::path::Path;
 use arrow_array::{Array, BooleanArray, Float32Array, Float64Array, RecordBatch};
 use arrow_array::{StringArray, UInt64Array};
 use arrow_schema::{ArrowError, SchemaRef};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
@@ -20,6 +21,7 @@ use super::record::ProfileGrid;
 use super::row::RunRow;
 use super::CampaignError;
 use crate::base::files::OutputError;
+use crate::base::guarded::guarded;
 use crate::base::parquet::{batch, properties, Column};
 use crate::sim::metrics::METRICS;
 
@@ -211,9 +213,29 @@ pub fn rows(
         true => ProjectionMask::all(),
         false => ProjectionMask::roots(builder.parquet_schema(), columns.places(wanted)),
     };
-    let batches = builder.with_batch_size(BATCH).with_projection(mask).build();
-    let batches = batches.map_err(|error| CampaignError::broken(path, error))?;
-    Ok(batches.map(|batch| batch.map_err(refused)))
+    let builder = builder.with_batch_size(BATCH).with_projection(mask);
+    let mut batches = sound(path, || builder.build())?;
+    let path = path.to_path_buf();
+    Ok(std::iter::from_fn(move || next(&path, &mut batches)))
+}
+
+/// What a reader of the file gives; it panics on some damaged files.
+fn sound<T, E: Display>(
+    path: &Path,
+    read: impl FnOnce() -> Result<T, E>,
+) -> Result<T, CampaignError> {
+    match guarded(read) {
+        Some(read) => read.map_err(|error| CampaignError::broken(path, error)),
+        None => Err(CampaignError::broken(path, "a page of it is damaged")),
+    }
+}
+
+/// The next rows of a file.
+fn next(
+    path: &Path,
+    batches: &mut ParquetRecordBatchReader,
+) -> Option<Result<RecordBatch, CampaignError>> {
+    sound(path, || batches.next().transpose()).transpose()
 }
 
 /// A column of some rows.
@@ -237,8 +259,7 @@ pub(super) fn mistyped() -> CampaignError {
 fn builder(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, CampaignError> {
     let file = File::open(path);
     let file = file.map_err(|source| OutputError::io(path, "cannot be read", source))?;
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file);
-    builder.map_err(|error| CampaignError::broken(path, error))
+    sound(path, || ParquetRecordBatchReaderBuilder::try_new(file))
 }
 
 /// The names of a table's columns.
@@ -296,10 +317,10 @@ fn column<T>(
     };
     let index = builder.schema().index_of(name).map_err(|_| missing())?;
     let mask = ProjectionMask::roots(builder.parquet_schema(), [index]);
-    let batches = builder.with_projection(mask).build();
+    let mut batches = sound(path, || builder.with_projection(mask).build())?;
     let mut out = Vec::new();
-    for batch in batches.map_err(|error| CampaignError::broken(path, error))? {
-        let batch = batch.map_err(|error| CampaignError::broken(path, error))?;
+    while let Some(batch) = next(path, &mut batches) {
+        let batch = batch?;
         out.extend(values(batch.column(0).as_ref()).ok_or_else(missing)?);
     }
     Ok(out)
