@@ -113,7 +113,9 @@ def inertias(exact):
     return nominal, width, corners
 
 
-def rigid_body(exact, rate, q0_min):
+def rigid_body(exact, rate, q0_min, objective):
+    weights = exact.get("output_weights") or {"rate_s": 0 if objective == "pointing" else 1, "attitude": 1}
+    output = diagonal([Q(weights["rate_s"])] * 3 + [Q(weights["attitude"])] * 3)
     rate, q0_min = [Q(w) for w in rate], Q(q0_min)
     nominal, width, corners = inertias(exact)
     form = mat(exact.get("gyroscopic_form_kg_m2") or zeros(3, 3))
@@ -128,7 +130,7 @@ def rigid_body(exact, rate, q0_min):
     box = [([eye(6)[i]], rate[i] ** 2) for i in range(3)] + [(eye(6)[3:], 1 - q0_min**2)]
     inertia = [lin((1, nominal), (-1, [[s[i] * width[i][j] * s[j] for j in range(3)] for i in range(3)]))
                for s in itertools.product((1,), (-1, 1), (-1, 1))]
-    return {"vertices": vertices, "B": b, "Bw": b, "C": eye(6), "box": box, "inertia": inertia,
+    return {"vertices": vertices, "B": b, "Bw": b, "C": output, "box": box, "inertia": inertia,
             "limit": exact["torque_limit_nm"], "tau": exact["disturbance_bound_nm"]}
 
 
@@ -146,7 +148,8 @@ def plant_of(model, large):
     kind, data = next(iter(model["plant"].items()))
     if kind == "exact":
         source = model["specs"]["outer"] if large else data
-        return rigid_body(data, source["rate_rad_s"], source["q0_min"])
+        objective = model["specs"].get("objective")
+        return rigid_body(data, source["rate_rad_s"], source["q0_min"], None if large else objective)
     if kind == "vertices":
         box = [([[Q(x) for x in side["row"]]], Q(side["bound"]) ** 2) for side in data.get("box") or []]
         return given_matrices(data, data["state_matrices"], box)
@@ -257,6 +260,28 @@ def conditions(design, large, every=1):
             yield f"final bound {key}", lin((bound**2, u), (-xi * Q(plant["tau"]) ** 2 / phi, mul(t(part), part)))
 
 
+def hand_over(design):
+    """Pairs as above: every state of the large set comes to x'Ux <= level, and under the first certificate there."""
+    own, small, model = design["outer"]["hand_over"], design["certificate"], design["model"]
+    large, level, nu = design["outer"]["certificate"], Q(own["level"]), Q(model["specs"]["nu"])
+    u, weight = mat(large["lyapunov"]), mat(design["controller"]["trigger_weight"])
+    plant = plant_of(model, False)
+    yield "level reached", [[level - Q(large["xi"]) * Q(plant["tau"]) ** 2 / Q(model["specs"]["outer"]["phi_per_s"])]]
+    yield "set contained", lin((1, u), (-level, mat(small["lyapunov"])))
+    pairs = [(lin((1, mat(f)), (-1, mat(n))), s) for f, n in zip(design["controller"]["gains"], small["anti_windup"])
+             for s in range(len(plant["limit"]))]
+    if len(pairs) != len(own["held_state"]):
+        raise ValueError("there must be one pair of weights for each input of each gain")
+    for (difference, s), held in zip(pairs, own["held_state"]):
+        a, b, row = Q(held["state_weight"]), Q(held["trigger_weight"]), [difference[s]]
+        coupled = lin((-b, weight))
+        yield "held state", stack([[lin((a, u), (b, weight)), coupled, t(zeros(1, len(u)))],
+                                   [coupled, lin((b * (1 - nu), weight)), t(row)],
+                                   [zeros(1, len(u)), row, eye(1)]])
+        yield "held state weights", diagonal([a, b])
+        yield "held state within limit", [[Q(plant["limit"][s]) ** 2 - a * level]]
+
+
 def judge(path, every):
     """Checks one file, prints the outcome and returns its exit status."""
     try:
@@ -268,6 +293,10 @@ def judge(path, every):
                 checked += 1
                 if not positive_definite(matrix):
                     failed.append(("outer " if large else "") + name)
+        for name, matrix in hand_over(design) if design.get("outer", {}).get("hand_over") else ():
+            checked += 1
+            if not positive_definite(matrix):
+                failed.append("hand-over " + name)
     except (OSError, LookupError, TypeError, ValueError) as error:
         print(f"{path}: cannot be judged: {error!r}")
         return 1

@@ -5,6 +5,7 @@ use synth::certify::theorem1::{certified_start, reached_from_rest, Certificate};
 use synth::model::{Model, Plant};
 
 use super::design::Design;
+use super::inner::HandOverClaim;
 use super::summary::OutputBound;
 use crate::sim::embedding;
 use crate::sim::lyapunov::Claims;
@@ -75,6 +76,17 @@ impl Design {
     pub fn inner_claims<const N: usize>(&self) -> Option<Claims<N>> {
         let claims = || claims(&self.model, &self.certificate);
         self.outer.as_ref().map(|_| claims())
+    }
+
+    /// The hand-over from the outer set to the inner one, where the design proves one.
+    pub fn hand_over<const N: usize>(&self) -> Option<HandOverClaim<N>> {
+        let outer = self.outer.as_ref().filter(|_| self.proved())?;
+        Some(HandOverClaim {
+            lyapunov: (!outer.model.file.imperfections.is_networked())
+                .then(|| embedding::matrix(&outer.certificate.lyapunov)),
+            level: outer.hand_over.as_ref()?.level,
+            latest_s: outer.hand_over_time()?,
+        })
     }
 }
 

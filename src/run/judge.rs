@@ -170,9 +170,7 @@ pub(crate) fn certificate<const N: usize>(
     let gains = [certificate.gain_bound, certificate.guaranteed_gain];
     let [gamma, guaranteed_gain] = gains.map(|gain| design.proved().then_some(gain));
     let claims = monitor.claims();
-    // At the sample of the entry the functional of a loop with late messages is not x'Ux alone.
-    let enters = not_covered.is_empty() && !claims.networked;
-    let inner = inner.map(|inner| inner.outcome(enters, [gamma, guaranteed_gain]));
+    let enters = not_covered.is_empty();
     let level = claims.start_level;
     if exceeds(start, level * (1.0 + ROUNDING)) {
         not_covered.push(format!(
@@ -180,6 +178,11 @@ pub(crate) fn certificate<const N: usize>(
             Claim::AtMost(start)
         ));
     }
+    let from_start = enters && not_covered.is_empty();
+    let gains = [gamma, guaranteed_gain];
+    // With late messages the functional at the entry is not x'Ux alone: what is known of it comes from the start.
+    let enters = if claims.networked { from_start } else { enters };
+    let inner = inner.map(|inner| inner.outcome([enters, from_start], gains));
     let worst = design.report.worst();
     let peak_output = monitor.output_squared.sqrt();
     let ratio = peak_output / peak_disturbance;
@@ -243,7 +246,10 @@ impl CertificateOutcome {
 
     /// Steps at which a claim of either certificate was broken.
     fn violations(&self) -> u64 {
-        let inner = self.inner.as_ref().map_or(0, InnerOutcome::violations);
+        let inner = self
+            .inner
+            .as_ref()
+            .map_or(0, |inner| inner.violations().max(u64::from(inner.late)));
         self.outside_steps.max(self.bound_broken_steps).max(inner)
     }
 }

@@ -94,7 +94,10 @@ where
         reference_jumps_s: Vec<f64>,
     ) -> Self {
         let lyapunov = design.map(|design| LyapunovMonitor::new(design.claims()));
-        let inner = design.and_then(|design| Some(InnerMonitor::new(design.inner_claims()?)));
+        let inner = design.and_then(|design| {
+            let claims = design.inner_claims()?;
+            Some(InnerMonitor::new(claims, design.hand_over()))
+        });
         let mut columns = vec!["time_s".to_string()];
         columns.extend(gauge.columns());
         let mut add = |names: &[&str]| columns.extend(names.iter().map(|name| name.to_string()));

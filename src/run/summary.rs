@@ -268,9 +268,15 @@ impl OutputBound {
 /// What became of the inner certificate of a design with two.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InnerOutcome {
-    /// First sample at which the state and the state sent last were in the inner set x'Ux <= 1, s; its
-    /// claims hold from there on.
+    /// First sample at which the state and the state sent last were in the inner set x'Ux <= 1, or the outer set's x'Ux at
+    /// most a proved hand-over level, s; the inner claims hold from there on.
     pub entered_s: Option<f64>,
+    /// Time by which the design proves that; null where it does not.
+    #[serde(default)]
+    pub hand_over_s: Option<f64>,
+    /// Whether the run came there later than is proved, the proof covering it from its start.
+    #[serde(default)]
+    pub late: bool,
     /// Whether the proof covers the run from there on.
     pub covered: bool,
     /// x'Ux there.

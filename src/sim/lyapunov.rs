@@ -151,7 +151,11 @@ impl<const N: usize> LyapunovMonitor<N> {
     pub fn start(&mut self, state: &SVector<f64, N>, disturbance_squared: f64) {
         self.level = self.claims.level(state);
         self.start_level = self.level;
-        let first = if self.waiting { 1.0 } else { self.level };
+        let first = if self.claims.networked {
+            1.0
+        } else {
+            self.level
+        };
         self.excess = first - self.ultimate;
         self.check(0.0, state, disturbance_squared);
     }

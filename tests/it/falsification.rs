@@ -18,7 +18,7 @@ use crate::common;
 use crate::support::random::Random;
 
 /// Boundary starts of each design; STEADFAST_FALSIFIED=240 for the long search, which flies every design.
-fn starts_asked() -> Option<usize> {
+pub(crate) fn starts_asked() -> Option<usize> {
     let asked = std::env::var("STEADFAST_FALSIFIED").ok();
     asked.and_then(|count| count.parse().ok())
 }
@@ -101,8 +101,13 @@ fn designed(imperfections: &Value) -> Design {
 }
 
 /// A start x0 with x0'U x0 on the edge of what is certified: in any direction, at rest, or along U^-1 F_s'.
-fn boundary(design: &Design, index: usize, random: &mut Random) -> DVector<f64> {
-    let lyapunov = &design.certificate.lyapunov;
+pub(crate) fn boundary(design: &Design, index: usize, random: &mut Random) -> DVector<f64> {
+    let outer = design.outer.as_ref();
+    let (model, certificate) = match outer {
+        None => (&design.model, &design.certificate),
+        Some(outer) => (&outer.model, &outer.certificate),
+    };
+    let lyapunov = &certificate.lyapunov;
     let inverse = lyapunov.clone().try_inverse().expect("U > 0");
     let mut unit = |size: usize| {
         let any = DVector::from_fn(size, |_, _| random.signed_unit());
@@ -121,7 +126,7 @@ fn boundary(design: &Design, index: usize, random: &mut Random) -> DVector<f64> 
         }
     };
     let level = direction.dot(&(lyapunov * &direction));
-    let edge = certified_start(&design.model, &design.certificate) * (1.0 - 1e-9);
+    let edge = certified_start(model, certificate) * (1.0 - 1e-9);
     direction * (edge / level).sqrt()
 }
 
@@ -245,8 +250,8 @@ fn spacecraft(
     body
 }
 
-/// A scenario that starts at x0 with all that the design's model allows: worst-case kinds where `worst`, else any.
-fn scenario(
+/// A scenario of the spacecraft of models/xu2020.json that starts at x0 with all that the design's model allows: worst-case kinds where `worst`, else any.
+pub(crate) fn scenario(
     design: &Design,
     start: &DVector<f64>,
     (worst, duration_s): (bool, f64),
@@ -269,7 +274,7 @@ fn scenario(
     out
 }
 
-fn flown(design: &Design, scenario: &Value) -> (CertificateOutcome, RunVerdict) {
+pub(crate) fn flown(design: &Design, scenario: &Value) -> (CertificateOutcome, RunVerdict) {
     let scenario = Scenario::from_json(&scenario.to_string()).expect("a scenario");
     let outcome = simulate(&scenario, Some(design), false).expect("a run");
     let verdict = outcome.summary.verdict;

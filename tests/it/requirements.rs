@@ -21,6 +21,12 @@ fn from_facts_alone_a_design_is_proved_that_meets_every_requirement() {
         let run = synthesize(&shipped(name), &["--json", "-o", word(&path)]);
         let report = run.ends_with(0).json();
         assert_eq!(report["verdict"], "proved", "{name}");
+        // Whatever the start in the large set, the bound in the end is that of the small one.
+        let handed_over = &report["outer"]["hand_over_s"];
+        assert!(
+            handed_over.as_f64().is_some_and(|time| time > 0.0),
+            "{name}"
+        );
         let requirements = report["requirements"].as_array().expect("requirements");
         assert_eq!(requirements.len(), 2, "{name}");
         // In SI units, by the file alone.
@@ -74,14 +80,49 @@ fn what_is_beyond_reach_is_answered_with_a_change_that_is_proved_when_it_is_made
     assert!(fraction > 0.2 && fraction < 1.0, "{fraction}");
     let changes = report["changes"].as_array().expect("changes");
     assert!(!changes.is_empty());
-    let change = &changes[0];
-    let field = change["field"].as_str().expect("a field");
-    let pointer = format!("/{}", field.replace('.', "/"));
     let mut file = json(&facts);
-    set(&mut file, &pointer, change["values"].clone());
+    for change in changes[0]["fields"].as_array().expect("fields") {
+        let field = change["field"].as_str().expect("a field");
+        let pointer = format!("/{}", field.replace('.', "/"));
+        let mut values = change["values"].clone();
+        if file.pointer(&pointer).expect("a value").is_number() {
+            values = values[0].clone();
+        }
+        set(&mut file, &pointer, values);
+    }
     let better = write(folder.path(), "better.json", file.to_string());
     synthesize(&better, &arguments).ends_with(0);
     assert!(output.exists());
+}
+
+#[test]
+fn a_time_to_settle_is_proved_with_the_pointing_error_that_it_is_about() {
+    let folder = folder();
+    let mut file = json(&shipped("facts-cubesat.json"));
+    set(&mut file, "/requirements/settle_s", json!(120));
+    let facts = write(folder.path(), "facts.json", file.to_string());
+    let report = synthesize(&facts, &["--json"]).ends_with(0).json();
+    let requirements = report["requirements"].as_array().expect("requirements");
+    let settle = requirements
+        .iter()
+        .find(|one| one["requirement"] == "settle_s");
+    let proved = number(settle.expect("the time"), "/proved");
+    assert!(
+        proved > number(&report, "/outer/hand_over_s") && proved <= 120.0,
+        "{proved}"
+    );
+
+    set(
+        &mut file,
+        "/requirements",
+        json!({ "certified_angle_deg": 30, "settle_s": 120 }),
+    );
+    let alone = write(folder.path(), "alone.json", file.to_string());
+    let message = synthesize(&alone, &[]).refusal();
+    assert!(
+        message.contains("requirements.settle_s") && message.contains("pointing_deg"),
+        "{message}"
+    );
 }
 
 #[test]

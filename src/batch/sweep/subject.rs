@@ -135,7 +135,7 @@ impl Subject {
 fn is_one_design(model: &Model) -> bool {
     matches!(
         model.file.specs.objective,
-        Objective::Gain | Objective::Gamma
+        Objective::Gain | Objective::Pointing | Objective::Gamma
     )
 }
 

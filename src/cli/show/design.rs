@@ -181,6 +181,8 @@ struct OuterClaims {
     trigger_multiple: f64,
     /// x'Ux at each start that the large set must contain.
     start_levels: Vec<f64>,
+    /// Time by which every certified start has come under the small set's certificate (s); null where that is not proved.
+    hand_over_s: Option<f64>,
 }
 
 impl DesignClaims {
@@ -230,9 +232,11 @@ impl DesignClaims {
         let angle =
             angle.map(|angle| format!("certified set: every attitude at rest up to {angle} deg"));
         let bounds = self.pointing_deg.zip(self.rate_bound_rad_s);
-        let set = match self.outer {
+        let handed_over = |outer: &OuterClaims| outer.hand_over_s.is_some();
+        let set = match self.outer.as_ref().map(handed_over) {
             None => "",
-            Some(_) => " from the small set",
+            Some(true) => " from every start in the large set",
+            Some(false) => " from the small set",
         };
         let bounds = bounds.map(|(pointing, rate)| {
             format!(
@@ -283,6 +287,7 @@ impl OuterClaims {
             certified_angle_deg: certified_angle_deg(certificate.certified_vector_part),
             trigger_multiple: certificate.trigger_multiple,
             start_levels: starts.map(level).collect(),
+            hand_over_s: outer.hand_over_time(),
         }
     }
 
@@ -305,6 +310,12 @@ impl OuterClaims {
                 Claim::AtMost(*level)
             )
         }));
+        lines.push(match self.hand_over_s.map(Claim::AtMost) {
+            Some(seconds) => {
+                format!("every start in the large set comes under the small set's certificate within {seconds:.4} s")
+            }
+            None => "that a start in the large set reaches the small one is not proved".to_string(),
+        });
         lines
     }
 }

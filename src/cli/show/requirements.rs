@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use synth::certify::Verdict;
 use synth::claim::Claim;
-use synth::requirements::{Answered, Candidate, Suggestion};
+use synth::requirements::{Answered, Best, Candidate, Suggestion};
 
 use super::design::SynthesisReport;
 use super::facts::titled;
@@ -26,6 +26,8 @@ pub struct RequirementsReport<'a> {
 pub struct MissedReport<'a> {
     /// Always `not_proved`.
     verdict: Verdict,
+    /// Stopped by the user before every way was tried.
+    stopped: bool,
     /// Each requirement with what is proved by the best design found; null where none was found.
     requirements: Option<&'a [Answered]>,
     /// The smallest fraction of a requirement that it meets; null where none was found.
@@ -36,9 +38,11 @@ pub struct MissedReport<'a> {
 
 impl<'a> MissedReport<'a> {
     /// From the best design and the changes that help.
-    pub fn new(found: Option<&'a Candidate>, changes: &'a [Suggestion]) -> Self {
+    pub fn new(best: &'a Best, changes: &'a [Suggestion]) -> Self {
+        let found = best.candidate.as_ref();
         MissedReport {
             verdict: Verdict::NotProved,
+            stopped: best.stopped,
             requirements: found.map(|found| found.answered.as_slice()),
             fraction: found.map(Candidate::fraction),
             changes,
@@ -62,14 +66,22 @@ impl<'a> MissedReport<'a> {
         let mut out = vec![title];
         out.extend(self.requirements.map_or(Vec::new(), lines));
         let changes = self.changes.iter().map(|change| {
-            let values: Vec<String> = change.values.iter().map(|&value| short(value)).collect();
-            format!("  {} = {}", change.field, values.join(", "))
+            let fields = change.fields.iter().map(|one| {
+                let values: Vec<String> = one.values.iter().map(|&value| short(value)).collect();
+                format!("{} = {}", one.field, values.join(", "))
+            });
+            let fields: Vec<String> = fields.collect();
+            format!("  {}", fields.join(" and "))
         });
         out.extend(titled(
             "with one of these changes every requirement is proved:",
             changes,
         ));
-        if self.changes.is_empty() {
+        out.extend(
+            self.stopped
+                .then(|| "stopped before every way was tried".to_string()),
+        );
+        if self.changes.is_empty() && !self.stopped {
             out.push(
                 "no change of torque, disturbance or sampling that was tried meets them".into(),
             );
@@ -89,10 +101,11 @@ pub fn lines(answered: &[Answered]) -> Vec<String> {
             true => "met",
             false => "missed",
         };
-        format!(
-            "requirement {} {side} {}: {proved} proved, {met}",
-            one.requirement, one.required
-        )
+        let required = format!("requirement {} {side} {}", one.requirement, one.required);
+        match one.proved.is_finite() {
+            true => format!("{required}: {proved} proved, {met}"),
+            false => format!("{required}: nothing proved, {met}"),
+        }
     };
     answered.iter().map(line).collect()
 }

@@ -153,7 +153,10 @@ fn describe_certificate(outcome: &CertificateOutcome, lines: &mut Vec<String>) {
     }
     if let Some(inner) = &outcome.inner {
         lines.push(match inner.entered_s {
-            None => "inner certificate: its set was not entered".to_string(),
+            None => match inner.late {
+                true => "inner certificate: its set was not entered in the time that is proved".to_string(),
+                false => "inner certificate: its set was not entered".to_string(),
+            },
             Some(time) => format!(
                 "inner certificate: holds from {time:.3} s on; largest x'Ux over its bound {} at {:.3} s",
                 Claim::AtMost(inner.largest_lyapunov_ratio),

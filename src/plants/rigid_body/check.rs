@@ -105,6 +105,7 @@ fn drawn(
         rate_rad_s: [1.0; 3],
         q0_min: 0.5,
         gyroscopic_form_kg_m2: None,
+        output_weights: None,
     });
     let craft = craft.map_err(|error| {
         let from = "plant.exact.inertia_uncertainty";

@@ -45,6 +45,24 @@ pub struct FirstTorque {
     pub disturbance: DMatrix<f64>,
 }
 
+/// a and b, above 0: where they show that a held state asks for no more than a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldWeights {
+    /// a: weight of the state in the large set.
+    pub state: f64,
+    /// b: weight of the trigger's decision.
+    pub trigger: f64,
+}
+
+/// How the states of a large set come under the certificate of a small one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandOver {
+    /// rho', above r / phi of the large set: x'Ux <= rho' is reached from every certified start.
+    pub level: f64,
+    /// One for each input of each gain, gain after gain.
+    pub held: Vec<HeldWeights>,
+}
+
 /// Claimed bounds from rest, and in the end from every certified start. Spacecraft only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinalBounds {

@@ -25,7 +25,8 @@ use verified::matrix::Matrix;
 use crate::model::Model;
 use assumptions::not_covered;
 pub use certificate::{
-    Certificate, FinalBounds, FirstTorque, MeasurementWeights, MismatchSlack, RuleGains,
+    Certificate, FinalBounds, FirstTorque, HandOver, HeldWeights, MeasurementWeights,
+    MismatchSlack, RuleGains,
 };
 pub use exactly::{check_exactly, decide_all, ExactReport};
 use theorem1::{for_each_condition, Statement};

@@ -132,6 +132,10 @@ fn spacecraft<S: Scalar>(craft: &ExactSpacecraft, inertia: &Matrix<S>) -> Descri
         disturbance_bound: S::from_f64(craft.disturbance_bound) + limits.further_torque(craft),
         region: spacecraft_region(craft),
         vertices: vertices.collect(),
+        output: Matrix::from_fn(6, 6, |r, c| match r == c {
+            true => S::from_f64(craft.output_weights[r]),
+            false => S::zero(),
+        }),
         ..rigid_body(inertia, &[])
     }
 }

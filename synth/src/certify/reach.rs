@@ -40,6 +40,20 @@ pub fn along(lyapunov: &DMatrix<f64>, start: f64, state: &DVector<f64>, spacecra
     }
 }
 
+/// A time after which V <= `level` where V' <= -phi V + r and V(0) <= 1, with r / phi at most `reached`; `None` where the
+/// level is not above it, and where no time is proved.
+pub fn fall_time(phi: f64, reached: f64, level: f64) -> Option<f64> {
+    let fall = ((1.0 - reached) / (level - reached)).ln().max(0.0) / phi;
+    let time = fall * (1.0 + TIME_ALLOWANCE);
+    let decay = (-(Interval::from(phi) * Interval::from(time))).exp();
+    let bound = decay * (Interval::from(1.0) - Interval::from(reached)) + Interval::from(reached);
+    let falls = level > reached && time.is_finite() && (level >= 1.0 || bound.hi() <= level);
+    falls.then_some(time)
+}
+
+/// How far a time lies above the estimate that it comes from, relative.
+const TIME_ALLOWANCE: f64 = 1e-9;
+
 /// The angle of the rotations whose quaternions have a vector part up to this norm, rounded down (deg).
 pub fn angle_of_vector_part_deg(norm: f64) -> f64 {
     angle_below(Interval::from(norm.max(0.0)).sqr().lo())

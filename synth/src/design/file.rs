@@ -4,8 +4,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::certificate::{CertificateFile, ControllerFile};
-use crate::certify::theorem1::Certificate;
-use crate::certify::{check, check_exactly, ExactReport, Report, Verdict};
+use super::hand_over::SetHandOverFile;
+use crate::certify::exact::Exact;
+use crate::certify::interval::Interval;
+use crate::certify::matrix::Matrix;
+use crate::certify::reach::fall_time;
+use crate::certify::scalar::Scalar;
+use crate::certify::theorem1::{
+    for_each_hand_over_condition, longest_without_torque, oldest_sample, reached_from_rest,
+    Certificate, HandOver,
+};
+use crate::certify::{check, check_exactly, decide_all, judge_all, ExactReport, Report, Verdict};
 use crate::model::{
     check_positive, check_version, parse, FileError, Kind, Model, ModelError, ModelFile, Objective,
 };
@@ -156,6 +165,9 @@ pub struct OuterFile {
     pub trigger_multiple: f64,
     /// The unknowns of Theorem 1 on the outer box, for the model's `specs.outer`.
     pub certificate: CertificateFile,
+    /// How every certified start of this set comes under the first certificate; left out where that is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hand_over: Option<SetHandOverFile>,
 }
 
 /// How the unknowns that two certificates share were scaled against each other; enough, with the units,
@@ -177,6 +189,20 @@ pub struct LargeSetCertificate {
     pub model: Model,
     /// The numbers, those of the controller included.
     pub certificate: Certificate,
+    /// How its states come under the certificate of the small set, where that is claimed.
+    pub hand_over: Option<HandOver>,
+}
+
+impl LargeSetCertificate {
+    /// Time by which every certified start has come under the certificate of the small set, at a sample (s); `None` where
+    /// that is not claimed.
+    pub fn hand_over_time(&self) -> Option<f64> {
+        let level = self.hand_over.as_ref()?.level;
+        let reached = reached_from_rest(&self.model, &self.certificate);
+        let fall = fall_time(self.model.file.specs.phi_per_s, reached, level)?;
+        let before = longest_without_torque(&self.model, &self.certificate);
+        Some(before + fall + oldest_sample(&self.model))
+    }
 }
 
 /// Prefix of the names of the large-set conditions.
@@ -224,7 +250,14 @@ impl DesignFile {
         let read = outer.certificate.read(&self.controller, &model);
         let mut certificate = read.map_err(|error| error.within("outer"))?;
         certificate.trigger_multiple = outer.trigger_multiple;
-        Ok(Some(LargeSetCertificate { model, certificate }))
+        let rows = certificate.gain_count() * certificate.gain.nrows();
+        let hand_over = outer.hand_over.as_ref();
+        let hand_over = hand_over.map(|own| own.read(rows)).transpose()?;
+        Ok(Some(LargeSetCertificate {
+            model,
+            certificate,
+            hand_over,
+        }))
     }
 
     /// Proves the design from the file's numbers alone, or says what is not proved: both certificates, where there
@@ -243,6 +276,9 @@ impl DesignFile {
         let Some(outer) = outer else {
             return Ok(report);
         };
+        let report = report.and(decide_all(|emit| {
+            handed_over::<Exact>(&outer, (model, &certificate), emit);
+        }));
         let mut further = check_exactly(&outer.model, &outer.certificate);
         for name in &mut further.failed {
             name.insert_str(0, OUTER);
@@ -258,16 +294,22 @@ pub fn prove(
     outer: Option<&LargeSetCertificate>,
 ) -> Report {
     let mut report = check(model, certificate);
-    if let Some(outer) = outer {
-        let outer = check(&outer.model, &outer.certificate);
-        if outer.verdict == Verdict::NotProved {
-            report.verdict = Verdict::NotProved;
+    if let Some(large) = outer {
+        let handed_over = judge_all(Vec::new(), |emit| {
+            handed_over::<Interval>(large, (model, certificate), emit);
+        });
+        let outer = check(&large.model, &large.certificate);
+        for verdict in [outer.verdict, handed_over.verdict] {
+            if verdict == Verdict::NotProved {
+                report.verdict = Verdict::NotProved;
+            }
         }
         let named = outer.conditions.into_iter().map(|mut condition| {
             condition.name.insert_str(0, OUTER);
             condition
         });
         report.conditions.extend(named);
+        report.conditions.extend(handed_over.conditions);
         for assumption in outer.not_covered {
             if !report.not_covered.contains(&assumption) {
                 report.not_covered.push(assumption);
@@ -275,4 +317,16 @@ pub fn prove(
         }
     }
     report
+}
+
+/// The conditions of a hand-over that is claimed.
+fn handed_over<S: Scalar>(
+    outer: &LargeSetCertificate,
+    small: (&Model, &Certificate),
+    emit: &mut dyn FnMut(String, Matrix<S>),
+) {
+    if let Some(hand_over) = &outer.hand_over {
+        let large = (&outer.model, &outer.certificate);
+        for_each_hand_over_condition(large, small, hand_over, emit);
+    }
 }

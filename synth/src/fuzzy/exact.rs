@@ -47,6 +47,8 @@ pub struct ExactSpacecraft {
     pub scalar_part_min: f64,
     /// K of the gyroscopic torque's form [kg m^2]; not chosen yet when `None`, and 0 where a number is needed.
     pub gyroscopic_form: Option<Matrix3<f64>>,
+    /// The output is y = diag(these) x.
+    pub output_weights: [f64; 6],
     /// Wheels, a moving reference, rounded torques.
     pub exchange: MomentumExchange,
     /// The vertices are those at omega = 0 alone: see [`ExactSpacecraft::at_rest`].
@@ -158,7 +160,7 @@ impl ExactSpacecraft {
     }
 
     /// The T-S model: for each vertex of the inertia's set and each corner of the set of momenta 16 vertices (the box runs
-    /// fastest), output y = x. With an uncertain inertia the equation of motion is multiplied by the nominal inertia's
+    /// fastest), output y = W x. With an uncertain inertia the equation of motion is multiplied by the nominal inertia's
     /// inverse only.
     pub fn takagi_sugeno(&self) -> TakagiSugeno {
         let mut input = DMatrix::zeros(6, 3);
@@ -185,7 +187,7 @@ impl ExactSpacecraft {
             descriptors,
             disturbance: input.clone(),
             input,
-            output: DMatrix::identity(6, 6),
+            output: DMatrix::from_diagonal(&DVector::from_column_slice(&self.output_weights)),
             input_limit: DVector::from_column_slice(self.torque_limit.as_slice()),
             disturbance_bound: self.disturbance_bound + self.exchange.further_torque(&extremes),
             region: self.region(),

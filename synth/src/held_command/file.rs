@@ -8,6 +8,7 @@ use crate::certify::held_command::{
     check, check_exactly, reached_from_rest, HandOver, HeldCommandCertificate, HeldCommandLaw,
     HeldCommandProof, Stage,
 };
+use crate::certify::reach::fall_time;
 use crate::certify::{ExactReport, Report};
 use crate::design::{
     positive_list, rows, symmetric, FinalBoundsFile, SolverRun, DESIGN_SCHEMA_VERSION,
@@ -170,8 +171,8 @@ impl CommandProof {
         let level = self.hand_over.as_ref()?.0;
         let reached = reached_from_rest(&self.stages().start);
         let specs = &self.model.file.specs;
-        let fall = ((1.0 - reached) / (level - reached)).ln() / specs.phi_per_s;
-        fall.is_finite().then(|| fall.max(0.0) + specs.hbar_s)
+        let fall = fall_time(specs.phi_per_s, reached, level)?;
+        Some(fall + specs.hbar_s)
     }
 
     /// The certificate that bounds the pointing in the end.

@@ -15,9 +15,7 @@ use crate::certify::held_command::{
 use crate::certify::Report;
 use crate::design::{rows, DESIGN_SCHEMA_VERSION};
 use crate::fuzzy::ExactSpacecraft;
-use crate::model::{
-    CommandTrigger, CommandTriggerSpecs, GivenTrigger, Model, ModelError, Objective, Plant,
-};
+use crate::model::{CommandTrigger, CommandTriggerSpecs, GivenTrigger, Model, ModelError, Plant};
 use crate::programs::{
     has_point, now, sha256_of, Decision, Form, Outcome, Session, Solvers, SynthesisError,
     Synthesized, GENERATOR,
@@ -193,7 +191,7 @@ impl<'a> Search<'a> {
 
     /// What the certificate of the starts is to do best.
     fn aim(&self) -> Aim {
-        let pointing = self.request.model.file.specs.objective == Objective::Gain;
+        let pointing = self.request.model.file.specs.objective.is_guaranteed_gain();
         match self.last.is_none() && pointing {
             true => Aim::SmallestPointing,
             false => Aim::LargestAngle,

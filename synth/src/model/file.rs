@@ -9,6 +9,7 @@ use super::bounded::{
 };
 use super::command_trigger::CommandTriggerSpecs;
 use super::imperfections::{Imperfections, TriggerFloor};
+use super::objective::{Objective, OutputWeights};
 
 /// The version this program reads and writes.
 pub const MODEL_SCHEMA_VERSION: u32 = 1;
@@ -82,6 +83,10 @@ pub struct ExactPlant {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[[Finite; 3]; 3]>>")]
     pub gyroscopic_form_kg_m2: Option<[[f64; 3]; 3]>,
+    /// What the output y weighs, of which gain and gamma speak; the state itself when left out, and the attitude alone
+    /// where the objective is `pointing`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_weights: Option<OutputWeights>,
 }
 
 /// A box of inertia matrices: each of the six entries, independently of the others, within its own
@@ -340,24 +345,6 @@ pub struct ThresholdUpdate {
     /// mu_1, mu_2, mu_3.
     #[serde(with = "As::<[NonNegative; 3]>")]
     pub mu: [f64; 3],
-}
-
-/// What is optimised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Objective {
-    /// The smallest guaranteed L-infinity gain from the disturbance to the output, in the model's own units.
-    #[default]
-    Gain,
-    /// The smallest gamma of the paper, which bounds both that gain and xi; it depends on the units of disturbance
-    /// and output.
-    Gamma,
-    /// One gain with two certificates: the smallest gamma in the model's own box, while the set of
-    /// `outer` is certified too.
-    Both,
-    /// The largest certified set along the must-contain states; without such states, every attitude at rest up
-    /// to the largest angle. The box, eps, xi and what `search` names are searched.
-    Region,
 }
 
 /// Form of the gains.

@@ -1,7 +1,8 @@
 //! The larger set of a design with two certificates.
 
 use super::error::ModelError;
-use super::file::{ModelFile, Objective, OuterSpecs, PlantFile};
+use super::file::{ModelFile, OuterSpecs, PlantFile};
+use super::objective::Objective;
 use super::ranges::{check_count, check_matrix, require, MAX_BOUNDS};
 
 pub(super) fn choice(reason: &str) -> ModelError {

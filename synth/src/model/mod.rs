@@ -13,6 +13,7 @@ mod inertia;
 mod kind;
 mod large_set;
 mod loop_bounds;
+mod objective;
 mod ranges;
 mod read;
 mod rules;
@@ -24,7 +25,7 @@ pub use command_trigger::{CommandTrigger, CommandTriggerSpecs, FinalSetSpecs, Gi
 pub use error::{readable, FileError, ModelError};
 pub use file::{
     ExactPlant, FuzzySetFile, GainForm, InertiaUncertaintyFile, LinearBound, LocalRuleFile,
-    Mismatch, ModelFile, Objective, OuterSpecs, PlantFile, PremiseFile, RulesLinear, RulesPlant,
+    Mismatch, ModelFile, OuterSpecs, PlantFile, PremiseFile, RulesLinear, RulesPlant,
     RulesSpacecraft, RulesSystem, SearchFile, Specs, ThresholdUpdate, VerticesPlant,
     MODEL_SCHEMA_VERSION,
 };
@@ -37,6 +38,7 @@ pub use imperfections::{
 };
 pub use kind::{kind_of, Kind};
 pub use loop_bounds::FLOOR_SHARE;
+pub use objective::{Objective, OutputWeights};
 pub use ranges::{
     check_count, check_inertia, check_line, check_matrix, check_not_negative, check_positive,
     check_positive_definite, check_seen, check_shape, check_symmetric, check_version, entries,

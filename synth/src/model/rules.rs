@@ -126,6 +126,7 @@ fn body(inertia: &Matrix3<f64>) -> ExactSpacecraft {
         rate_bound: nalgebra::Vector3::repeat(1.0),
         scalar_part_min: 0.0,
         gyroscopic_form: None,
+        output_weights: [1.0; 6],
         exchange: Default::default(),
         at_rest: false,
     }

@@ -1,7 +1,8 @@
 //! What a search may vary, as written in a model file.
 
 use super::error::ModelError;
-use super::file::{GainForm, ModelFile, Objective, PlantFile, SearchFile};
+use super::file::{GainForm, ModelFile, PlantFile, SearchFile};
+use super::objective::Objective;
 use super::ranges::require;
 
 /// Checks the limits of a model's search, and that its objective has a meaning.

@@ -4,13 +4,14 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bounded::within_ranges;
 use super::file::{
-    ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, Objective, PlantFile, Specs,
-    VerticesPlant, MODEL_SCHEMA_VERSION,
+    ExactPlant, GainForm, LinearBound, Mismatch, ModelFile, PlantFile, Specs, VerticesPlant,
+    MODEL_SCHEMA_VERSION,
 };
 use super::final_set::{self, check_command_trigger};
 use super::inertia::{check_set, inertia_uncertainty};
 use super::large_set::{self, check_large_set};
 use super::loop_bounds::{check_imperfections, loop_imperfections};
+use super::objective::{Objective, OutputWeights};
 use super::ranges::{
     check_count, check_inertia, check_line, check_matrix, check_positive, check_version, require,
     SharedMatrices, MAX_BOUNDS, MAX_STATES, MAX_VERTICES,
@@ -49,12 +50,20 @@ impl Model {
         let mut plant = Plant::of_ranges(&file.plant)?;
         if let Plant::Spacecraft(craft) = &mut plant {
             craft.exchange = file.imperfections.momentum_exchange();
+            if let PlantFile::Exact(exact) = &file.plant {
+                craft.output_weights =
+                    OutputWeights::of(exact.output_weights, file.specs.objective)?.each();
+            }
             let weighted =
                 file.gains == GainForm::Scheduled || matches!(file.mismatch, Mismatch::Kappa(_));
             if weighted {
                 // Memberships are those of the sixteen vertices of one form.
                 craft.gyroscopic_form.get_or_insert_with(Matrix3::zeros);
             }
+        }
+        if file.specs.objective == Objective::Pointing && !matches!(plant, Plant::Spacecraft(_)) {
+            let reason = "'pointing' needs an 'exact' plant";
+            return Err(ModelError::choice("specs.objective", reason));
         }
         check_gain_form(&file, &plant)?;
         check_specs(&file.specs, plant.sizes().0)?;
@@ -93,7 +102,7 @@ impl Model {
         task.imperfections = loop_imperfections(&self.file, &task.system);
         let largest = specs.xi_max.min(task.largest_useful_weight());
         task.specification.disturbance_weight_max = largest;
-        if specs.objective == Objective::Gain && specs.search.is_none() {
+        if specs.objective.is_guaranteed_gain() && specs.search.is_none() {
             task.gain_per_weight = natural_gain_per_weight(&task.system);
         }
         if let (GainForm::Scheduled, Mismatch::Kappa(kappa)) = (self.file.gains, self.file.mismatch)
@@ -223,6 +232,7 @@ pub fn spacecraft(exact: &ExactPlant) -> Result<ExactSpacecraft, ModelError> {
         rate_bound: Vector3::from(exact.rate_rad_s),
         scalar_part_min: exact.q0_min,
         gyroscopic_form: gyroscopic_form(exact),
+        output_weights: OutputWeights::of(exact.output_weights, Objective::Gain)?.each(),
         exchange: MomentumExchange::default(),
         at_rest: false,
     };

@@ -4,14 +4,19 @@ use serde::Serialize;
 
 use super::facts::Facts;
 use crate::certify::reach::{angle_above_vector_part_deg, angle_of_vector_part_deg};
-use crate::design::DesignFile;
-use crate::model::PlantFile;
+use crate::design::{settling_time, DesignFile};
+use crate::model::{Model, PlantFile};
 
 /// What is proved of a design, in an engineer's units; each number on the safe side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Achieved {
-    /// Pointing error from rest, and in the end from the small set (deg).
+    /// Pointing error from rest, and in the end from every certified start (deg).
     pub pointing_deg: f64,
+    /// Time from every certified start until the pointing error stays within what is required (s); infinite where that is
+    /// not required or not proved.
+    pub settle_s: f64,
+    /// Whether every certified start comes under the certificate that bounds the pointing error in the end.
+    pub is_handed_over: bool,
     /// Every attitude at rest up to this angle is a certified start (deg).
     pub certified_angle_deg: f64,
     /// Rate about each axis at all times [rad/s].
@@ -53,11 +58,11 @@ impl Answered {
 }
 
 impl Achieved {
-    /// From the numbers of a proved design.
-    pub fn of(file: &DesignFile) -> Self {
+    /// From the numbers of a proved design, and the pointing error that is required (deg).
+    pub fn of(file: &DesignFile, model: &Model, required_deg: Option<f64>) -> Self {
         let own = &file.certificate;
-        let outer = file.outer.as_ref().map(|outer| &outer.certificate);
-        let large = outer.unwrap_or(own);
+        let large = file.outer.as_ref().map(|outer| &outer.certificate);
+        let large = large.unwrap_or(own);
         let specs = &file.model.specs;
         let limits = match (&specs.outer, &file.model.plant) {
             (Some(outer), _) => outer.rate_rad_s,
@@ -65,8 +70,15 @@ impl Achieved {
             _ => [f64::INFINITY; 3],
         };
         let angle = large.certified_vector_part.map(angle_of_vector_part_deg);
-        let bounds = own.final_bounds.as_ref();
+        // Without a hand-over the small set's bound holds for its own starts only.
+        let outer = file.outer.as_ref();
+        let is_handed_over = outer.is_none_or(|outer| outer.hand_over.is_some());
+        let last = if is_handed_over { own } else { large };
+        let bounds = last.final_bounds.as_ref();
+        let settle = required_deg.and_then(|angle| settling_time(file, model, angle));
         Achieved {
+            settle_s: settle.unwrap_or(f64::INFINITY),
+            is_handed_over,
             pointing_deg: bounds.map_or(180.0, |bounds| {
                 angle_above_vector_part_deg(bounds.vector_part)
             }),
@@ -89,6 +101,7 @@ impl Achieved {
         };
         let all = [
             one("pointing_deg", own.pointing_deg, self.pointing_deg, false),
+            one("settle_s", own.settle_s, self.settle_s, false),
             one("rate_rad_s", own.rate_rad_s, self.rate_rad_s, false),
             one(
                 "certified_angle_deg",

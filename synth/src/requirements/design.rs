@@ -5,7 +5,7 @@ use super::facts::Facts;
 use super::natural_units::NaturalUnits;
 use super::recipe::{stated, Recipe};
 use crate::certify::Verdict;
-use crate::design::{claim_anew, CertificateFile, DesignFile};
+use crate::design::{claim_anew, hand_over, CertificateFile, DesignFile, SetHandOverFile};
 use crate::model::{Model, ModelError};
 use crate::programs::{Outcome, Solvers, SynthesisError, Synthesized};
 use crate::synthesis::synthesize;
@@ -30,36 +30,80 @@ impl Candidate {
         self.answered.iter().all(Answered::is_met)
     }
 
+    /// The requirement of which the smallest fraction is met.
+    pub fn hardest(&self) -> Option<&Answered> {
+        let answered = self.answered.iter();
+        answered.min_by(|one, other| one.fraction().total_cmp(&other.fraction()))
+    }
+
     /// The smallest fraction of a requirement that is met: 1 or above where all are.
     pub fn fraction(&self) -> f64 {
-        let fractions = self.answered.iter().map(Answered::fraction);
-        fractions.fold(f64::INFINITY, f64::min)
+        self.hardest().map_or(f64::INFINITY, Answered::fraction)
+    }
+}
+
+/// Found so far.
+#[derive(Debug, Clone, Default)]
+pub struct Best {
+    /// The proved design that meets every requirement or, without one, the largest fraction of the hardest.
+    pub candidate: Option<Candidate>,
+    /// Whether the observer stopped before every way was tried.
+    pub stopped: bool,
+}
+
+impl Best {
+    /// Whether every requirement is met.
+    pub fn meets_all(&self) -> bool {
+        self.candidate.as_ref().is_some_and(Candidate::meets_all)
+    }
+
+    fn keep(&mut self, found: Candidate) {
+        let own = self.candidate.as_ref();
+        if own.is_none_or(|own| found.fraction() > own.fraction()) {
+            self.candidate = Some(found);
+        }
     }
 }
 
 /// The first proved design that meets every requirement; without one the proved design that meets the largest fraction.
-/// `text` is the file's.
+/// `text` is the file's. What was found is kept when the observer stops.
 ///
 /// # Errors
-/// Stopped by the observer; a problem that the solver refuses.
+/// Stopped by the observer before anything was found; a problem that the solver refuses.
 pub fn best(
     facts: &Facts,
     text: &str,
     solvers: &Solvers,
     observer: Option<Observer>,
-) -> Result<Option<Candidate>, SynthesisError> {
-    let mut best: Option<Candidate> = None;
-    for recipe in Recipe::ALL {
-        let Some(found) = candidate(facts, recipe, text, solvers, observer.clone())? else {
-            continue;
-        };
-        let better = best
-            .as_ref()
-            .is_none_or(|best| found.fraction() > best.fraction());
-        if better {
-            best = Some(found);
+) -> Result<Best, SynthesisError> {
+    among(facts, Recipe::ways(facts), text, solvers, observer)
+}
+
+/// The best of some recipes.
+pub(super) fn among(
+    facts: &Facts,
+    recipes: impl IntoIterator<Item = Recipe>,
+    text: &str,
+    solvers: &Solvers,
+    observer: Option<Observer>,
+) -> Result<Best, SynthesisError> {
+    let mut best = Best::default();
+    for recipe in recipes {
+        // One set, or another search of it, does no better than what leads to the bound in the end already.
+        let best_so_far = best.candidate.as_ref();
+        let leads = best_so_far.is_some_and(|found| found.achieved.is_handed_over);
+        if leads && !recipe.has_two_sets() {
+            break;
         }
-        if best.as_ref().is_some_and(Candidate::meets_all) {
+        match candidate(facts, recipe, text, solvers, observer.clone()) {
+            Ok(found) => found.into_iter().for_each(|found| best.keep(found)),
+            Err(SynthesisError::Cancelled(_)) if best.candidate.is_some() => {
+                best.stopped = true;
+                break;
+            }
+            Err(error) => return Err(error),
+        }
+        if best.meets_all() {
             break;
         }
     }
@@ -95,7 +139,9 @@ pub fn candidate(
     if design.report.verdict != Verdict::Proved {
         return Ok(None);
     }
-    let achieved = Achieved::of(&design.file);
+    let model = Model::new(design.file.model.clone())?;
+    let required = facts.file.requirements.pointing_deg;
+    let achieved = Achieved::of(&design.file, &model, required);
     let answered = achieved.answers(facts);
     Ok(Some(Candidate {
         recipe,
@@ -117,6 +163,8 @@ fn restated(units: NaturalUnits, design: Synthesized) -> Result<Synthesized, Mod
     if let (Some(mut large), Some(outer)) = (large, &mut file.outer) {
         let _ = claim_anew(&large.model, &mut large.certificate);
         outer.certificate = CertificateFile::split(&large.certificate).1;
+        let handed_over = hand_over((&large.model, &large.certificate), (&model, &own));
+        outer.hand_over = handed_over.as_ref().map(SetHandOverFile::of);
     }
     let report = file.verify(&model)?;
     file.verdict = report.clone();

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::model::bounded::{AngleDeg, As, BelowOne, Finite, Positive, ShortestInterval, UpToOne};
 use crate::model::{
     check_version, parse, ExactPlant, FileError, GainForm, Imperfections, InertiaUncertaintyFile,
-    Kind, Mismatch, Model, ModelError, ModelFile, Objective, PlantFile, Specs, TriggerFloor,
-    MODEL_SCHEMA_VERSION,
+    Kind, Mismatch, Model, ModelError, ModelFile, Objective, OutputWeights, PlantFile, Specs,
+    TriggerFloor, MODEL_SCHEMA_VERSION,
 };
 
 /// The trigger threshold where none is given.
@@ -80,6 +80,10 @@ pub struct FactsSpacecraft {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<[[Finite; 3]; 3]>>")]
     pub gyroscopic_form_kg_m2: Option<[[f64; 3]; 3]>,
+    /// Weights of rate and attitude, of which the design makes a weighted norm small; when left out the attitude alone where
+    /// `pointing_deg` is required, and both alike elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_weights: Option<OutputWeights>,
 }
 
 /// Sampling, and numbers of the proof that are kept where they are given.
@@ -115,8 +119,7 @@ pub struct FactsSpecs {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Requirements {
-    /// Largest pointing error from rest, and in the end, in (0, 180) (deg); where a design has two sets, in the end from the
-    /// small one.
+    /// Largest pointing error from rest, and in the end from every certified start, in (0, 180) (deg).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<AngleDeg>>")]
     pub pointing_deg: Option<f64>,
@@ -128,6 +131,10 @@ pub struct Requirements {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<AngleDeg>>")]
     pub certified_angle_deg: Option<f64>,
+    /// Longest time from a certified start until the pointing error stays within `pointing_deg`, above 0 (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(with = "As::<Option<Positive>>")]
+    pub settle_s: Option<f64>,
     /// Most messages per second, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(with = "As::<Option<Positive>>")]
@@ -164,6 +171,10 @@ impl Facts {
         if file.requirements == Requirements::default() {
             let reason = "at least one requirement must be given";
             return Err(ModelError::choice("requirements", reason));
+        }
+        if file.requirements.settle_s.is_some() && file.requirements.pointing_deg.is_none() {
+            let reason = "needs pointing_deg: the time counts until the error stays within it";
+            return Err(ModelError::choice("requirements.settle_s", reason));
         }
         let facts = Facts { file };
         // What else a model checks does not depend on what is found.
@@ -206,6 +217,8 @@ impl Facts {
         let (file, craft) = (&self.file, self.craft());
         let specs = &file.specs;
         let interval = self.longest_interval();
+        let pointing = file.requirements.pointing_deg;
+        let pointing = pointing.map(|_| OutputWeights::ATTITUDE);
         ModelFile {
             schema_version: MODEL_SCHEMA_VERSION,
             name: file.name.clone(),
@@ -218,6 +231,7 @@ impl Facts {
                 rate_rad_s,
                 q0_min,
                 gyroscopic_form_kg_m2: craft.gyroscopic_form_kg_m2,
+                output_weights: craft.output_weights.or(pointing),
             }),
             specs: Specs {
                 phi_per_s,

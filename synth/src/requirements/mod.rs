@@ -9,7 +9,7 @@ mod suggestions;
 mod tables;
 
 pub use answer::{Achieved, Answered};
-pub use design::{best, candidate, Candidate};
+pub use design::{best, candidate, Best, Candidate};
 pub use facts::{Facts, FactsFile, FactsPlant, FactsSpacecraft, FactsSpecs, Requirements};
 pub use natural_units::NaturalUnits;
 pub use recipe::{stated, Recipe, Stated};

@@ -84,6 +84,9 @@ impl NaturalUnits {
         exact.torque_limit_nm = exact.torque_limit_nm.map(|limit| limit * torque);
         exact.disturbance_bound_nm *= torque;
         exact.rate_rad_s = exact.rate_rad_s.map(|rate| rate / self.time);
+        if let Some(weights) = &mut exact.output_weights {
+            weights.rate_s *= self.time;
+        }
     }
 
     /// The same for requirements and design parameters.

@@ -11,6 +11,14 @@ const USUAL_ANGLE: f64 = 0.35;
 /// How far beyond the required angle a set must reach, so that the angle can be proved.
 const ROOM: f64 = 1.02;
 
+/// Size of the large set from rest over that of the disturbance over the torque limit, and the smallest one that has been
+/// found to leave a design.
+const USUAL_LEVEL: f64 = 20.0;
+const LEAST_LEVEL: f64 = 8.0;
+
+/// Size of the large set from rest above which it hardly ever leads to the small one.
+const LARGEST_LEVEL: f64 = 0.15;
+
 /// Rounds of a search.
 const ROUNDS: u32 = 8;
 
@@ -38,38 +46,44 @@ pub enum Recipe {
     },
 }
 
+/// Angle of the small set over that of the large one, and decay rate over the fastest one.
+const TWO_SETS: [[f64; 2]; 4] = [
+    [0.25, 0.3],
+    [0.18, 0.3],
+    [1.0 / 3.0, 0.3],
+    [1.0 / 3.0, 0.15],
+];
+
+/// The same where a time to settle is required.
+const FAST_TWO_SETS: [[f64; 2]; 3] = [[0.25, 0.3], [0.25, 0.5], [1.0 / 3.0, 0.7]];
+
+/// Decay rate over the fastest one, and size from rest over that of the disturbance over the torque limit.
+const ONE_SET: [[f64; 2]; 3] = [[0.8, 10.0], [0.8, 20.0], [0.48, 14.0]];
+
 impl Recipe {
-    /// In the order in which they are tried.
-    pub const ALL: [Recipe; 7] = [
-        Recipe::TwoSets {
-            inner: 0.25,
-            decay: 0.3,
-        },
-        Recipe::TwoSets {
-            inner: 0.18,
-            decay: 0.3,
-        },
-        Recipe::TwoSets {
-            inner: 1.0 / 3.0,
-            decay: 0.3,
-        },
-        Recipe::TwoSets {
-            inner: 1.0 / 3.0,
-            decay: 0.15,
-        },
-        Recipe::OneSet {
-            decay: 0.8,
-            level: 10.0,
-        },
-        Recipe::OneSet {
-            decay: 0.8,
-            level: 20.0,
-        },
-        Recipe::OneSet {
-            decay: 0.48,
-            level: 14.0,
-        },
-    ];
+    /// In the order in which they are tried for these requirements.
+    pub fn ways(facts: &Facts) -> Vec<Recipe> {
+        let two = match facts.file.requirements.settle_s {
+            None => TWO_SETS.as_slice(),
+            Some(_) => &FAST_TWO_SETS,
+        };
+        let two = two
+            .iter()
+            .map(|&[inner, decay]| Recipe::TwoSets { inner, decay });
+        let one = ONE_SET
+            .iter()
+            .map(|&[decay, level]| Recipe::OneSet { decay, level });
+        match least_level(facts) <= LARGEST_LEVEL {
+            true => two.chain(one).collect(),
+            // The disturbance alone reaches too far for the large set to lead to the small one.
+            false => one.chain(two.take(1)).collect(),
+        }
+    }
+
+    /// Whether a design of it has a small and a large set.
+    pub fn has_two_sets(self) -> bool {
+        matches!(self, Recipe::TwoSets { .. })
+    }
 }
 
 /// A model in natural units.
@@ -147,6 +161,11 @@ fn one_set(facts: &Facts, angle: f64, decay: f64, level: f64) -> ModelFile {
     model
 }
 
+/// The smallest size of the large set from rest with which there is a design.
+fn least_level(facts: &Facts) -> f64 {
+    LEAST_LEVEL / facts.authority()
+}
+
 /// Two sets for an angle (rad).
 fn two_sets(facts: &Facts, angle: f64, inner: f64, decay: f64) -> ModelFile {
     let craft = facts.craft();
@@ -164,7 +183,8 @@ fn two_sets(facts: &Facts, angle: f64, inner: f64, decay: f64) -> ModelFile {
     specs.objective = Objective::Both;
     specs.margin = 1e-4;
     let phi = decay * fastest_decay(angle) / time;
-    let level = 20.0 / facts.authority();
+    let level = USUAL_LEVEL / facts.authority();
+    let level = level.min(LARGEST_LEVEL.max(least_level(facts)));
     let half = (0.5 * ROOM * angle).sin();
     let start = |axis: usize| {
         let mut state = vec![0.0; 6];

@@ -2,65 +2,114 @@
 
 use serde::Serialize;
 
-use super::design::best;
+use super::answer::Answered;
+use super::design::{among, Best, Candidate};
 use super::facts::{Facts, FactsFile, FactsPlant};
+use super::recipe::Recipe;
 use crate::programs::{Solvers, SynthesisError};
 use sdp::solve::Observer;
 
 /// Factors of a quantity that are tried, beside the fraction that is missing.
-const FACTORS: [f64; 3] = [1.25, 2.0, 4.0];
+const FACTORS: [f64; 2] = [1.1, 2.0];
+
+/// The same where no design was found, or one that is far from a requirement.
+const FACTORS_FROM_AFAR: [f64; 2] = [2.0, 8.0];
+
+/// A fraction of a requirement below which a design is far from it.
+const FAR: f64 = 0.02;
 
 /// A change of a quantity with which every requirement was proved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suggestion {
-    /// Field of the file.
-    pub field: &'static str,
-    /// The factor; of every entry where there are several.
+    /// The factor of every number of the quantity.
     pub factor: f64,
-    /// Its values with the change.
+    /// The fields of the file that hold the quantity.
+    pub fields: Vec<ChangedField>,
+}
+
+/// A field of the file with its changed values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChangedField {
+    /// Its name.
+    pub field: &'static str,
+    /// Its values.
     pub values: Vec<f64>,
 }
 
-/// Changes a file by a factor above 1 in the direction that makes its requirements easier; the field and the new values.
-type Change = fn(&mut FactsFile, f64) -> Option<(&'static str, f64, Vec<f64>)>;
+impl Suggestion {
+    fn of<const N: usize>(factor: f64, fields: [(&'static str, Vec<f64>); N]) -> Option<Self> {
+        let fields = fields.map(|(field, values)| ChangedField { field, values });
+        Some(Suggestion {
+            factor,
+            fields: fields.to_vec(),
+        })
+    }
+}
 
-/// The quantities, in the order in which they are printed.
-const CHANGES: [Change; 3] = [more_torque, less_disturbance, more_samples];
+/// Changes a file by a factor above 1 in the direction that makes its requirements easier; `None` where it has no such
+/// quantity.
+type Change = fn(&mut FactsFile, f64) -> Option<Suggestion>;
 
-/// For each quantity the smallest of a few changes with which every requirement is proved, where there is one. `fraction`:
-/// the largest fraction of a requirement that was proved; 1 where no design was found.
+/// The quantities, in the order in which they are printed, with the power of the missing fraction that is needed of each: a
+/// pointing error goes with torque, disturbance and error of the sensors; a time to turn with the root of the torque.
+fn changes(hardest: Option<&str>) -> Vec<(Change, f64)> {
+    match hardest {
+        Some("settle_s") => vec![(more_torque, 2.0)],
+        Some("certified_angle_deg") => vec![(more_torque, 1.0), (more_samples, 1.0)],
+        _ => vec![
+            (more_torque, 1.0),
+            (less_disturbance, 1.0),
+            (less_error, 1.0),
+            (more_samples, 1.0),
+        ],
+    }
+}
+
+/// For each quantity the smallest of a few changes with which every requirement is proved, where there is one. `found` is
+/// what was found without a change: its way is the only one that is tried again.
 ///
 /// # Errors
-/// As [`best`].
+/// A problem that the solver refuses. What was found is kept when the observer stops.
 pub fn suggestions(
     facts: &Facts,
-    fraction: f64,
+    found: &Best,
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Vec<Suggestion>, SynthesisError> {
     let mut out = Vec::new();
-    for change in CHANGES {
-        for factor in FACTORS {
-            let factor = short(factor / fraction.clamp(0.01, 1.0));
+    let candidate = found.candidate.as_ref();
+    let hardest = candidate.and_then(Candidate::hardest);
+    let ways = candidate.map_or_else(|| Recipe::ways(facts), |found| vec![found.recipe]);
+    for (change, power) in changes(hardest.map(|hardest| hardest.requirement)) {
+        for factor in factors(hardest.map(Answered::fraction), power) {
             let mut file = facts.file.clone();
-            let Some((field, factor, values)) = change(&mut file, factor) else {
+            let Some(suggestion) = change(&mut file, short(factor)) else {
                 break;
             };
             let Ok(changed) = Facts::new(file) else {
                 break;
             };
-            let found = best(&changed, "", solvers, observer.clone())?;
-            if found.is_some_and(|found| found.meets_all()) {
-                out.push(Suggestion {
-                    field,
-                    factor,
-                    values,
-                });
-                break;
+            let ways = ways.iter().copied();
+            match among(&changed, ways, "", solvers, observer.clone()) {
+                Err(SynthesisError::Cancelled(_)) => return Ok(out),
+                Err(error) => return Err(error),
+                Ok(found) if found.meets_all() => {
+                    out.push(suggestion);
+                    break;
+                }
+                Ok(_) => {}
             }
         }
     }
     Ok(out)
+}
+
+/// What a quantity is changed by, one after the other, where a fraction of the hardest requirement is met.
+fn factors(fraction: Option<f64>, power: f64) -> [f64; 2] {
+    match fraction.filter(|fraction| *fraction > FAR) {
+        Some(fraction) => FACTORS.map(|factor| factor / fraction.min(1.0).powf(power)),
+        None => FACTORS_FROM_AFAR,
+    }
 }
 
 /// Two significant digits, rounded up.
@@ -69,36 +118,42 @@ fn short(factor: f64) -> f64 {
     (factor / unit - 1e-9).ceil() * unit
 }
 
-fn more_torque(file: &mut FactsFile, factor: f64) -> Option<(&'static str, f64, Vec<f64>)> {
+fn more_torque(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
     let FactsPlant::Exact(craft) = &mut file.plant;
-    craft
-        .torque_limit_nm
-        .iter_mut()
-        .for_each(|limit| *limit *= factor);
-    Some((
-        "plant.exact.torque_limit_nm",
-        factor,
-        craft.torque_limit_nm.to_vec(),
-    ))
+    craft.torque_limit_nm = craft.torque_limit_nm.map(|limit| limit * factor);
+    let values = craft.torque_limit_nm.to_vec();
+    Suggestion::of(factor, [("plant.exact.torque_limit_nm", values)])
 }
 
-fn less_disturbance(file: &mut FactsFile, factor: f64) -> Option<(&'static str, f64, Vec<f64>)> {
+fn less_disturbance(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
     let FactsPlant::Exact(craft) = &mut file.plant;
     craft.disturbance_bound_nm /= factor;
     let value = vec![craft.disturbance_bound_nm];
-    Some(("plant.exact.disturbance_bound_nm", 1.0 / factor, value))
+    Suggestion::of(1.0 / factor, [("plant.exact.disturbance_bound_nm", value)])
 }
 
-fn more_samples(file: &mut FactsFile, factor: f64) -> Option<(&'static str, f64, Vec<f64>)> {
+fn less_error(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
+    let bounds = file.imperfections.measurement.as_mut()?;
+    let (rate, attitude) = (bounds.rate_rad_s.as_mut()?, bounds.attitude_deg.as_mut()?);
+    *rate /= factor;
+    *attitude /= factor;
+    let fields = [
+        ("imperfections.measurement.rate_rad_s", vec![*rate]),
+        ("imperfections.measurement.attitude_deg", vec![*attitude]),
+    ];
+    Suggestion::of(1.0 / factor, fields)
+}
+
+fn more_samples(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
     if file.requirements.messages_per_s.is_some() {
         return None;
     }
     let specs = &mut file.specs;
     if let Some(rate) = &mut specs.sample_hz {
         *rate *= factor;
-        return Some(("specs.sample_hz", factor, vec![*rate]));
+        return Suggestion::of(factor, [("specs.sample_hz", vec![*rate])]);
     }
     let interval = specs.hbar_s.as_mut()?;
     *interval /= factor;
-    Some(("specs.hbar_s", 1.0 / factor, vec![*interval]))
+    Suggestion::of(1.0 / factor, [("specs.hbar_s", vec![*interval])])
 }

@@ -110,7 +110,7 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
         let Some(mut certificate) = solved.recover(model) else {
             return Ok(None);
         };
-        if model.file.specs.objective == Objective::Gain {
+        if model.file.specs.objective.is_guaranteed_gain() {
             certificate = with_paper_gamma(self.request.task, certificate, gain_bound);
         }
         let complete = complete(model, certificate, self.session)?;
@@ -120,7 +120,7 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
     fn objective(file: &DesignFile) -> f64 {
         let certificate = &file.certificate;
         match file.model.specs.objective {
-            Objective::Gain => certificate.guaranteed_gain,
+            Objective::Gain | Objective::Pointing => certificate.guaranteed_gain,
             _ => certificate.gamma,
         }
     }

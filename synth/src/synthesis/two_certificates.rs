@@ -9,7 +9,10 @@ use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
 use super::coupled::{assemble, Coupled, UNBOUNDED_GAIN};
 use crate::certify::theorem1::{reached_from_rest, relative_supply, Certificate};
 use crate::conditions::Task;
-use crate::design::{recover, CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits};
+use crate::design::{
+    hand_over, recover, CertificateFile, Coupling, DesignFile, OuterFile, ProblemUnits,
+    SetHandOverFile,
+};
 use crate::model::{Model, ModelError};
 use crate::optimality::Optimality;
 use crate::programs::{
@@ -38,7 +41,7 @@ const SCALE_STEP: f64 = 0.7;
 const SMALLEST_SCALE: f64 = 1e-3;
 
 /// Halvings of the last step, on a logarithmic scale.
-const HALVINGS: usize = 2;
+const HALVINGS: usize = 1;
 
 /// The scalars that must be chosen before the problem is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -223,12 +226,15 @@ impl Synthesis for CoupledSynthesis<'_, '_, '_> {
             return Ok(None);
         };
         // The controller is the inner certificate's; that of the large set differs in the last digits only.
+        let large = (self.outer, &second);
+        let handed_over = hand_over(large, (self.request.model, &first));
         let (_, mut certificate) = CertificateFile::split(&second);
         certificate.gamma = smallest_gamma(self.outer, &second);
         certificate.xi = certificate.xi.min(self.outer.file.specs.xi_max);
         let second = OuterFile {
             trigger_multiple: multiple,
             certificate,
+            hand_over: handed_over.as_ref().map(SetHandOverFile::of),
         };
         let units = ProblemUnits::of_fraction(1.0, choice.containment_weight);
         let second = Some((second, choice.coupling));
@@ -280,37 +286,45 @@ impl CoupledSynthesis<'_, '_, '_> {
         Ok(found)
     }
 
-    /// Smaller and smaller ratios until one fails, then between the last two; larger ones first where
-    /// the first fails.
+    /// Ratios until one has a point; then smaller and smaller ones, or larger and larger ones, as long as the gain falls; the
+    /// same with smaller steps.
     fn search_scale(
         &mut self,
         weight: f64,
         found: &mut CouplingAttempts,
     ) -> Result<(), SynthesisError> {
-        let mut scale = FIRST_SCALE;
-        while !self.is_better(CouplingChoice::new(weight, scale), found)? {
-            scale *= 2.0;
-            if scale > 1.0 {
+        let mut best = FIRST_SCALE;
+        while !self.is_better(CouplingChoice::new(weight, best), found)? {
+            best *= 2.0;
+            if best > 1.0 {
                 return Ok(());
             }
         }
-        let (mut best, mut failed) = (scale, None);
-        while failed.is_none() && best > SMALLEST_SCALE {
-            let next = best * SCALE_STEP;
-            match self.is_better(CouplingChoice::new(weight, next), found)? {
-                true => best = next,
-                false => failed = Some(next),
+        let mut step = SCALE_STEP;
+        for _ in 0..=HALVINGS {
+            for factor in [step, 1.0 / step] {
+                let before = best;
+                while self.is_better_ratio(weight, best * factor, found)? {
+                    best *= factor;
+                }
+                if best != before {
+                    break;
+                }
             }
-        }
-        let mut failed = failed.unwrap_or(best);
-        for _ in 0..HALVINGS {
-            let next = (best * failed).sqrt();
-            match self.is_better(CouplingChoice::new(weight, next), found)? {
-                true => best = next,
-                false => failed = next,
-            }
+            step = step.sqrt();
         }
         Ok(())
+    }
+
+    /// As [`Self::is_better`] for a ratio; false where it is too small or too large.
+    fn is_better_ratio(
+        &mut self,
+        weight: f64,
+        ratio: f64,
+        found: &mut CouplingAttempts,
+    ) -> Result<bool, SynthesisError> {
+        let allowed = (SMALLEST_SCALE..=1.0).contains(&ratio);
+        Ok(allowed && self.is_better(CouplingChoice::new(weight, ratio), found)?)
     }
 
     /// Whether a choice has a point with a smaller gain than all before it.

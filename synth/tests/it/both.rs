@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::exact::{Exact, Stream};
 use crate::tampering::*;
 use serde_json::{json, Value};
-use synth::certify::theorem1::for_each_condition;
+use synth::certify::theorem1::{for_each_condition, for_each_hand_over_condition};
 use synth::certify::{Report, Verdict};
 use synth::design::DesignFile;
 use synth::model::Model;
@@ -78,6 +78,23 @@ fn truth(
             place += 1;
         });
     }
+    let hand_over = outer
+        .hand_over
+        .as_ref()
+        .expect("the design proves a hand-over");
+    let large = (&outer.model, &outer.certificate);
+    for_each_hand_over_condition::<Exact>(
+        large,
+        (model, &inner),
+        hand_over,
+        &mut |name, matrix| {
+            assert_eq!(name, report.conditions[place].name);
+            if chosen.contains(&place) {
+                out.push((place, exactly_positive_definite(&matrix)));
+            }
+            place += 1;
+        },
+    );
     assert_eq!(place, report.conditions.len());
     out
 }

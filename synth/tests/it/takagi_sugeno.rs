@@ -36,6 +36,7 @@ fn spacecraft() -> impl Strategy<Value = ExactSpacecraft> {
             rate_bound: Vector3::from(rates),
             scalar_part_min,
             gyroscopic_form: None,
+            output_weights: [1.0; 6],
             exchange: Default::default(),
             at_rest: false,
         }
@@ -259,6 +260,7 @@ fn simple_craft(scalar_part_min: f64) -> ExactSpacecraft {
         rate_bound: Vector3::new(0.1, 0.1, 0.1),
         scalar_part_min,
         gyroscopic_form: None,
+        output_weights: [1.0; 6],
         exchange: Default::default(),
         at_rest: false,
     }

@@ -90,7 +90,8 @@ fn coupling(path: &Path, design: &DesignFile) -> Result<Option<CouplingChoice>, 
         return Ok(None);
     };
     let usable = |value: f64| value.is_finite() && value > 0.0;
-    if !usable(coupling.inner_scale) || !usable(coupling.trigger_multiple) {
+    let numbers = [coupling.inner_scale, coupling.trigger_multiple];
+    if !numbers.into_iter().all(usable) {
         let reason = "field 'provenance.coupling': its numbers must be above 0";
         return Err(CliError::unsuitable(path, reason));
     }

@@ -54,6 +54,8 @@ pub struct SynthesizeArgs {
 enum ObjectiveArg {
     /// The smallest guaranteed L-infinity gain
     Gain,
+    /// The smallest pointing error from rest and in the end
+    Pointing,
     /// The smallest gamma of the paper, which bounds the gain and xi
     Gamma,
     /// One gain, two certificates: the smallest gain bound near the origin while the set of the model's
@@ -96,6 +98,7 @@ pub fn run(args: &SynthesizeArgs) -> Result<Answer, CliError> {
         let mut file = model.file;
         file.specs.objective = match objective {
             ObjectiveArg::Gain => Objective::Gain,
+            ObjectiveArg::Pointing => Objective::Pointing,
             ObjectiveArg::Gamma => Objective::Gamma,
             ObjectiveArg::Region => Objective::Region,
             ObjectiveArg::Both => Objective::Both,

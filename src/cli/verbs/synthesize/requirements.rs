@@ -33,14 +33,17 @@ pub fn synthesize(
     let found = solve(path, ASSEMBLING, |observer| {
         best(&facts, text, &solvers, observer)
     })?;
-    if let Some(found) = found.as_ref().filter(|found| found.meets_all()) {
-        return written(path, found, output);
+    let candidate = found.candidate.as_ref();
+    if let Some(candidate) = candidate.filter(|found| found.meets_all()) {
+        return written(path, candidate, output);
     }
-    let fraction = found.as_ref().map_or(1.0, Candidate::fraction);
-    let changes = solve(path, "looking for a change that helps", |observer| {
-        suggestions(&facts, fraction, &solvers, observer)
-    })?;
-    let report = MissedReport::new(found.as_ref(), &changes);
+    let changes = match found.stopped {
+        true => Vec::new(),
+        false => solve(path, "looking for a change that helps", |observer| {
+            suggestions(&facts, &found, &solvers, observer)
+        })?,
+    };
+    let report = MissedReport::new(&found, &changes);
     let mut said = report.lines(path);
     said.push(NOTHING.to_string());
     Ok(Answer::new(Exit::No, &report, &said))

@@ -8,15 +8,22 @@ mod actuators;
 mod decrease;
 mod first_torque;
 mod gain_error;
+mod hand_over;
 mod measurement;
 mod mismatch;
 mod sets;
 mod supply;
 
 pub use crate::certify::certificate::{
-    Certificate, FinalBounds, FirstTorque, MeasurementWeights, MismatchSlack, RuleGains,
+    Certificate, FinalBounds, FirstTorque, HandOver, HeldWeights, MeasurementWeights,
+    MismatchSlack, RuleGains,
 };
-pub use supply::{certified_start, reached_from_rest, relative_supply, supplied};
+pub use hand_over::for_each_hand_over_condition;
+pub(crate) use supply::decided;
+pub use supply::{
+    certified_start, longest_without_torque, oldest_sample, reached_from_rest, relative_supply,
+    supplied,
+};
 
 use nalgebra::DMatrix;
 
@@ -114,7 +121,7 @@ impl<'a, S: Scalar> Assembly<'a, S> {
         let plant = DescriptorPlant::<S>::new(&model.plant);
         let exactly = |matrix: &DMatrix<f64>| Matrix::exactly(matrix);
         let phi = S::from_f64(specs.phi_per_s);
-        let oldest: S = supply::oldest_sample(model);
+        let oldest: S = supply::oldest(model);
         let supply: Supply<S> = Supply::of(model, certificate);
         let multiplier = exactly(&certificate.multiplier);
         Assembly {

@@ -13,6 +13,8 @@ const ABOVE_PI: f64 = 3.141_592_653_589_793_6;
 pub(super) struct Supply<S> {
     /// r: with s, the most that a measurement error adds, and the trigger's floor.
     pub total: S,
+    /// What of it a decision of the trigger allows: s and the floor.
+    pub decision: S,
     /// Bound on the functional from rest: r / phi, or what it reaches before the first torque where that is more.
     pub from_rest: S,
     /// rho_0: starts with x0'U x0 up to this are certified; 1 where the torque acts at once.
@@ -22,7 +24,7 @@ pub(super) struct Supply<S> {
 }
 
 /// The greatest age of the sample behind the torque in force: hbar, or (N + 1) hbar + d_max.
-pub(super) fn oldest_sample<S: Scalar>(model: &Model) -> S {
+pub(super) fn oldest<S: Scalar>(model: &Model) -> S {
     after_losses(model, 1)
 }
 
@@ -56,11 +58,13 @@ impl<S: Scalar> Supply<S> {
             || certificate.trigger_floor != 0.0
             || model.file.imperfections.is_networked();
         let is_mixed = beside && torque.approximate() > 0.0;
-        let total = torque.clone() + noise + floor;
+        let decision = noise + floor;
+        let total = torque.clone() + decision.clone();
         let reached = total.clone() / phi;
         let (certified_start, before) = before_torque(model, certificate, &torque);
         Supply {
             total,
+            decision,
             from_rest: before.map_or(reached.clone(), |before: S| reached.max(before)),
             certified_start,
             is_mixed,
@@ -120,6 +124,19 @@ pub fn reached_from_rest(model: &Model, certificate: &Certificate) -> f64 {
     Supply::<Interval>::of(model, certificate).from_rest.hi()
 }
 
+/// The greatest age of the sample behind the torque in force (s), rounded up.
+pub fn oldest_sample(model: &Model) -> f64 {
+    oldest::<Interval>(model).hi()
+}
+
+/// The longest time before the first torque (s), rounded up: 0 where it acts at once.
+pub fn longest_without_torque(model: &Model, certificate: &Certificate) -> f64 {
+    match certificate.first_torque {
+        None => 0.0,
+        Some(_) => after_losses::<Interval>(model, 0).hi(),
+    }
+}
+
 /// What disturbance and measurement error feed the functional at most, without the trigger's floor; rounded up.
 pub fn supplied(model: &Model, certificate: &Certificate) -> f64 {
     let without = Certificate {
@@ -127,6 +144,11 @@ pub fn supplied(model: &Model, certificate: &Certificate) -> f64 {
         ..certificate.clone()
     };
     Supply::<Interval>::of(model, &without).total.hi()
+}
+
+/// What a decision of the trigger allows, rounded up: (x - w)' Wp (x - w) is at most nu w'W w and this.
+pub(crate) fn decided(model: &Model, certificate: &Certificate) -> f64 {
+    Supply::<Interval>::of(model, certificate).decision.hi()
 }
 
 /// r / taubar^2, rounded up, where more than the disturbance feeds the functional: gamma is not below it. 0 elsewhere.

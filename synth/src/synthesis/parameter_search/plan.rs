@@ -66,7 +66,7 @@ impl Plan {
             contained.push(attitudes() * (norm * (1.0 + COVER_ROOM)));
         }
         let aim = match specs.objective {
-            Objective::Gain | Objective::Gamma | Objective::Both => {
+            Objective::Gain | Objective::Pointing | Objective::Gamma | Objective::Both => {
                 contained.extend(states.iter().map(|state| state * (1.0 + COVER_ROOM)));
                 Aim::Gain
             }
