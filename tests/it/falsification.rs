@@ -84,7 +84,12 @@ fn cases() -> Vec<(&'static str, Value, bool)> {
 
 /// The proved design of models/xu2020.json with these imperfections.
 fn designed(imperfections: &Value) -> Design {
-    let mut model: Value = serde_json::from_str(common::SPACECRAFT_MODEL).expect("JSON");
+    let model = serde_json::from_str(common::SPACECRAFT_MODEL).expect("JSON");
+    designed_from(model, imperfections)
+}
+
+/// The proved design of a model with these imperfections.
+pub(crate) fn designed_from(mut model: Value, imperfections: &Value) -> Design {
     if imperfections.get("measurement").is_some() {
         model["specs"]["trigger_floor"] = json!("auto");
     }

@@ -3,32 +3,17 @@
 use serde_json::{json, Value};
 use steadfast::run::design::Design;
 use steadfast::run::summary::RunVerdict;
-use synth::model::Model;
-use synth::synthesis::{synthesize, Outcome, Solvers};
 
-use crate::common;
-use crate::falsification::{boundary, flown, scenario, starts_asked};
+use crate::falsification::{boundary, designed_from, flown, scenario, starts_asked};
 use crate::support::random::Random;
 
 /// The proved design of models/xu2020-both.json with imperfections, and xi_max of the large set a share of what it is.
 fn designed(imperfections: &Value, share: f64) -> Design {
     let text = include_str!("../../models/xu2020-both.json");
     let mut model: Value = serde_json::from_str(text).expect("JSON");
-    if imperfections.get("measurement").is_some() {
-        model["specs"]["trigger_floor"] = json!("auto");
-    }
-    model["imperfections"] = imperfections.clone();
     let largest = &mut model["specs"]["outer"]["xi_max"];
     *largest = json!(share * largest.as_f64().expect("a number"));
-    let text = model.to_string();
-    let model = Model::from_json(&text).expect("a valid model");
-    let solvers = Solvers::suited_to(&model);
-    let Ok(Outcome::Solved(design)) = synthesize(&model, &text, &solvers, None) else {
-        panic!("no design for {imperfections}");
-    };
-    let design = common::read(&design.file.to_json());
-    assert!(design.proved(), "{imperfections}");
-    design
+    designed_from(model, imperfections)
 }
 
 /// Starts of each design in the short search.

@@ -78,18 +78,7 @@ fn what_is_beyond_reach_is_answered_with_a_change_that_is_proved_when_it_is_made
     assert!(!output.exists());
     let fraction = number(&report, "/fraction");
     assert!(fraction > 0.2 && fraction < 1.0, "{fraction}");
-    let changes = report["changes"].as_array().expect("changes");
-    assert!(!changes.is_empty());
-    let mut file = json(&facts);
-    for change in changes[0]["fields"].as_array().expect("fields") {
-        let field = change["field"].as_str().expect("a field");
-        let pointer = format!("/{}", field.replace('.', "/"));
-        let mut values = change["values"].clone();
-        if file.pointer(&pointer).expect("a value").is_number() {
-            values = values[0].clone();
-        }
-        set(&mut file, &pointer, values);
-    }
+    let file = with_first_change(&json(&facts), &report).expect("a change");
     let better = write(folder.path(), "better.json", file.to_string());
     synthesize(&better, &arguments).ends_with(0);
     assert!(output.exists());

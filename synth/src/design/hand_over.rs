@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::recover::largest_eigenvalue;
 use crate::certify::interval::Interval;
 use crate::certify::theorem1::{
     decided, for_each_hand_over_condition, Certificate, HandOver, HeldWeights,
@@ -85,7 +86,8 @@ pub(crate) fn hand_over(
     (small_model, small): (&Model, &Certificate),
 ) -> Option<HandOver> {
     let triangle = large.lyapunov.clone().cholesky()?.l().try_inverse()?;
-    let in_set = |matrix: &DMatrix<f64>| largest(&triangle * matrix * triangle.transpose());
+    let in_set =
+        |matrix: &DMatrix<f64>| largest_eigenvalue(&(&triangle * matrix * triangle.transpose()));
     let bound = HeldBound {
         small_model,
         small,
@@ -100,7 +102,8 @@ pub(crate) fn hand_over(
             .cholesky()?
             .l()
             .try_inverse()?;
-        let integral = largest(&triangle * &small.integral_weight * triangle.transpose());
+        let integral =
+            largest_eigenvalue(&(&triangle * &small.integral_weight * triangle.transpose()));
         level = level.min(1.0 / integral);
     }
     let mut chosen = Vec::new();
@@ -166,9 +169,4 @@ impl<InSet: Fn(&DMatrix<f64>) -> f64> HeldBound<'_, InSet> {
         });
         tried.max_by(|one, other| one.0.total_cmp(&other.0))
     }
-}
-
-fn largest(matrix: DMatrix<f64>) -> f64 {
-    let symmetric = 0.5 * (&matrix + matrix.transpose());
-    symmetric.symmetric_eigenvalues().max()
 }

@@ -280,7 +280,8 @@ pub(crate) fn claim_anew(model: &Model, certificate: &mut Certificate) -> Option
     add_claims(model, certificate)
 }
 
-fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
+/// The largest eigenvalue of a matrix that is symmetric but for rounding.
+pub(super) fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
     let symmetric = 0.5 * (matrix + matrix.transpose());
     symmetric.symmetric_eigenvalues().max()
 }

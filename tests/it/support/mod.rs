@@ -227,6 +227,22 @@ pub fn synthesize(model: &Path, more: &[&str]) -> Run {
     Run::new(output.expect("the command runs"))
 }
 
+/// A file with requirements, with the first change that the answer of `synthesize` offers; `None` where it offers none.
+pub fn with_first_change(file: &Value, answer: &Value) -> Option<Value> {
+    let mut file = file.clone();
+    let change = answer["changes"].as_array()?.first()?;
+    for one in change["fields"].as_array().expect("fields") {
+        let field = one["field"].as_str().expect("a field");
+        let pointer = format!("/{}", field.replace('.', "/"));
+        let mut values = one["values"].clone();
+        if file.pointer(&pointer).expect("a value").is_number() {
+            values = values[0].clone();
+        }
+        set(&mut file, &pointer, values);
+    }
+    Some(file)
+}
+
 /// The design of `models/xu2020.json` with the form of the gyroscopic torque that the paper has, K = 0.
 pub fn design_in_the_papers_form() -> &'static Path {
     static DESIGN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
