@@ -77,6 +77,7 @@ pub mod fuzzy;
 pub mod held_command;
 pub mod infeasibility;
 pub mod model;
+pub mod natural_units;
 pub mod optimality;
 pub mod problem;
 pub mod programs;

@@ -133,16 +133,21 @@ impl Task {
         }
     }
 
-    /// The same task with its containment condition stated about a point P in the place of a weight rho.
+    /// The same task with its containment condition stated about a point P in the place of a weight rho, or of another
+    /// point.
     pub fn containing_about(&self, linearisation: DMatrix<f64>) -> Task {
         let mut task = self.clone();
         let states = std::mem::take(&mut task.specification.must_contain).into_iter();
         let columns =
             states.map(|state| DMatrix::from_column_slice(state.len(), 1, state.as_slice()));
+        let other = task.containment.take();
+        let (mut contained, scaled) =
+            other.map_or_else(Default::default, |other| (other.contained, other.scaled));
+        contained.extend(columns);
         task.containment = Some(Containment {
             linearisation,
-            contained: columns.collect(),
-            scaled: Vec::new(),
+            contained,
+            scaled,
         });
         task
     }

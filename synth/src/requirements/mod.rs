@@ -3,7 +3,6 @@
 mod answer;
 mod design;
 mod facts;
-mod natural_units;
 mod recipe;
 mod suggestions;
 mod tables;
@@ -11,6 +10,5 @@ mod tables;
 pub use answer::{Achieved, Answered};
 pub use design::{best, candidate, Best, Candidate};
 pub use facts::{Facts, FactsFile, FactsPlant, FactsSpacecraft, FactsSpecs, Requirements};
-pub use natural_units::NaturalUnits;
 pub use recipe::{stated, Recipe, Stated};
 pub use suggestions::{suggestions, Suggestion};

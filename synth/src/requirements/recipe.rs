@@ -1,9 +1,9 @@
 //! From facts to model files that synthesis takes, in natural units.
 
 use super::facts::Facts;
-use super::natural_units::NaturalUnits;
 use super::tables::{box_rate, fastest_decay, smallest_scalar_part};
 use crate::model::{ModelFile, Objective, OuterSpecs, SearchFile};
+use crate::natural_units::NaturalUnits;
 
 /// The angle that is certified where none is required (rad).
 const USUAL_ANGLE: f64 = 0.35;

@@ -7,8 +7,10 @@
 use nalgebra::DMatrix;
 
 use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
+use super::weight_search;
 use crate::certify::theorem1::Certificate;
 use crate::conditions::units::power_of_two;
+use crate::conditions::xu2020::GAIN_ABOVE;
 use crate::conditions::{GainPlan, Task};
 use crate::design::{DesignFile, ProblemUnits};
 use crate::model::Objective;
@@ -21,7 +23,7 @@ use crate::scaling::Scaling;
 use sdp::solve::Status;
 
 /// Back-offs of the exported design's bound above the smallest one, relative: they leave a margin for the proof.
-const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
+pub(super) const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
 
 /// Larger back-offs, tried in this order where no design is proved with the first: the solver's smallest bound may be
 /// inaccurate, or leave no margin for a proof.
@@ -64,8 +66,10 @@ pub(super) struct GainSynthesis<'a, 'b, 'c> {
     suggested: Option<Vec<f64>>,
     /// Whether the last point may pass for an optimum; unverified.
     accurate: bool,
-    /// What the containment condition may be stated about after the last design.
-    linearisation: Option<DMatrix<f64>>,
+    /// What the containment condition may be stated about after the last solve.
+    pub(super) linearisation: Option<DMatrix<f64>>,
+    /// The multiplier of w xi <= m in the last solve for the smallest m = max(g, w xi), from 0 to 1.
+    pub(super) weight_share: f64,
 }
 
 impl Synthesis for GainSynthesis<'_, '_, '_> {
@@ -76,6 +80,8 @@ impl Synthesis for GainSynthesis<'_, '_, '_> {
         let program = self.scaled(units);
         let solved = self.session.solve(program, Goal::SmallestGain)?;
         self.suggested = suggested_units(&solved);
+        self.linearisation = solved.linearisation();
+        self.weight_share = weight_share(&solved);
         self.accurate = match solved.solution.status {
             Status::Solved => true,
             // Where an attempt is cheap, the next one may do better.
@@ -140,6 +146,7 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
             suggested: None,
             accurate: false,
             linearisation: None,
+            weight_share: 0.5,
         }
     }
 
@@ -163,15 +170,26 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
 
     /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
     pub fn in_all_settings(&mut self) -> Result<UnitAttempts, SynthesisError> {
+        let objective = self.request.model.file.specs.objective;
         let mut found = Attempts::default();
         for &containment_weight in containment_weights(self.request.task) {
             let first = self.units_of_constant_gain(containment_weight)?;
             self.try_units(containment_weight, first, &mut found)?;
+            // The condition on the starts will be stated about the design, where no weight has to suit.
+            if objective.is_guaranteed_gain() && found.best.is_some() {
+                break;
+            }
         }
         if found.best.is_none() {
             let widened = found.bounds.iter().rev().take(WIDENED_UNITS);
             let widened: Vec<_> = widened.cloned().collect();
             found.back_off(self, &widened, &WIDER_BACK_OFFS)?;
+        }
+        let enough = self
+            .asked
+            .is_some_and(|asked| best_objective(&found) <= asked);
+        if objective.is_guaranteed_gain() && !enough {
+            weight_search::improve(self.request, self.session, &mut found)?;
         }
         if let Some(asked) = self.asked {
             self.meet(asked, &mut found)?;
@@ -364,7 +382,7 @@ pub(super) fn is_enough(found: &UnitAttempts) -> bool {
 }
 
 /// The objective of the best design; infinite without one.
-fn best_objective(found: &UnitAttempts) -> f64 {
+pub(super) fn best_objective(found: &UnitAttempts) -> f64 {
     let best = found.best.as_ref();
     best.map_or(f64::INFINITY, |design| {
         GainSynthesis::objective(&design.file)
@@ -376,6 +394,15 @@ fn best_objective(found: &UnitAttempts) -> f64 {
 fn is_poor(found: &UnitAttempts) -> bool {
     let optimality = Optimality::of_smallest(best_objective(found), found.smallest_bound());
     optimality.is_some_and(|optimality| optimality.is_poor())
+}
+
+/// The multipliers of the conditions that bound the weights of all signals, relative to what the objective costs.
+fn weight_share(solved: &Solved) -> f64 {
+    let conditions = solved.assembled.problem.conditions.iter();
+    let weights = conditions.zip(&solved.solution.duals);
+    let weights = weights.filter(|(condition, _)| condition.name().starts_with(GAIN_ABOVE));
+    let sum: f64 = weights.flat_map(|(_, dual)| dual.first()).sum();
+    (sum / solved.task.gain_unit()).clamp(0.0, 1.0)
 }
 
 /// The unit of each state in which the set x'Ux <= 1 of a solver's point reaches about as far along every state,

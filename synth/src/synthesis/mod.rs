@@ -7,12 +7,15 @@ mod gain;
 mod gyroscopic_form;
 mod measured;
 mod parameter_search;
+mod restated;
 mod run;
 mod two_certificates;
+mod weight_search;
 
 pub use cross_check::{cross_check, CrossCheck, SolverOptimum};
 pub use gyroscopic_form::with_chosen_form;
 pub use parameter_search::reached;
+pub(crate) use restated::restated;
 pub use run::{analyse, synthesize};
 pub use two_certificates::{coupled_problem, CouplingChoice};
 

@@ -89,6 +89,10 @@ fn restated(file: &ModelFile, stream: &mut Stream) -> (ModelFile, f64) {
             .zip(&states)
             .for_each(|(entry, unit)| *entry *= unit);
     }
+    for state in &mut file.specs.must_contain {
+        let entries = state.iter_mut().zip(&states);
+        entries.for_each(|(entry, unit)| *entry /= unit);
+    }
     let identity = |row: usize| (0..count).map(|k| f64::from(u8::from(k == row))).collect();
     let outputs = plant.output_matrix.clone();
     let mut outputs = outputs.unwrap_or((0..count).map(identity).collect());
@@ -109,9 +113,14 @@ fn the_guaranteed_gain_is_the_same_in_other_units() {
         .expect("a valid model")
         .file;
     let mut compared = 0;
-    for round in 0..12 {
+    for round in 0..15 {
         let file = match round {
             0..4 => cart.clone(),
+            12.. => {
+                let mut file = cart.clone();
+                file.specs.must_contain = vec![vec![0.3, 0.1], vec![-0.1, 0.2]];
+                file
+            }
             _ => {
                 let sizes = Sizes {
                     states: 2 + round % 2,
@@ -138,7 +147,29 @@ fn the_guaranteed_gain_is_the_same_in_other_units() {
         );
         compared += 1;
     }
-    assert!(compared >= 8, "{compared} compared");
+    assert!(compared >= 11, "{compared} compared");
+}
+
+#[test]
+fn with_starts_to_be_contained_no_limit_on_xi_gives_a_smaller_gain_than_none() {
+    let mut file = cart();
+    file["specs"]["must_contain"] = json!([[0.5, 0.1], [0.5, -0.2]]);
+    let design = proved(&file);
+    let (gain, xi) = (design.certificate.guaranteed_gain, design.certificate.xi);
+    let mut limited = Vec::new();
+    for factor in [0.8, 0.9, 1.1, 1.25, 2.0, 4.0] {
+        file["specs"]["xi_max"] = json!(factor * xi);
+        limited.push(proved(&file).certificate.guaranteed_gain);
+    }
+    let least = limited.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(gain <= 1.01 * least, "{gain} and {limited:?}");
+    // The limit that is far too small costs much: the search had something to find.
+    assert!(limited[0] > 1.05 * gain, "{gain} and {limited:?}");
+    // gamma is another objective, with another gain for the same starts.
+    file["specs"]["xi_max"] = json!(4.0 * xi);
+    file["specs"]["objective"] = json!("gamma");
+    let of_gamma = proved(&file).certificate.guaranteed_gain;
+    assert!(gain <= 1.01 * of_gamma, "{gain} and {of_gamma}");
 }
 
 #[test]

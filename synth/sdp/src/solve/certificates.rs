@@ -49,8 +49,9 @@ pub fn refutation(problem: &Semidefinite, duals: &[Vec<f64>]) -> Refutation {
 /// A direction in which the objective falls for ever.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Descent {
-    /// How far `sum_i d_i F_i` is from semidefinite: its smallest eigenvalue, negated, relative to
-    /// `sum_i |d_i| max |F_i|`, in the worst cone.
+    /// How far `sum_i d_i F_i` is from semidefinite: its smallest eigenvalue, negated, after every row and column is
+    /// divided by the root of `sum_i |d_i| max |F_i|` over the row's entries, so that units of rows do not matter; in the
+    /// worst cone.
     pub residual: f64,
     /// Proved in interval arithmetic: the objective falls, and `sum_i d_i F_i` is positive definite, so that there are
     /// points that satisfy the conditions, with objectives below any bound.
@@ -74,23 +75,48 @@ pub fn descent(problem: &Semidefinite, direction: &[f64]) -> Option<Descent> {
         proved: true,
     };
     for cone in &problem.cones {
-        let sizes = cone.coefficients.iter();
-        let size: f64 = sizes.map(|(u, e)| direction[*u].abs() * largest(e)).sum();
         let sum = along(cone, direction);
-        let upper: Vec<f64> = sum.iter().map(|entry| entry.midpoint()).collect();
-        let violation = -smallest_eigenvalue(&upper, cone.side);
-        if size > 0.0 || violation.is_nan() {
-            let relative = violation / size;
-            // NaN stays: nothing is above it.
-            if relative.is_nan() || relative > descent.residual {
-                descent.residual = relative;
-            }
+        let violation = violation(cone, direction, &sum);
+        // NaN stays: nothing is above it.
+        if violation.is_nan() || violation > descent.residual {
+            descent.residual = violation;
         }
         let entry = |i: usize, j: usize| sum[svec_index(i, j)];
         descent.proved &= violation < 0.0
             && prove_positive_definite(&IntervalMatrix::from_upper(cone.side, entry)).is_ok();
     }
     Some(descent)
+}
+
+/// The smallest eigenvalue of `sum_i d_i F_i`, negated, in the unit of each row: the sum of its terms' magnitudes.
+fn violation(cone: &Cone, direction: &[f64], sum: &[Interval]) -> f64 {
+    let mut units = vec![0.0; cone.side];
+    for (unknown, entries) in &cone.coefficients {
+        let mut own = vec![0.0_f64; cone.side];
+        for entry in entries {
+            for row in [entry.row, entry.column] {
+                own[row] = own[row].max(entry.value.abs());
+            }
+        }
+        let terms = units.iter_mut().zip(own);
+        terms.for_each(|(unit, size)| *unit += direction[*unknown].abs() * size);
+    }
+    // A row without terms is zero in any unit.
+    let unit = |row: usize| {
+        if units[row] > 0.0 {
+            units[row].sqrt()
+        } else {
+            1.0
+        }
+    };
+    let mut scaled = vec![0.0; cone.height()];
+    for column in 0..cone.side {
+        for row in 0..=column {
+            let place = svec_index(row, column);
+            scaled[place] = sum[place].midpoint() / unit(row) / unit(column);
+        }
+    }
+    -smallest_eigenvalue(&scaled, cone.side)
 }
 
 /// `sum_i d_i F_i` of a cone, as its upper triangle by columns.
@@ -128,4 +154,34 @@ fn smallest(entries: &[Entry]) -> f64 {
     sizes
         .filter(|size| *size > 0.0)
         .fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_entry_that_falls_is_no_less_of_a_violation_than_a_large_one() {
+        // [u y0, 0; 0, y1]: y0 must not fall, whatever the unit of its row.
+        let entry = |row, value| Entry {
+            row,
+            column: row,
+            value,
+        };
+        for unit in [1.0, 1e-15] {
+            let problem = Semidefinite {
+                cost: vec![1.0, 4.0],
+                offset: 0.0,
+                cones: vec![Cone {
+                    name: "both".into(),
+                    side: 2,
+                    constant: Vec::new(),
+                    coefficients: vec![(0, vec![entry(0, unit)]), (1, vec![entry(1, 1.0)])],
+                }],
+            };
+            let falling = descent(&problem, &[-1.0, 0.01]).expect("the objective falls");
+            assert!((falling.residual - 1.0).abs() < 1e-12, "{falling:?}");
+            assert!(!falling.proved);
+        }
+    }
 }

@@ -17,6 +17,7 @@ mod unknowns;
 pub use anti_windup::gain_suffix;
 pub use decrease::{condition_name, decrease, full_condition, full_matched_condition};
 pub use first_torque::{smallest_growth, FirstTorqueUnknowns, Functional};
+pub use peak_gain::GAIN_ABOVE;
 pub use sets::containment;
 pub use signals::{
     terms, terms_at, vertex_term, vertex_term_at, vertex_terms_at, Basis, Signal, Term,

@@ -40,6 +40,9 @@ fn weights(task: &Task, unknowns: &DesignUnknowns) -> Vec<(&'static str, Affine)
         .collect()
 }
 
+/// What the names of the conditions begin with that keep the bound above the weights.
+pub const GAIN_ABOVE: &str = "gain bound above";
+
 /// gamma >= xi (in the units of xi), or a multiple of xi: see [`Task::gain_per_weight`].
 pub(super) fn gain_above_weight<'a>(
     task: &'a Task,
@@ -48,7 +51,7 @@ pub(super) fn gain_above_weight<'a>(
 ) -> impl Iterator<Item = Condition> + 'a {
     weights(task, unknowns).into_iter().map(|(name, weight)| {
         strictness.positive(
-            format!("gain bound above {name} weight"),
+            format!("{GAIN_ABOVE} {name} weight"),
             1.0 / task.gain_unit() * &unknowns.gain_bound - weight,
         )
     })

@@ -9,6 +9,7 @@
 mod ascent;
 mod evaluator;
 mod finish;
+mod natural;
 mod plan;
 mod progress;
 mod sensitivities;
@@ -21,6 +22,7 @@ pub use plan::wanted;
 use ascent::ascend;
 use evaluator::{Aim, Evaluator, SearchPoint};
 use finish::Finish;
+use natural::NaturalModel;
 use plan::{outside_every_box, Plan};
 use progress::SearchProgress;
 
@@ -41,6 +43,8 @@ const CONTAINED: f64 = 1.02;
 
 /// Searches once, and makes the design with the first solver; with the second one too where that proves nothing: the
 /// better of the two outcomes is returned, with the runs of both. Only the check decides whether the design is proved.
+///
+/// A spacecraft is searched again in natural units, where that applies, and the better design is kept.
 pub fn synthesize(
     model: &Model,
     model_text: &str,
@@ -48,6 +52,36 @@ pub fn synthesize(
     observer: Option<Observer>,
 ) -> Result<Outcome, SynthesisError> {
     let plan = Plan::of(model);
+    let natural = NaturalModel::of(model, &plan);
+    let own = in_units_of_model((model, model_text), plan, solvers, observer.clone())?;
+    let Some(natural) = natural else {
+        return Ok(own);
+    };
+    let plan = Plan::of(&natural.model);
+    let other = in_units_of_model((&natural.model, model_text), plan, solvers, observer)?;
+    Ok(match natural.restated(other) {
+        Some(other) if is_better(&other, &own) => other.after(&own),
+        Some(other) => own.after(&other),
+        None => own,
+    })
+}
+
+/// Whether a proved design has a smaller guaranteed gain than another outcome, or the other is none.
+fn is_better(design: &Outcome, other: &Outcome) -> bool {
+    let gain = |outcome: &Outcome| match outcome {
+        Outcome::Solved(design) if design.is_proved() => design.file.certificate.guaranteed_gain,
+        _ => f64::INFINITY,
+    };
+    gain(design) < gain(other)
+}
+
+/// The search in the units of a model.
+fn in_units_of_model(
+    (model, model_text): (&Model, &str),
+    plan: Plan,
+    solvers: &Solvers,
+    observer: Option<Observer>,
+) -> Result<Outcome, SynthesisError> {
     let progress = SearchProgress::new(observer.clone());
     // Two points at a time, each on one thread.
     let mut own = Structured::default();

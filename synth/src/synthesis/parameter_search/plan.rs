@@ -40,7 +40,7 @@ const FORM_MEAN: [f64; 2] = [-1.0, 2.0];
 const FORM_DEVIATION: [f64; 2] = [-3.0, 2.0];
 
 /// The smallest xi, relative to xi_max, where no limits are given.
-const LEAST_WEIGHT: f64 = 1e-6;
+const LEAST_WEIGHT: f64 = 1e-9;
 
 /// A unit of the state relative to the size of what must be in the set.
 const UNIT_SHARE: f64 = 0.4;

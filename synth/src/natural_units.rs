@@ -6,7 +6,7 @@
 //! F~ D^-1, N likewise; M and T over E^2 Ts; xi over Ts E^2; phi over Ts; eps_2 times Ts.
 
 use crate::conditions::units::power_of_two;
-use crate::design::{CertificateFile, DesignFile, FirstTorqueFile};
+use crate::design::{CertificateFile, DesignFile, FirstTorqueFile, SearchRecord};
 use crate::model::{
     ExactPlant, Imperfections, MeasurementBounds, ModelFile, MomentumBound, PlantFile,
     ReferenceMotion, Specs, TriggerFloor,
@@ -108,6 +108,9 @@ impl NaturalUnits {
             self.states(&mut outer.must_contain);
         }
         if let Some(search) = &mut specs.search {
+            if let Some(gain) = &mut search.guaranteed_gain_max {
+                *gain /= self.torque();
+            }
             let scale = |range: &mut Option<[f64; 2]>, factor: f64| {
                 *range = range.map(|ends| ends.map(|end| end * factor));
             };
@@ -166,8 +169,34 @@ impl NaturalUnits {
         if let Some(outer) = &mut out.outer {
             self.certificate(&mut outer.certificate);
         }
-        out.provenance.search = None;
+        if let Some(search) = &mut out.provenance.search {
+            self.search(search);
+        }
+        let units = &mut out.provenance.problem.state_units;
+        let runs = out.provenance.solver_runs.iter_mut();
+        for units in runs.map(|run| &mut run.state_units).chain([units]) {
+            let units = units.iter_mut().enumerate();
+            units.for_each(|(state, unit)| *unit /= self.state(state));
+        }
         out
+    }
+
+    /// The same for what a search varied, and its point Uh^-1 Qh = D^-1 P~ D.
+    fn search(self, record: &mut SearchRecord) {
+        for varied in &mut record.varied {
+            let factor = match varied.field.as_str() {
+                "specs.phi_per_s" => 1.0 / self.time,
+                "specs.xi_max" => self.supply(),
+                field if field.starts_with("plant.exact.rate_rad_s") => 1.0 / self.time,
+                _ => 1.0,
+            };
+            for number in [&mut varied.lowest, &mut varied.highest, &mut varied.value] {
+                *number *= factor;
+            }
+        }
+        scale(&mut record.linearisation, |r, c| {
+            self.state(r) / self.state(c)
+        });
     }
 
     fn certificate(self, part: &mut CertificateFile) {
@@ -250,7 +279,7 @@ mod tests {
 
     #[test]
     fn a_model_restated_and_back_is_the_same_to_the_last_bit() {
-        let text = include_str!("../../../models/xu2020-both.json");
+        let text = include_str!("../../models/xu2020-both.json");
         let mut file = Model::from_json(text).expect("a model").file;
         file.imperfections.delay_s = 0.02;
         file.imperfections.wheel_momentum_nms = Some(MomentumBound::Norm(5.0));

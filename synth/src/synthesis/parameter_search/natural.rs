@@ -1,0 +1,94 @@
+//! A second search of a spacecraft's parameters, in units in which every spacecraft looks alike: it begins elsewhere, and
+//! its programs are well scaled whatever the size of the craft.
+
+use super::plan::Plan;
+use crate::certify::reach::angle_of_vector_part_deg;
+use crate::model::{ExactPlant, Model, ModelFile, OutputWeights, PlantFile};
+use crate::natural_units::NaturalUnits;
+use crate::optimality::Optimality;
+use crate::programs::{Outcome, Synthesized};
+use crate::synthesis::restated;
+
+/// A model in natural units, with what it takes to restate its design.
+pub(super) struct NaturalModel {
+    units: NaturalUnits,
+    /// The model in these units.
+    pub model: Model,
+    /// The output weights that the model in SI units states.
+    output_weights: Option<OutputWeights>,
+}
+
+impl NaturalModel {
+    /// For a search for the smallest guaranteed gain of a spacecraft with starts that must be contained; `None` for
+    /// others, for a bound on gamma, which depends on the units, and where the units are those of the model.
+    pub fn of(model: &Model, plan: &Plan) -> Option<Self> {
+        let specs = &model.file.specs;
+        let PlantFile::Exact(exact) = &model.file.plant else {
+            return None;
+        };
+        if !specs.objective.is_guaranteed_gain() || plan.limits.gamma_max.is_some() {
+            return None;
+        }
+        let units = units(exact, farthest_deg(plan)?.to_radians());
+        if units == NaturalUnits::near(1.0, 1.0) {
+            return None;
+        }
+        let mut file = model.file.clone();
+        let output_weights = exact.output_weights;
+        let weights = OutputWeights::of(output_weights, specs.objective).ok()?;
+        set_weights(&mut file, Some(weights));
+        let model = Model::new(units.from_si(&file)).ok()?;
+        Some(NaturalModel {
+            units,
+            model,
+            output_weights,
+        })
+    }
+
+    /// The outcome in SI units where it is a proved design; `None` for any other.
+    pub fn restated(&self, outcome: Outcome) -> Option<Outcome> {
+        let Outcome::Solved(design) = outcome else {
+            return None;
+        };
+        let found = design.file.certificate.guaranteed_gain;
+        let best_seen = design.optimality.map(|gap| gap.best_seen / found);
+        let mut own = self.in_si(*design)?;
+        let gain = own.file.certificate.guaranteed_gain;
+        own.optimality = best_seen.and_then(|ratio| Optimality::of_smallest(gain, ratio * gain));
+        own.is_proved().then(|| Outcome::Solved(Box::new(own)))
+    }
+
+    fn in_si(&self, mut design: Synthesized) -> Option<Synthesized> {
+        // Weights that the model does not state are those of its objective.
+        let weights = self.output_weights;
+        let natural = weights.map(|own| OutputWeights {
+            rate_s: own.rate_s / self.units.time,
+            ..own
+        });
+        set_weights(&mut design.file.model, natural);
+        restated(self.units, design).ok()
+    }
+}
+
+fn set_weights(file: &mut ModelFile, weights: Option<OutputWeights>) {
+    if let PlantFile::Exact(exact) = &mut file.plant {
+        exact.output_weights = weights;
+    }
+}
+
+/// The largest angle of the attitudes that must be contained (deg); `None` where there are none.
+fn farthest_deg(plan: &Plan) -> Option<f64> {
+    let states = plan.contained.iter().flat_map(|set| set.column_iter());
+    let attitudes = states.map(|state| state.rows(3, 3).norm());
+    let farthest = attitudes.filter(|norm| *norm > 0.0).reduce(f64::max)?;
+    Some(angle_of_vector_part_deg(farthest.min(1.0)))
+}
+
+/// The time of half a turn by an angle (rad) at full torque about the weakest axis, and the largest moment.
+fn units(exact: &ExactPlant, angle: f64) -> NaturalUnits {
+    let moments = [0, 1, 2].map(|axis| exact.inertia_kg_m2[axis][axis]);
+    let slowest = moments.iter().zip(&exact.torque_limit_nm);
+    let slowest = slowest.map(|(moment, limit)| moment / limit);
+    let time = (angle * slowest.fold(0.0, f64::max)).sqrt();
+    NaturalUnits::near(0.5 * time, moments.into_iter().fold(0.0, f64::max))
+}
