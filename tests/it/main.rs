@@ -25,6 +25,7 @@ mod fixtures;
 mod fuzz;
 mod hand_over;
 mod imperfections;
+mod imperfections_table;
 mod inertia;
 mod kept_files;
 mod lei2022;

@@ -19,7 +19,7 @@ const FIRST_PART: f64 = 0.05;
 const GROWTH: f64 = 1.6;
 
 /// How often a part may be too large.
-const SETBACKS: usize = 6;
+const SETBACKS: usize = 10;
 
 /// Solves at one part before the next is tried, and an improvement below which that is soon enough, relative.
 const SOLVES_OF_PART: usize = 5;
