@@ -225,7 +225,9 @@ impl NaturalUnits {
     fn first_torque(self, first: &mut FirstTorqueFile) {
         first.growth_per_s /= self.time;
         self.multiplier(&mut first.state);
+        // That of the state's derivative: x' = D / Ts dx~/dt~.
         self.multiplier(&mut first.rate);
+        scale(&mut first.rate, |_, _| self.time);
         for row in &mut first.disturbance {
             let entries = row.iter_mut().enumerate();
             entries.for_each(|(column, entry)| *entry *= self.equation(column) / self.torque());

@@ -15,7 +15,11 @@ fn changed(folder: &Path, pointer: &str, value: Value) -> PathBuf {
 
 #[test]
 fn from_facts_alone_a_design_is_proved_that_meets_every_requirement() {
-    for name in ["facts-cubesat.json", "facts-xu2020.json"] {
+    for name in [
+        "facts-cubesat.json",
+        "facts-xu2020.json",
+        "facts-small-satellite.json",
+    ] {
         let folder = folder();
         let path = folder.path().join("design.json");
         let run = synthesize(&shipped(name), &["--json", "-o", word(&path)]);

@@ -55,6 +55,12 @@ impl Best {
         self.candidate.as_ref().is_some_and(Candidate::meets_all)
     }
 
+    /// The smallest fraction of a requirement that is met; infinite without a design.
+    fn fraction(&self) -> f64 {
+        let own = self.candidate.as_ref();
+        own.map_or(f64::INFINITY, Candidate::fraction)
+    }
+
     fn keep(&mut self, found: Candidate) {
         let own = self.candidate.as_ref();
         if own.is_none_or(|own| found.fraction() > own.fraction()) {
@@ -62,6 +68,11 @@ impl Best {
         }
     }
 }
+
+/// After so many proved designs with two sets no other recipe is tried, where the best of them meets less than this fraction
+/// of the hardest requirement.
+const ENOUGH_TRIED: u32 = 2;
+const OUT_OF_REACH: f64 = 0.6;
 
 /// The first proved design that meets every requirement; without one the proved design that meets the largest fraction.
 /// `text` is the file's. What was found is kept when the observer stops.
@@ -86,7 +97,12 @@ pub(super) fn among(
     observer: Option<Observer>,
 ) -> Result<Best, SynthesisError> {
     let mut best = Best::default();
+    let mut proved = 0;
     for recipe in recipes {
+        // The small sets of two designs differ by less than what is missing.
+        if proved >= ENOUGH_TRIED && best.fraction() < OUT_OF_REACH {
+            break;
+        }
         // One set, or another search of it, does no better than what leads to the bound in the end already.
         let best_so_far = best.candidate.as_ref();
         let leads = best_so_far.is_some_and(|found| found.achieved.is_handed_over);
@@ -94,7 +110,11 @@ pub(super) fn among(
             break;
         }
         match candidate(facts, recipe, text, solvers, observer.clone()) {
-            Ok(found) => found.into_iter().for_each(|found| best.keep(found)),
+            Ok(Some(found)) => {
+                proved += u32::from(found.recipe.has_two_sets());
+                best.keep(found);
+            }
+            Ok(None) => {}
             Err(SynthesisError::Cancelled(_)) if best.candidate.is_some() => {
                 best.stopped = true;
                 break;

@@ -1,5 +1,6 @@
 //! Changes of a physical quantity with which every requirement is proved.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::answer::Answered;
@@ -65,6 +66,14 @@ fn changes(hardest: Option<&str>) -> Vec<(Change, f64)> {
     }
 }
 
+/// Changes of two quantities at once, tried where no change of one suffices.
+fn changes_of_two(hardest: Option<&str>) -> Vec<(Change, f64)> {
+    match hardest {
+        Some("settle_s" | "certified_angle_deg") => Vec::new(),
+        _ => vec![(less_disturbance_and_error, 1.0)],
+    }
+}
+
 /// For each quantity the smallest of a few changes with which every requirement is proved, where there is one. `found` is
 /// what was found without a change: its way is the only one that is tried again.
 ///
@@ -76,32 +85,68 @@ pub fn suggestions(
     solvers: &Solvers,
     observer: Option<Observer>,
 ) -> Result<Vec<Suggestion>, SynthesisError> {
-    let mut out = Vec::new();
     let candidate = found.candidate.as_ref();
     let hardest = candidate.and_then(Candidate::hardest);
-    let ways = candidate.map_or_else(|| Recipe::ways(facts), |found| vec![found.recipe]);
-    for (change, power) in changes(hardest.map(|hardest| hardest.requirement)) {
-        for factor in factors(hardest.map(Answered::fraction), power) {
-            let mut file = facts.file.clone();
+    let search = ChangeSearch {
+        facts,
+        ways: candidate.map_or_else(|| Recipe::ways(facts), |found| vec![found.recipe]),
+        fraction: hardest.map(Answered::fraction),
+        solvers,
+        observer,
+    };
+    let name = hardest.map(|hardest| hardest.requirement);
+    let out = search.among(&changes(name))?;
+    match out.is_empty() {
+        true => search.among(&changes_of_two(name)),
+        false => Ok(out),
+    }
+}
+
+/// The search for a change that suffices.
+struct ChangeSearch<'a> {
+    facts: &'a Facts,
+    /// The recipes that are tried.
+    ways: Vec<Recipe>,
+    /// What is met of the hardest requirement.
+    fraction: Option<f64>,
+    solvers: &'a Solvers,
+    observer: Option<Observer>,
+}
+
+impl ChangeSearch<'_> {
+    /// Those of some changes that suffice, tried on every processor.
+    fn among(&self, changes: &[(Change, f64)]) -> Result<Vec<Suggestion>, SynthesisError> {
+        let changes = changes.par_iter();
+        let tried: Vec<_> = changes.map(|&change| self.smallest(change)).collect();
+        let kept = tried.into_iter().filter_map(|tried| match tried {
+            Err(SynthesisError::Cancelled(_)) | Ok(None) => None,
+            Err(error) => Some(Err(error)),
+            Ok(Some(suggestion)) => Some(Ok(suggestion)),
+        });
+        kept.collect()
+    }
+
+    /// The smallest change of a quantity that suffices.
+    fn smallest(
+        &self,
+        (change, power): (Change, f64),
+    ) -> Result<Option<Suggestion>, SynthesisError> {
+        for factor in factors(self.fraction, power) {
+            let mut file = self.facts.file.clone();
             let Some(suggestion) = change(&mut file, short(factor)) else {
                 break;
             };
             let Ok(changed) = Facts::new(file) else {
                 break;
             };
-            let ways = ways.iter().copied();
-            match among(&changed, ways, "", solvers, observer.clone()) {
-                Err(SynthesisError::Cancelled(_)) => return Ok(out),
-                Err(error) => return Err(error),
-                Ok(found) if found.meets_all() => {
-                    out.push(suggestion);
-                    break;
-                }
-                Ok(_) => {}
+            let ways = self.ways.iter().copied();
+            let found = among(&changed, ways, "", self.solvers, self.observer.clone())?;
+            if found.meets_all() {
+                return Ok(Some(suggestion));
             }
         }
+        Ok(None)
     }
-    Ok(out)
 }
 
 /// What a quantity is changed by, one after the other, where a fraction of the hardest requirement is met.
@@ -142,6 +187,12 @@ fn less_error(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
         ("imperfections.measurement.attitude_deg", vec![*attitude]),
     ];
     Suggestion::of(1.0 / factor, fields)
+}
+
+fn less_disturbance_and_error(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
+    let mut both = less_error(file, factor)?;
+    both.fields.extend(less_disturbance(file, factor)?.fields);
+    Some(both)
 }
 
 fn more_samples(file: &mut FactsFile, factor: f64) -> Option<Suggestion> {
