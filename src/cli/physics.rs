@@ -2,7 +2,8 @@
 
 use nalgebra::Matrix3;
 use serde_json::Value;
-use synth::model::{Model, Plant};
+use synth::model::{Model, Objective, Plant, Specs};
+use synth::requirements::Facts;
 
 use super::answer::note;
 use crate::base::number::short;
@@ -33,6 +34,7 @@ pub fn warn(warnings: &[String]) {
 /// What is to be said of a model with this file.
 pub fn of_model(model: &Model, text: &str) -> Vec<String> {
     let mut out = of_keys(text);
+    out.extend(of_search(&model.file.specs));
     let Some(inertia) = model.plant.inertia() else {
         return out;
     };
@@ -61,6 +63,32 @@ pub fn of_model(model: &Model, text: &str) -> Vec<String> {
         }
     }
     out
+}
+
+/// What is to be said of facts with this file.
+pub fn of_facts(facts: &Facts, text: &str) -> Vec<String> {
+    let mut out = of_keys(text);
+    let craft = facts.craft();
+    let inertia = Matrix3::from_fn(|row, column| craft.inertia_kg_m2[row][column]);
+    out.extend(of_body(&inertia, &craft.torque_limit_nm));
+    out.extend(of_disturbance(
+        "plant.exact.disturbance_bound_nm",
+        craft.disturbance_bound_nm,
+        &craft.torque_limit_nm,
+    ));
+    out
+}
+
+/// A search for the smallest gain that has nothing to contain.
+fn of_search(specs: &Specs) -> Option<String> {
+    let search = specs.search.as_ref()?;
+    let smallest = specs.objective != Objective::Region;
+    let free = specs.must_contain.is_empty() && search.certified_angle_min_deg.is_none();
+    (smallest && free).then(|| {
+        "specs.search: nothing must be contained, and the smallest gain belongs to a set of no use; specs.must_contain or \
+         specs.search.certified_angle_min_deg asks for one"
+            .to_string()
+    })
 }
 
 /// What is to be said of a scenario with this file.
@@ -250,6 +278,35 @@ mod tests {
             tiny[0].contains("1.0000e-8 to 1.0000e-8 kg m^2"),
             "{tiny:?}"
         );
+    }
+
+    #[test]
+    fn a_search_for_the_smallest_gain_of_nothing_is_named() {
+        let text = include_str!("../../models/xu2020-gain.json");
+        let mut model = Model::from_json(text).expect("a model");
+        assert_eq!(of_search(&model.file.specs), None);
+        let search = model.file.specs.search.as_mut().expect("a search");
+        search.certified_angle_min_deg = None;
+        let said = of_search(&model.file.specs).expect("a note");
+        assert!(said.starts_with("specs.search: nothing must be contained"));
+        model.file.specs.must_contain = vec![vec![0.0, 0.0, 0.0, 0.1, 0.0, 0.0]];
+        assert_eq!(of_search(&model.file.specs), None);
+    }
+
+    #[test]
+    fn facts_out_of_proportion_are_named() {
+        let text = include_str!("../../models/facts-cubesat.json");
+        let facts = Facts::from_json(text).expect("facts");
+        assert!(of_facts(&facts, text).is_empty());
+        let text = text.replace("0.12, 0, 0", "120000, 0, 0");
+        let text = text.replace("0, 0.1, 0", "0, 100000, 0");
+        let facts = Facts::from_json(&text).expect_err("no rigid body has such moments");
+        assert!(facts.to_string().contains("inertia"), "{facts}");
+        let text = include_str!("../../models/facts-cubesat.json");
+        let text = text.replace("[0.005, 0.005, 0.005]", "[5, 5, 5]");
+        let facts = Facts::from_json(&text).expect("facts");
+        let said = of_facts(&facts, &text);
+        assert!(said[0].contains("is 100 rad/s^2"), "{said:?}");
     }
 
     #[test]

@@ -39,7 +39,10 @@ pub fn run(args: &CheckArgs) -> Result<Answer, CliError> {
             warnings = physics::of_model(model, &text);
             of_model(&model.file.name, model)
         }
-        Document::Facts(facts) => of_facts(facts),
+        Document::Facts(facts) => {
+            warnings = physics::of_facts(facts, &text);
+            of_facts(facts)
+        }
         Document::Design(file, model) => of_model(&file.name, model),
         Document::Infeasibility(file, model) => of_model(&file.name, model),
         Document::Scenario(scenario) => {

@@ -10,6 +10,7 @@ use super::conclude::keep_design;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
+use crate::cli::physics::{self, warn};
 use crate::cli::progress::{solve, ASSEMBLING};
 use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::facts::{design_written, NOTHING};
@@ -29,6 +30,7 @@ pub fn synthesize(
         let reason = format!("{option} has no meaning for a file with requirements");
         return Err(CliError::unsuitable(path, reason));
     }
+    warn(&physics::of_facts(&facts, text));
     let solvers = solver.solvers([Solver::Structured, Solver::Clarabel], None);
     let found = solve(path, ASSEMBLING, |observer| {
         best(&facts, text, &solvers, observer)
