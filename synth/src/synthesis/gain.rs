@@ -1,4 +1,4 @@
-//! The smallest gain bound of one certificate, in one system of units after the other.
+//! The smallest gain bound of one certificate in given units, with one solver.
 //!
 //! An optimum that a solver reports is a hint: a design at a small back-off from it is made well inside the conditions,
 //! and the check decides. The set of a solver's point suggests the units of the next attempt, in which it reaches about
@@ -6,18 +6,15 @@
 
 use nalgebra::DMatrix;
 
-use super::attempts::{Attempt, Attempts, Smallest, Synthesis};
-use super::weight_search;
+use super::attempts::{Attempts, Smallest, Synthesis};
 use crate::certify::theorem1::Certificate;
 use crate::conditions::units::power_of_two;
 use crate::conditions::xu2020::GAIN_ABOVE;
-use crate::conditions::{GainPlan, Task};
+use crate::conditions::Task;
 use crate::design::{DesignFile, ProblemUnits};
 use crate::model::Objective;
-use crate::optimality::Optimality;
 use crate::programs::{
-    complete, containment_weights, scaled, DesignRequest, Form, Goal, Session, Solved,
-    SynthesisError, Synthesized, STATE_UNITS,
+    complete, scaled, DesignRequest, Form, Goal, Session, Solved, SynthesisError, Synthesized,
 };
 use crate::scaling::Scaling;
 use sdp::solve::Status;
@@ -25,24 +22,8 @@ use sdp::solve::Status;
 /// Back-offs of the exported design's bound above the smallest one, relative: they leave a margin for the proof.
 pub(super) const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
 
-/// Larger back-offs, tried in this order where no design is proved with the first: the solver's smallest bound may be
-/// inaccurate, or leave no margin for a proof.
-const WIDER_BACK_OFFS: [f64; 3] = [3e-2, 1e-1, 1.0];
-
-/// Units in which the larger back-offs are tried, the last ones that gave a bound.
-const WIDENED_UNITS: usize = 2;
-
-/// How far below a bound that is asked for the design is made, relative, so that its claims meet it.
-const CLAIM_ROOM: f64 = 1e-5;
-
 /// How far gamma lies above max(g, xi) where the guaranteed gain is the objective.
 const GAMMA_ALLOWANCE: f64 = 1e-6;
-
-/// How often the containment condition is stated about the last design.
-const LINEARISATIONS: usize = 8;
-
-/// How often the point of a solver may suggest units.
-const RESCALINGS: usize = 4;
 
 /// Up to this many vertices an inaccurate optimum is not accepted at once.
 const FEW_VERTICES: usize = 8;
@@ -50,22 +31,19 @@ const FEW_VERTICES: usize = 8;
 /// The margin in units that a point suggested, relative to the model's.
 const SHARE_OF_MARGIN: f64 = 1e-2;
 
-/// An improvement of the best design by less than this, relative, ends the attempts.
-const IMPROVEMENT: f64 = 1e-2;
-
 /// The results of the attempts in all units.
 pub(super) type UnitAttempts = Attempts<ProblemUnits, DesignFile>;
 
 /// The smallest gain bound of one certificate, with one solver.
 pub(super) struct GainSynthesis<'a, 'b, 'c> {
-    request: DesignRequest<'a>,
+    pub(super) request: DesignRequest<'a>,
     /// The gain that is asked for in the place of the smallest.
-    asked: Option<f64>,
-    session: &'b mut Session<'c>,
+    pub(super) asked: Option<f64>,
+    pub(super) session: &'b mut Session<'c>,
     /// Units that the last point suggests.
-    suggested: Option<Vec<f64>>,
+    pub(super) suggested: Option<Vec<f64>>,
     /// Whether the last point may pass for an optimum; unverified.
-    accurate: bool,
+    pub(super) accurate: bool,
     /// What the containment condition may be stated about after the last solve.
     pub(super) linearisation: Option<DMatrix<f64>>,
     /// The multiplier of w xi <= m in the last solve for the smallest m = max(g, w xi), from 0 to 1.
@@ -167,169 +145,6 @@ impl<'a, 'b, 'c> GainSynthesis<'a, 'b, 'c> {
     fn gain_ratio(&self) -> f64 {
         self.request.task.gain_per_weight.sqrt()
     }
-
-    /// Tries units under every containment weight; then larger back-offs, where nothing is proved.
-    pub fn in_all_settings(&mut self) -> Result<UnitAttempts, SynthesisError> {
-        let objective = self.request.model.file.specs.objective;
-        let mut found = Attempts::default();
-        for &containment_weight in containment_weights(self.request.task) {
-            let first = self.units_of_constant_gain(containment_weight)?;
-            self.try_units(containment_weight, first, &mut found)?;
-            // The condition on the starts will be stated about the design, where no weight has to suit.
-            if objective.is_guaranteed_gain() && found.best.is_some() {
-                break;
-            }
-        }
-        if found.best.is_none() {
-            let widened = found.bounds.iter().rev().take(WIDENED_UNITS);
-            let widened: Vec<_> = widened.cloned().collect();
-            found.back_off(self, &widened, &WIDER_BACK_OFFS)?;
-        }
-        let enough = self
-            .asked
-            .is_some_and(|asked| best_objective(&found) <= asked);
-        if objective.is_guaranteed_gain() && !enough {
-            weight_search::improve(self.request, self.session, &mut found)?;
-        }
-        if let Some(asked) = self.asked {
-            self.meet(asked, &mut found)?;
-        }
-        Ok(found)
-    }
-
-    /// Designs whose containment condition is stated about a point, then about the last design's, as long as the gain
-    /// falls: no weight rho has to suit the set.
-    pub fn about_points(
-        request: DesignRequest,
-        first: DMatrix<f64>,
-        session: &mut Session,
-    ) -> Result<UnitAttempts, SynthesisError> {
-        let mut found = UnitAttempts::default();
-        let mut next = Some(first);
-        for _ in 0..LINEARISATIONS {
-            let Some(linearisation) = next.take() else {
-                break;
-            };
-            let task = request.task.containing_about(linearisation);
-            let asked = request.model.file.specs.gamma;
-            let request = DesignRequest {
-                task: &task,
-                form: session.form,
-                ..request
-            };
-            let mut synthesis = GainSynthesis::new(request, asked, session);
-            let before = best_objective(&found);
-            let mut about = synthesis.in_all_settings()?;
-            next = synthesis.linearisation;
-            found.keep::<GainSynthesis>(about.best.take());
-            found.best_seen = found.best_seen.min(about.best_seen);
-            if before <= (1.0 + IMPROVEMENT) * best_objective(&found) {
-                break;
-            }
-        }
-        Ok(found)
-    }
-
-    /// Puts a design at a gain that is asked for in the place of the best, where it can be had: with more margin than the
-    /// smallest; or where no smallest was found, because it is 0 or never attained.
-    fn meet(&mut self, asked: f64, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
-        let best = found.best.take();
-        match &best {
-            Some(design) if GainSynthesis::objective(&design.file) <= asked => {
-                let units = design.file.provenance.problem.clone();
-                found.back_off(self, &[(units, asked)], &[-CLAIM_ROOM])?;
-            }
-            _ => self.try_bound(asked, found)?,
-        }
-        found.best = found.best.take().or(best);
-        Ok(())
-    }
-
-    /// A design at a given bound, without a solve for the smallest.
-    fn try_bound(&mut self, asked: f64, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
-        for &containment_weight in containment_weights(self.request.task) {
-            for &state_fraction in &STATE_UNITS {
-                let mut units = ProblemUnits::of_fraction(state_fraction, containment_weight);
-                for _ in 0..=RESCALINGS {
-                    let attempt =
-                        found.back_off(self, &[(units.clone(), asked)], &[-CLAIM_ROOM])?;
-                    if attempt == Attempt::Proved {
-                        return Ok(());
-                    }
-                    let Some(state_units) = self.suggested.take() else {
-                        break;
-                    };
-                    if units.state_units == state_units {
-                        break;
-                    }
-                    units.state_units = state_units;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// For scheduled gains: the units in which a constant gain is proved, a smaller problem that
-    /// shows how large the certified set will be.
-    fn units_of_constant_gain(
-        &mut self,
-        weight: f64,
-    ) -> Result<Option<ProblemUnits>, SynthesisError> {
-        if self.request.task.gains.count == 1 || self.request.task.gains.given.is_some() {
-            return Ok(None);
-        }
-        let mut task = self.request.task.clone();
-        task.gains = GainPlan::constant();
-        let mut session = self.session.fresh(self.request.form);
-        let request = DesignRequest {
-            task: &task,
-            ..self.request
-        };
-        let mut constant = GainSynthesis::new(request, None, &mut session);
-        let mut found = Attempts::default();
-        let outcome = constant.try_units(weight, None, &mut found);
-        self.session.runs.append(&mut session.runs);
-        outcome?;
-        Ok(found.best.map(|design| design.file.provenance.problem))
-    }
-
-    /// Tries units one after the other until a design is proved that is about as good as a solver says. The point of
-    /// a solver suggests the next units.
-    fn try_units(
-        &mut self,
-        containment_weight: f64,
-        first: Option<ProblemUnits>,
-        found: &mut UnitAttempts,
-    ) -> Result<(), SynthesisError> {
-        let usual = STATE_UNITS.iter().rev();
-        let usual = usual.map(|&fraction| ProblemUnits::of_fraction(fraction, containment_weight));
-        let mut next: Vec<ProblemUnits> = usual.chain(first).collect();
-        let (mut tried, mut rescalings) = (Vec::new(), 0);
-        while let Some(units) = next.pop() {
-            let (scaling, _) = scaled(self.request.task, &units);
-            if tried.contains(&scaling.state) {
-                continue;
-            }
-            tried.push(scaling.state);
-            let before = best_objective(found);
-            let attempt = found.attempt(self, &units, &BACK_OFFS)?;
-            let settled = before <= (1.0 + IMPROVEMENT) * best_objective(found);
-            match attempt {
-                Attempt::Proved if !is_poor(found) && (self.accurate || settled) => return Ok(()),
-                // Confirmed once in other units, then given up.
-                Attempt::Infeasible if found.infeasible > 1 => return Ok(()),
-                _ => {}
-            }
-            if let Some(state_units) = self.suggested.take().filter(|_| rescalings < RESCALINGS) {
-                rescalings += 1;
-                next.push(ProblemUnits {
-                    state_units,
-                    ..units
-                });
-            }
-        }
-        Ok(())
-    }
 }
 
 /// A certificate with C'C <= peak phi U whose gamma is that of the paper, at least xi. Where no region bounds the set
@@ -376,24 +191,12 @@ fn smallest_scale(task: &Task, certificate: &Certificate) -> f64 {
 /// Relative distance of a command to its limit, so that it can be proved.
 const SCALE_ALLOWANCE: f64 = 1e-3;
 
-/// Whether there is a design that is about as good as a solver says.
-pub(super) fn is_enough(found: &UnitAttempts) -> bool {
-    found.best.is_some() && !is_poor(found)
-}
-
 /// The objective of the best design; infinite without one.
 pub(super) fn best_objective(found: &UnitAttempts) -> f64 {
     let best = found.best.as_ref();
     best.map_or(f64::INFINITY, |design| {
         GainSynthesis::objective(&design.file)
     })
-}
-
-/// Whether the best design is much worse than the smallest bound that a solver reported, which is reason enough to go on
-/// even where its point violates the conditions.
-fn is_poor(found: &UnitAttempts) -> bool {
-    let optimality = Optimality::of_smallest(best_objective(found), found.smallest_bound());
-    optimality.is_some_and(|optimality| optimality.is_poor())
 }
 
 /// The multipliers of the conditions that bound the weights of all signals, relative to what the objective costs.

@@ -9,6 +9,7 @@ mod measured;
 mod parameter_search;
 mod restated;
 mod run;
+mod smallest_gain;
 mod two_certificates;
 mod weight_search;
 

@@ -3,8 +3,9 @@
 use nalgebra::DMatrix;
 
 use super::attempts::{Attempts, Synthesis};
-use super::gain::{is_enough, GainSynthesis, UnitAttempts};
+use super::gain::{GainSynthesis, UnitAttempts};
 use super::gyroscopic_form::{self, with_chosen_form};
+use super::smallest_gain::is_enough;
 use super::{measured, parameter_search, two_certificates};
 use crate::claim::Claim;
 use crate::conditions::GainPlan;
