@@ -126,12 +126,13 @@ impl ChangeSearch<'_> {
         kept.collect()
     }
 
-    /// The smallest change of a quantity that suffices.
+    /// The smallest change of a quantity that suffices; the largest is tried first, and where it does not suffice none does.
     fn smallest(
         &self,
         (change, power): (Change, f64),
     ) -> Result<Option<Suggestion>, SynthesisError> {
-        for factor in factors(self.fraction, power) {
+        let mut suffices = None;
+        for factor in factors(self.fraction, power).into_iter().rev() {
             let mut file = self.facts.file.clone();
             let Some(suggestion) = change(&mut file, short(factor)) else {
                 break;
@@ -141,15 +142,16 @@ impl ChangeSearch<'_> {
             };
             let ways = self.ways.iter().copied();
             let found = among(&changed, ways, "", self.solvers, self.observer.clone())?;
-            if found.meets_all() {
-                return Ok(Some(suggestion));
+            if !found.meets_all() {
+                break;
             }
+            suffices = Some(suggestion);
         }
-        Ok(None)
+        Ok(suffices)
     }
 }
 
-/// What a quantity is changed by, one after the other, where a fraction of the hardest requirement is met.
+/// What a quantity is changed by, the smallest first, where a fraction of the hardest requirement is met.
 fn factors(fraction: Option<f64>, power: f64) -> [f64; 2] {
     match fraction.filter(|fraction| *fraction > FAR) {
         Some(fraction) => FACTORS.map(|factor| factor / fraction.min(1.0).powf(power)),
