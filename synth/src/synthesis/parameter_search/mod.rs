@@ -44,7 +44,8 @@ const CONTAINED: f64 = 1.02;
 /// Searches once, and makes the design with the first solver; with the second one too where that proves nothing: the
 /// better of the two outcomes is returned, with the runs of both. Only the check decides whether the design is proved.
 ///
-/// A spacecraft is searched again in natural units, where that applies, and the better design is kept.
+/// A spacecraft is searched again in natural units, where that applies and the first search went wrong, and the better
+/// design is kept.
 pub fn synthesize(
     model: &Model,
     model_text: &str,
@@ -54,7 +55,7 @@ pub fn synthesize(
     let plan = Plan::of(model);
     let natural = NaturalModel::of(model, &plan);
     let own = in_units_of_model((model, model_text), plan, solvers, observer.clone())?;
-    let Some(natural) = natural else {
+    let Some(natural) = natural.filter(|natural| natural.is_worth_trying(&own)) else {
         return Ok(own);
     };
     let plan = Plan::of(&natural.model);

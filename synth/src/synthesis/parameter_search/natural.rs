@@ -16,7 +16,13 @@ pub(super) struct NaturalModel {
     pub model: Model,
     /// The output weights that the model in SI units states.
     output_weights: Option<OutputWeights>,
+    /// The farthest start (rad) times the disturbance over the weakest torque limit: the vector part of a pointing error is
+    /// a few halves of this.
+    natural_error: f64,
 }
+
+/// A pointing error of so many natural ones is taken for that of a search that went wrong: 2 to 7 are usual.
+const POOR: f64 = 10.0;
 
 impl NaturalModel {
     /// For a search for the smallest guaranteed gain of a spacecraft with starts that must be contained; `None` for
@@ -29,12 +35,19 @@ impl NaturalModel {
         if !specs.objective.is_guaranteed_gain() || plan.limits.gamma_max.is_some() {
             return None;
         }
-        let units = units(exact, farthest_deg(plan)?.to_radians());
+        let farthest = farthest_deg(plan)?.to_radians();
+        let weakest = exact
+            .torque_limit_nm
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let units = units(exact, farthest);
         if units == NaturalUnits::near(1.0, 1.0) {
             return None;
         }
         let mut file = model.file.clone();
         let output_weights = exact.output_weights;
+        let disturbance = exact.disturbance_bound_nm;
         let weights = OutputWeights::of(output_weights, specs.objective).ok()?;
         set_weights(&mut file, Some(weights));
         let model = Model::new(units.from_si(&file)).ok()?;
@@ -42,7 +55,20 @@ impl NaturalModel {
             units,
             model,
             output_weights,
+            natural_error: farthest * disturbance / weakest,
         })
+    }
+
+    /// Whether the search in the model's own units found no proved design, or one with a pointing error out of all
+    /// proportion to the disturbance.
+    pub fn is_worth_trying(&self, own: &Outcome) -> bool {
+        let Outcome::Solved(design) = own else {
+            return true;
+        };
+        let bounds = design.file.certificate.final_bounds.as_ref();
+        let error = bounds.map(|bounds| 2.0 * bounds.vector_part);
+        let poor = error.is_some_and(|error| error > POOR * self.natural_error);
+        poor || !design.is_proved()
     }
 
     /// The outcome in SI units where it is a proved design; `None` for any other.
