@@ -23,6 +23,13 @@ pub struct NaturalUnits {
     pub inertia: f64,
 }
 
+/// Time of a turn by an angle (rad) at full torque about the weakest axis (s), for an inertia [kg m^2] and the torque limit of
+/// each axis [N m].
+pub fn turn_time(inertia: &[[f64; 3]; 3], torque_limit: &[f64; 3], angle: f64) -> f64 {
+    let ratios = (0..3).map(|axis| inertia[axis][axis] / torque_limit[axis]);
+    (angle * ratios.fold(0.0, f64::max)).sqrt()
+}
+
 /// Rows 1 to 3 of a state belong to rates, the others to the attitude.
 fn is_rate(index: usize) -> bool {
     index < 3
@@ -35,6 +42,13 @@ impl NaturalUnits {
             time: power_of_two(time),
             inertia: power_of_two(inertia),
         }
+    }
+
+    /// Those of a spacecraft with this inertia [kg m^2] that takes so long for a turn (s): half of the time, and the largest
+    /// moment.
+    pub fn of_turn(time: f64, inertia: &[[f64; 3]; 3]) -> Self {
+        let moments = (0..3).map(|axis| inertia[axis][axis]);
+        NaturalUnits::near(0.5 * time, moments.fold(0.0, f64::max))
     }
 
     /// E [N m].

@@ -83,7 +83,7 @@ fn cases() -> Vec<(&'static str, Value, bool)> {
 }
 
 /// The proved design of models/xu2020.json with these imperfections.
-fn designed(imperfections: &Value) -> Design {
+pub(crate) fn designed(imperfections: &Value) -> Design {
     let model = serde_json::from_str(common::SPACECRAFT_MODEL).expect("JSON");
     designed_from(model, imperfections)
 }

@@ -10,6 +10,7 @@ use synth::model::Model;
 use synth::synthesis::{synthesize, Outcome, Solvers};
 
 use crate::common;
+use crate::falsification::designed;
 
 const PAGE: &str = include_str!("../../docs/src/imperfections.md");
 
@@ -176,16 +177,7 @@ fn with_friction(design: &Design, coulomb_nm: f64, stiction_nm: f64) -> (f64, f6
 
 #[test]
 fn friction_of_the_wheels_moves_the_attitude_as_the_book_says() {
-    let mut model: Value = serde_json::from_str(common::SPACECRAFT_MODEL).expect("JSON");
-    model["imperfections"] = json!({ "wheel_momentum_nms": 20 });
-    let text = model.to_string();
-    let model = Model::from_json(&text).expect("a valid model");
-    let outcome = synthesize(&model, &text, &Solvers::suited_to(&model), None);
-    let Ok(Outcome::Solved(design)) = outcome else {
-        panic!("no design for 20 N m s");
-    };
-    let design = common::read(&design.file.to_json());
-    assert!(design.proved());
+    let design = designed(&json!({ "wheel_momentum_nms": 20 }));
     // Coulomb friction and stiction, mN m.
     for (coulomb, stiction, quick) in [
         (0, 0, false),

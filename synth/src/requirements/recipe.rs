@@ -3,7 +3,7 @@
 use super::facts::Facts;
 use super::tables::{box_rate, fastest_decay, smallest_scalar_part};
 use crate::model::{ModelFile, Objective, OuterSpecs, SearchFile};
-use crate::natural_units::NaturalUnits;
+use crate::natural_units::{turn_time, NaturalUnits};
 
 /// The angle that is certified where none is required (rad).
 const USUAL_ANGLE: f64 = 0.35;
@@ -98,8 +98,7 @@ pub struct Stated {
 /// Time of a turn by an angle (rad) at full torque about the weakest axis (s); longer where the rate is limited.
 fn turn(facts: &Facts, angle: f64) -> f64 {
     let craft = facts.craft();
-    let ratios = (0..3).map(|i| craft.inertia_kg_m2[i][i] / craft.torque_limit_nm[i]);
-    let time = (angle * ratios.fold(0.0, f64::max)).sqrt();
+    let time = turn_time(&craft.inertia_kg_m2, &craft.torque_limit_nm, angle);
     let limit = facts.file.requirements.rate_rad_s;
     limit.map_or(time, |limit| time.max(box_rate(angle) * angle / limit))
 }
@@ -114,9 +113,7 @@ pub fn wanted_angle(facts: &Facts) -> f64 {
 pub fn stated(facts: &Facts, recipe: Recipe) -> Stated {
     let angle = wanted_angle(facts);
     let time = turn(facts, angle);
-    let craft = facts.craft();
-    let largest = (0..3).map(|i| craft.inertia_kg_m2[i][i]);
-    let units = NaturalUnits::near(0.5 * time, largest.fold(0.0, f64::max));
+    let units = NaturalUnits::of_turn(time, &facts.craft().inertia_kg_m2);
     let si = match recipe {
         Recipe::TwoSets { inner, decay } => two_sets(facts, angle, inner, decay),
         Recipe::OneSet { decay, level } => one_set(facts, angle, decay, level),

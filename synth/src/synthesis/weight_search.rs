@@ -3,9 +3,9 @@
 //! A program minimises max(g, w xi) for one weight w (s, over the squared unit of the gain), and with its optimum m the
 //! guaranteed gain sqrt(g xi) is at most m/sqrt(w). The smallest of these bounds over all w is the smallest sqrt(g xi)
 //! itself: max(g, w xi)/sqrt(w) is never below sqrt(g xi), and equal to it at w = g/xi. So one number is searched, and
-//! every step is a convex program. Its dual solution gives the slope: d ln m/d ln w is the multiplier of w xi <= m, a number from 0
-//! to 1, so that the bound falls with w where that is below 1/2. The condition on the starts is then stated about the design found, where it is exact,
-//! and the weight is searched again.
+//! every step is a convex program. Its dual solution gives the slope: d ln m/d ln w is the multiplier of w xi <= m, a
+//! number from 0 to 1, so that the bound falls with w where that is below 1/2. The condition on the starts is then
+//! stated about the solver's point at the best w, where it is exact, and the weight is searched again.
 //!
 //! Without starts there is nothing to search: every smaller set has a smaller gain, down to a set of no use.
 

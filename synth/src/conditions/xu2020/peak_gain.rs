@@ -40,7 +40,7 @@ fn weights(task: &Task, unknowns: &DesignUnknowns) -> Vec<(&'static str, Affine)
         .collect()
 }
 
-/// What the names of the conditions begin with that keep the bound above the weights.
+/// How the names of the conditions gamma >= w xi begin.
 pub const GAIN_ABOVE: &str = "gain bound above";
 
 /// gamma >= xi (in the units of xi), or a multiple of xi: see [`Task::gain_per_weight`].

@@ -3,10 +3,10 @@
 
 use super::plan::Plan;
 use crate::certify::reach::angle_of_vector_part_deg;
-use crate::model::{ExactPlant, Model, ModelFile, OutputWeights, PlantFile};
-use crate::natural_units::NaturalUnits;
+use crate::model::{Model, ModelFile, OutputWeights, PlantFile};
+use crate::natural_units::{turn_time, NaturalUnits};
 use crate::optimality::Optimality;
-use crate::programs::{Outcome, Synthesized};
+use crate::programs::Outcome;
 use crate::synthesis::restated;
 
 /// A model in natural units, with what it takes to restate its design.
@@ -14,8 +14,8 @@ pub(super) struct NaturalModel {
     units: NaturalUnits,
     /// The model in these units.
     pub model: Model,
-    /// The output weights that the model in SI units states.
-    output_weights: Option<OutputWeights>,
+    /// Whether the model in SI units states output weights; else they are those of its objective.
+    states_weights: bool,
     /// The farthest start (rad) times the disturbance over the weakest torque limit: the vector part of a pointing error is
     /// a few halves of this.
     natural_error: f64,
@@ -41,21 +41,20 @@ impl NaturalModel {
             .iter()
             .copied()
             .fold(f64::INFINITY, f64::min);
-        let units = units(exact, farthest);
+        let inertia = &exact.inertia_kg_m2;
+        let time = turn_time(inertia, &exact.torque_limit_nm, farthest);
+        let units = NaturalUnits::of_turn(time, inertia);
         if units == NaturalUnits::near(1.0, 1.0) {
             return None;
         }
         let mut file = model.file.clone();
-        let output_weights = exact.output_weights;
-        let disturbance = exact.disturbance_bound_nm;
-        let weights = OutputWeights::of(output_weights, specs.objective).ok()?;
+        let weights = OutputWeights::of(exact.output_weights, specs.objective).ok()?;
         set_weights(&mut file, Some(weights));
-        let model = Model::new(units.from_si(&file)).ok()?;
         Some(NaturalModel {
             units,
-            model,
-            output_weights,
-            natural_error: farthest * disturbance / weakest,
+            model: Model::new(units.from_si(&file)).ok()?,
+            states_weights: exact.output_weights.is_some(),
+            natural_error: farthest * exact.disturbance_bound_nm / weakest,
         })
     }
 
@@ -73,26 +72,18 @@ impl NaturalModel {
 
     /// The outcome in SI units where it is a proved design; `None` for any other.
     pub fn restated(&self, outcome: Outcome) -> Option<Outcome> {
-        let Outcome::Solved(design) = outcome else {
+        let Outcome::Solved(mut design) = outcome else {
             return None;
         };
         let found = design.file.certificate.guaranteed_gain;
         let best_seen = design.optimality.map(|gap| gap.best_seen / found);
-        let mut own = self.in_si(*design)?;
+        if !self.states_weights {
+            set_weights(&mut design.file.model, None);
+        }
+        let mut own = restated(self.units, *design).ok()?;
         let gain = own.file.certificate.guaranteed_gain;
         own.optimality = best_seen.and_then(|ratio| Optimality::of_smallest(gain, ratio * gain));
         own.is_proved().then(|| Outcome::Solved(Box::new(own)))
-    }
-
-    fn in_si(&self, mut design: Synthesized) -> Option<Synthesized> {
-        // Weights that the model does not state are those of its objective.
-        let weights = self.output_weights;
-        let natural = weights.map(|own| OutputWeights {
-            rate_s: own.rate_s / self.units.time,
-            ..own
-        });
-        set_weights(&mut design.file.model, natural);
-        restated(self.units, design).ok()
     }
 }
 
@@ -108,13 +99,4 @@ fn farthest_deg(plan: &Plan) -> Option<f64> {
     let attitudes = states.map(|state| state.rows(3, 3).norm());
     let farthest = attitudes.filter(|norm| *norm > 0.0).reduce(f64::max)?;
     Some(angle_of_vector_part_deg(farthest.min(1.0)))
-}
-
-/// The time of half a turn by an angle (rad) at full torque about the weakest axis, and the largest moment.
-fn units(exact: &ExactPlant, angle: f64) -> NaturalUnits {
-    let moments = [0, 1, 2].map(|axis| exact.inertia_kg_m2[axis][axis]);
-    let slowest = moments.iter().zip(&exact.torque_limit_nm);
-    let slowest = slowest.map(|(moment, limit)| moment / limit);
-    let time = (angle * slowest.fold(0.0, f64::max)).sqrt();
-    NaturalUnits::near(0.5 * time, moments.into_iter().fold(0.0, f64::max))
 }
