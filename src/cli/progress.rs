@@ -35,22 +35,36 @@ pub(crate) fn solve<T>(
     found.map_err(|error| CliError::synthesis(model, error))
 }
 
+/// As [`solve`], for work in parts: it may say where it stands, which is shown before the solver's own progress.
+pub(crate) fn solve_in_parts<T>(
+    model: &Path,
+    run: impl FnOnce(Option<Observer>, &(dyn Fn(String) + Sync)) -> Result<T, SynthesisError>,
+) -> Result<T, CliError> {
+    let found = watched_in_parts(ASSEMBLING, |observer, stands| run(Some(observer), stands));
+    found.map_err(|error| CliError::synthesis(model, error))
+}
+
 /// Runs a solver with a spinner on standard error when that is a terminal, nothing otherwise; Ctrl-C stops it.
 pub(crate) fn watched<T>(what: &str, run: impl FnOnce(Observer) -> T) -> T {
+    watched_in_parts(what, |observer, _| run(observer))
+}
+
+fn watched_in_parts<T>(what: &str, run: impl FnOnce(Observer, &(dyn Fn(String) + Sync)) -> T) -> T {
     let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {prefix}{msg}") {
         bar.set_style(style);
     }
     bar.set_message(what.to_string());
     bar.enable_steady_tick(Duration::from_millis(100));
     let (shown, interrupted) = (bar.clone(), interrupted());
-    let result = run(Arc::new(move |progress: &Progress| {
+    let observer = Arc::new(move |progress: &Progress| {
         shown.set_message(format!(
             "iteration {}, objective {:.6e}, gap {:.1e}",
             progress.iteration, progress.objective, progress.relative_gap
         ));
         !interrupted.load(Ordering::Relaxed)
-    }));
+    });
+    let result = run(observer, &|stands| bar.set_prefix(format!("{stands}; ")));
     bar.finish_and_clear();
     result
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use synth::certify::Verdict;
 use synth::claim::Claim;
-use synth::requirements::{Answered, Best, Candidate, Suggestion};
+use synth::requirements::{Answered, Best, Candidate, Facts, Suggestion};
 
 use super::design::SynthesisReport;
 use super::facts::titled;
@@ -28,6 +28,11 @@ pub struct MissedReport<'a> {
     verdict: Verdict,
     /// Stopped by the user before every way was tried.
     stopped: bool,
+    /// Whether no design exists, as the disturbance reaches the smallest torque limit.
+    disturbance_reaches_torque: bool,
+    /// Bound on the disturbance and smallest torque limit (N m).
+    #[serde(skip)]
+    torques_nm: [f64; 2],
     /// Each requirement with what is proved by the best design found; null where none was found.
     requirements: Option<&'a [Answered]>,
     /// The smallest fraction of a requirement that it meets; null where none was found.
@@ -38,11 +43,14 @@ pub struct MissedReport<'a> {
 
 impl<'a> MissedReport<'a> {
     /// From the best design and the changes that help.
-    pub fn new(best: &'a Best, changes: &'a [Suggestion]) -> Self {
+    pub fn new(facts: &Facts, best: &'a Best, changes: &'a [Suggestion]) -> Self {
         let found = best.candidate.as_ref();
+        let craft = facts.craft();
         MissedReport {
             verdict: Verdict::NotProved,
             stopped: best.stopped,
+            disturbance_reaches_torque: facts.is_overwhelmed(),
+            torques_nm: [craft.disturbance_bound_nm, facts.weakest_torque()],
             requirements: found.map(|found| found.answered.as_slice()),
             fraction: found.map(Candidate::fraction),
             changes,
@@ -52,6 +60,14 @@ impl<'a> MissedReport<'a> {
     /// In words.
     pub fn lines(&self, path: &Path) -> Vec<String> {
         let title = match self.fraction {
+            _ if self.disturbance_reaches_torque => {
+                let [disturbance, weakest] = self.torques_nm.map(short);
+                format!(
+                    "{}: NO DESIGN: a disturbance of {disturbance} N m, held along an axis with {weakest} N m of torque, takes the momentum beyond \
+                     every bound",
+                    path.display()
+                )
+            }
             Some(fraction) => format!(
                 "{}: UNDECIDED: no design that meets every requirement was found; the best one meets {:.2} % of the \
                  hardest",

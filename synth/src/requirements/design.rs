@@ -74,6 +74,20 @@ impl Best {
 const ENOUGH_TRIED: u32 = 2;
 const OUT_OF_REACH: f64 = 0.6;
 
+/// How far the search has come, before a recipe is tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// Recipes tried.
+    pub tried: usize,
+    /// Recipes that may be tried, with these.
+    pub recipes: usize,
+    /// The fraction of the hardest requirement that the best design meets; `None` without one.
+    pub fraction: Option<f64>,
+}
+
+/// Is told how far the search has come.
+pub type Told<'a> = &'a (dyn Fn(Standing) + Sync);
+
 /// The first proved design that meets every requirement; without one the proved design that meets the largest fraction.
 /// `text` is the file's. What was found is kept when the observer stops.
 ///
@@ -84,21 +98,26 @@ pub fn best(
     text: &str,
     solvers: &Solvers,
     observer: Option<Observer>,
+    told: Told,
 ) -> Result<Best, SynthesisError> {
-    among(facts, Recipe::ways(facts), text, solvers, observer)
+    among(facts, &Recipe::ways(facts), text, solvers, observer, told)
 }
 
 /// The best of some recipes.
 pub(super) fn among(
     facts: &Facts,
-    recipes: impl IntoIterator<Item = Recipe>,
+    recipes: &[Recipe],
     text: &str,
     solvers: &Solvers,
     observer: Option<Observer>,
+    told: Told,
 ) -> Result<Best, SynthesisError> {
     let mut best = Best::default();
+    if facts.is_overwhelmed() {
+        return Ok(best);
+    }
     let mut proved = 0;
-    for recipe in recipes {
+    for (tried, &recipe) in recipes.iter().enumerate() {
         // The small sets of two designs differ by less than what is missing.
         if proved >= ENOUGH_TRIED && best.fraction() < OUT_OF_REACH {
             break;
@@ -109,6 +128,11 @@ pub(super) fn among(
         if leads && !recipe.has_two_sets() {
             break;
         }
+        told(Standing {
+            tried,
+            recipes: recipes.len(),
+            fraction: best.candidate.as_ref().map(Candidate::fraction),
+        });
         match candidate(facts, recipe, text, solvers, observer.clone()) {
             Ok(Some(found)) => {
                 proved += u32::from(found.recipe.has_two_sets());

@@ -207,9 +207,20 @@ impl Facts {
 
     /// The smallest torque limit over the bound on the disturbance.
     pub fn authority(&self) -> f64 {
-        let craft = self.craft();
-        let weakest = craft.torque_limit_nm.into_iter().fold(f64::MAX, f64::min);
-        weakest / craft.disturbance_bound_nm
+        self.weakest_torque() / self.craft().disturbance_bound_nm
+    }
+
+    /// The smallest torque limit (N m).
+    pub fn weakest_torque(&self) -> f64 {
+        let limits = self.craft().torque_limit_nm;
+        limits.into_iter().fold(f64::MAX, f64::min)
+    }
+
+    /// Whether no design can be proved, whatever its gains: held along the weakest axis, the disturbance takes the momentum
+    /// about it beyond every bound. A proof covers the plant at the centre of the box, J w' = sat(u) + tau and q' = w / 2,
+    /// in which that momentum cannot decrease.
+    pub fn is_overwhelmed(&self) -> bool {
+        self.weakest_torque() <= self.craft().disturbance_bound_nm
     }
 
     /// A model in SI units with a box and a decay rate; the objective is the smallest gain.

@@ -6,15 +6,21 @@ use serde::Serialize;
 use super::answer::Answered;
 use super::design::{among, Best, Candidate};
 use super::facts::{Facts, FactsFile, FactsPlant};
-use super::recipe::Recipe;
+use super::recipe::{wanted_angle, Recipe};
 use crate::programs::{Solvers, SynthesisError};
 use sdp::solve::Observer;
 
 /// Factors of a quantity that are tried, beside the fraction that is missing.
 const FACTORS: [f64; 2] = [1.1, 2.0];
 
-/// The same where no design was found, or one that is far from a requirement.
+/// The same where no design was found, or one that is far from a requirement: multiples of the least torque over the
+/// disturbance with which designs are found, and at least of the file's own.
 const FACTORS_FROM_AFAR: [f64; 2] = [2.0, 8.0];
+
+/// The smallest torque over the disturbance with which designs are found; and how much larger it must be than an angle over
+/// the pointing error that is required.
+const LEAST_AUTHORITY: f64 = 10.0;
+const AUTHORITY_OF_POINTING: f64 = 3.0;
 
 /// A fraction of a requirement below which a design is far from it.
 const FAR: f64 = 0.02;
@@ -132,7 +138,7 @@ impl ChangeSearch<'_> {
         (change, power): (Change, f64),
     ) -> Result<Option<Suggestion>, SynthesisError> {
         let mut suffices = None;
-        for factor in factors(self.fraction, power).into_iter().rev() {
+        for factor in self.factors(power).into_iter().rev() {
             let mut file = self.facts.file.clone();
             let Some(suggestion) = change(&mut file, short(factor)) else {
                 break;
@@ -140,8 +146,8 @@ impl ChangeSearch<'_> {
             let Ok(changed) = Facts::new(file) else {
                 break;
             };
-            let ways = self.ways.iter().copied();
-            let found = among(&changed, ways, "", self.solvers, self.observer.clone())?;
+            let (ways, observer) = (&self.ways, self.observer.clone());
+            let found = among(&changed, ways, "", self.solvers, observer, &|_| {})?;
             if !found.meets_all() {
                 break;
             }
@@ -149,14 +155,24 @@ impl ChangeSearch<'_> {
         }
         Ok(suffices)
     }
+
+    /// What a quantity is changed by, the smallest first: by what is missing of the hardest requirement, where a design comes
+    /// near to it.
+    fn factors(&self, power: f64) -> [f64; 2] {
+        match self.fraction.filter(|fraction| *fraction > FAR) {
+            Some(fraction) => FACTORS.map(|factor| factor / fraction.min(1.0).powf(power)),
+            None => FACTORS_FROM_AFAR.map(|factor| factor * missing_authority(self.facts)),
+        }
+    }
 }
 
-/// What a quantity is changed by, the smallest first, where a fraction of the hardest requirement is met.
-fn factors(fraction: Option<f64>, power: f64) -> [f64; 2] {
-    match fraction.filter(|fraction| *fraction > FAR) {
-        Some(fraction) => FACTORS.map(|factor| factor / fraction.min(1.0).powf(power)),
-        None => FACTORS_FROM_AFAR,
-    }
+/// By how much the torque over the disturbance is too small for designs to be found; at least 1.
+fn missing_authority(facts: &Facts) -> f64 {
+    let pointing = facts.file.requirements.pointing_deg;
+    let needed = pointing.map_or(0.0, |pointing| {
+        AUTHORITY_OF_POINTING * wanted_angle(facts).to_degrees() / pointing
+    });
+    (needed.max(LEAST_AUTHORITY) / facts.authority()).max(1.0)
 }
 
 /// Two significant digits, rounded up.

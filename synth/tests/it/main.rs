@@ -39,6 +39,7 @@ mod lapack_symbols;
 mod lmi_layer;
 mod problems;
 mod reduction;
+mod requirements;
 mod scaling;
 mod scheduled;
 mod sdpa_files;

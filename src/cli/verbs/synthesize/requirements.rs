@@ -1,9 +1,10 @@
 //! What `synthesize` does for a spacecraft with requirements.
 
 use std::path::Path;
+use std::time::Instant;
 
 use synth::model::Model;
-use synth::requirements::{best, suggestions, Candidate, Facts};
+use synth::requirements::{best, suggestions, Candidate, Facts, Standing};
 use synth::solve::Solver;
 
 use super::conclude::keep_design;
@@ -11,7 +12,7 @@ use crate::cli::answer::{Answer, Exit};
 use crate::cli::error::CliError;
 use crate::cli::files;
 use crate::cli::physics::{self, warn};
-use crate::cli::progress::{solve, ASSEMBLING};
+use crate::cli::progress::{solve, solve_in_parts};
 use crate::cli::show::design::SynthesisReport;
 use crate::cli::show::facts::{design_written, NOTHING};
 use crate::cli::show::requirements::{lines, MissedReport, RequirementsReport};
@@ -32,8 +33,10 @@ pub fn synthesize(
     }
     warn(&physics::of_facts(&facts, text));
     let solvers = solver.solvers([Solver::Structured, Solver::Clarabel], None);
-    let found = solve(path, ASSEMBLING, |observer| {
-        best(&facts, text, &solvers, observer)
+    let started = Instant::now();
+    let found = solve_in_parts(path, |observer, stands| {
+        let told = |standing| stands(in_words(standing, started.elapsed().as_secs_f64()));
+        best(&facts, text, &solvers, observer, &told)
     })?;
     let candidate = found.candidate.as_ref();
     if let Some(candidate) = candidate.filter(|found| found.meets_all()) {
@@ -45,10 +48,33 @@ pub fn synthesize(
             suggestions(&facts, &found, &solvers, observer)
         })?,
     };
-    let report = MissedReport::new(&found, &changes);
+    let report = MissedReport::new(&facts, &found, &changes);
     let mut said = report.lines(path);
     said.push(NOTHING.to_string());
     Ok(Answer::new(Exit::No, &report, &said))
+}
+
+/// How far the search has come after so many seconds, and how long it may last.
+fn in_words(standing: Standing, elapsed_s: f64) -> String {
+    let best = standing.fraction.map_or(String::new(), |fraction| {
+        let percent = (100.0 * fraction).floor();
+        format!(", the best so far meets {percent} % of the hardest requirement")
+    });
+    let left = match standing.tried {
+        0 => String::new(),
+        tried => {
+            let each = elapsed_s / tried as f64;
+            format!(
+                ", about {:.0} s left at most",
+                each * (standing.recipes - tried) as f64
+            )
+        }
+    };
+    format!(
+        "way {} of {}{best}{left}",
+        standing.tried + 1,
+        standing.recipes
+    )
 }
 
 /// Writes a design that meets every requirement, and answers.
