@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::attempts::{Attempt, Attempts, Synthesis};
-use super::gain::{best_objective, GainSynthesis, UnitAttempts, BACK_OFFS};
+use super::gain::{best_objective, GainSynthesis, UnitAttempts, BACK_OFFS, FEW_VERTICES};
 use super::weight_search;
 use crate::conditions::GainPlan;
 use crate::design::ProblemUnits;
@@ -18,6 +18,13 @@ const WIDER_BACK_OFFS: [f64; 3] = [3e-2, 1e-1, 1.0];
 
 /// Units in which the larger back-offs are tried, the last ones that gave a bound.
 const WIDENED_UNITS: usize = 2;
+
+/// How far below a bound that a solver was not sure of a design is tried first, relative; at most at once; how often; and in
+/// how many units.
+const FIRST_STEP: f64 = 0.05;
+const LARGEST_STEP: f64 = 0.5;
+const MOST_STEPS: u32 = 24;
+const DESCENTS: u32 = 4;
 
 /// How far below a bound that is asked for the design is made, relative, so that its claims meet it.
 const CLAIM_ROOM: f64 = 1e-5;
@@ -49,6 +56,7 @@ impl GainSynthesis<'_, '_, '_> {
             let widened: Vec<_> = widened.cloned().collect();
             found.back_off(self, &widened, &WIDER_BACK_OFFS)?;
         }
+        self.descend(&mut found)?;
         let enough = self
             .asked
             .is_some_and(|asked| best_objective(&found) <= asked);
@@ -59,6 +67,76 @@ impl GainSynthesis<'_, '_, '_> {
             self.meet(asked, &mut found)?;
         }
         Ok(found)
+    }
+
+    /// Designs at smaller bounds than the solver's smallest, where it stopped before it was sure of that: a design well
+    /// inside the conditions is an easier problem than the smallest bound.
+    fn descend(&mut self, found: &mut UnitAttempts) -> Result<(), SynthesisError> {
+        let Some(best) = found.best.as_ref().filter(|_| !self.accurate) else {
+            return Ok(());
+        };
+        let units = &best.file.provenance.problem;
+        let own = found.bounds.iter().filter(|(other, _)| other == units);
+        let mut bound = own.fold(f64::INFINITY, |least, (_, bound)| least.min(*bound));
+        for _ in 0..DESCENTS {
+            let lower = bound * (1.0 - FIRST_STEP);
+            // The first says whether the smallest bound is one.
+            if bound.is_infinite()
+                || !self.proves_at(lower, found)? && !self.proves_in_any_units(lower, found)?
+            {
+                break;
+            }
+            bound = self.lowest_from(lower, found)?;
+        }
+        Ok(())
+    }
+
+    /// The smallest bound below one at which a better design is proved, in the units of the best.
+    fn lowest_from(&mut self, bound: f64, found: &mut UnitAttempts) -> Result<f64, SynthesisError> {
+        let (mut bound, mut step) = (bound, LARGEST_STEP);
+        for _ in 0..MOST_STEPS {
+            if step < IMPROVEMENT {
+                break;
+            }
+            match self.proves_at(bound * (1.0 - step), found)? {
+                true => bound *= 1.0 - step,
+                false => step *= 0.5,
+            }
+        }
+        Ok(bound)
+    }
+
+    /// The same as [`Self::proves_at`] in one system of units after the other, where an attempt is cheap.
+    fn proves_in_any_units(
+        &mut self,
+        bound: f64,
+        found: &mut UnitAttempts,
+    ) -> Result<bool, SynthesisError> {
+        if self.request.task.system.vertices.len() > FEW_VERTICES {
+            return Ok(false);
+        }
+        let before = best_objective(found);
+        self.try_bound(bound, found)?;
+        let better = best_objective(found) < before;
+        if better {
+            found.best_seen = found.best_seen.min(bound);
+        }
+        Ok(better)
+    }
+
+    /// Whether a better design is proved at a bound, in the units of the best; it is then kept.
+    fn proves_at(&mut self, bound: f64, found: &mut UnitAttempts) -> Result<bool, SynthesisError> {
+        let Some(best) = &found.best else {
+            return Ok(false);
+        };
+        let units = best.file.provenance.problem.clone();
+        let before = best_objective(found);
+        let attempt = found.back_off(self, &[(units, bound)], &[0.0])?;
+        let better = attempt == Attempt::Proved && best_objective(found) < before;
+        if better {
+            found.best_seen = found.best_seen.min(bound);
+        }
+        Ok(better)
     }
 
     /// Designs whose containment condition is stated about a point, then about the last design's, as long as the gain
