@@ -224,6 +224,15 @@ impl AttitudeMeasurement {
         Vector6::new(w1, w2, w3, q1, q2, q3)
     }
 
+    /// [`Self::rigid_body_state`] of a measurement that can be used.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn checked_state(&self) -> Result<Vector6<f64>, HoldReason> {
+        self.check()?;
+        Ok(self.rigid_body_state())
+    }
+
     /// Checks that the measurement is finite and its quaternion an attitude.
     ///
     /// # Errors

@@ -29,7 +29,10 @@ pub fn normalise(weights: &mut [f64], exponents: &[f64]) -> bool {
     let mut sum = 0.0;
     if nearest.is_finite() {
         for (weight, exponent) in weights.iter_mut().zip(exponents) {
-            *weight *= libm::exp(nearest - exponent);
+            // Of a rule that is not used the exponential may overflow.
+            if *weight > 0.0 {
+                *weight *= libm::exp(nearest - exponent);
+            }
             sum += *weight;
         }
     }

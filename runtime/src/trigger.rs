@@ -237,7 +237,10 @@ impl<const N: usize> AperiodicTrigger<N> {
     }
 
     fn quadratic_form(&self, vector: &SVector<f64, N>) -> Option<f64> {
-        let value = (self.weight * vector).dot(vector);
+        let product = self.weight * vector;
+        // In the order of the states: a state padded with zeros has the same bits.
+        let terms = product.iter().zip(vector.iter());
+        let value = terms.fold(0.0, |sum, (left, right)| sum + left * right);
         value.is_finite().then_some(value)
     }
 }

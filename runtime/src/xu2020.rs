@@ -125,6 +125,16 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
     /// Takes the sample of the state (N components) at `time_s` seconds. The first usable sample is
     /// always sent; later ones when the trigger fires. In between the torque is constant.
     pub fn step(&mut self, time_s: f64, state: &SVector<f64, N>) -> Command<M> {
+        self.step_measured(time_s, Ok(*state))
+    }
+
+    /// As [`Self::step`], with the state of a measurement, or why the measurement has none: it is then not used, as
+    /// [`AttitudeMeasurement::checked_state`](crate::attitude::AttitudeMeasurement::checked_state) says of an attitude.
+    pub fn step_measured(
+        &mut self,
+        time_s: f64,
+        state: Result<SVector<f64, N>, HoldReason>,
+    ) -> Command<M> {
         let outcome = self.advance(time_s, state);
         Command::of_step(self.torque, 8 * Self::MESSAGE_BYTES, outcome)
     }
@@ -132,9 +142,10 @@ impl<S: Membership<N, R>, const N: usize, const M: usize, const R: usize> Contro
     fn advance(
         &mut self,
         time_s: f64,
-        state: &SVector<f64, N>,
+        state: Result<SVector<f64, N>, HoldReason>,
     ) -> Result<(bool, Status), HoldReason> {
         let interval_s = self.clock.interval(time_s)?;
+        let state = &state?;
         HoldReason::check_finite(0, state.iter())?;
         let sent = self.trigger.fires(state).ok_or(HoldReason::Overflow)?;
         if sent {

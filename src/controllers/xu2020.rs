@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use nalgebra::{Matrix3x6, Matrix6, Vector3, Vector6};
 use runtime::attitude::AttitudeMeasurement;
-use runtime::command::Command;
+use runtime::command::{Command, HoldReason};
 use runtime::error::ParameterError;
 use runtime::membership::{GaussianRules, Membership};
 use runtime::trigger::{Adaptation, ThresholdUpdate};
@@ -257,12 +257,22 @@ fn adaptation(mu: &[NonNegative; 3]) -> Adaptation {
 pub trait StateOf<const N: usize> {
     /// The state.
     fn state(&self) -> SVector<f64, N>;
+
+    /// The state of a measurement that can be used, or why it cannot.
+    fn checked_state(&self) -> Result<SVector<f64, N>, HoldReason> {
+        Ok(self.state())
+    }
 }
 
 impl StateOf<6> for AttitudeMeasurement {
     #[inline]
     fn state(&self) -> Vector6<f64> {
         self.rigid_body_state()
+    }
+
+    #[inline]
+    fn checked_state(&self) -> Result<Vector6<f64>, HoldReason> {
+        self.checked_state()
     }
 }
 
@@ -303,12 +313,12 @@ where
 {
     #[inline]
     fn step(&mut self, time_s: f64, measurement: &T) -> Command<M> {
-        let state = measurement.state();
-        let mut command = self.controller.step(time_s, &state);
+        let state = measurement.checked_state();
+        let mut command = self.controller.step_measured(time_s, state);
         if command.sent {
             command.bits = self.message_bits;
             if R > 1 {
-                self.sent_weights = Some(self.weights(&state));
+                self.sent_weights = Some(self.weights(&measurement.state()));
             }
         }
         command

@@ -60,6 +60,11 @@ impl<const M: usize> Allocation<M> {
         self.matrix * command
     }
 
+    /// From a torque about the body axes to the actuators, before saturation (M x 3).
+    pub fn inverse(&self) -> &SMatrix<f64, M, 3> {
+        &self.inverse
+    }
+
     /// The limits, N m.
     pub fn limit(&self) -> &SVector<f64, M> {
         self.saturation.limit()
