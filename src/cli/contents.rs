@@ -10,7 +10,8 @@ use synth::model::{Kind, MAX_FILE_BYTES};
 use super::document::{recognise, Recognised};
 use crate::base::table::Table;
 use crate::base::trajectory::check_trajectory;
-use crate::export::csv;
+use crate::export::flight::source::MARK;
+use crate::export::{basilisk, csv};
 use crate::report::html::PageKind;
 
 /// What a file holds, as far as the rule for replacing it needs to know.
@@ -34,6 +35,12 @@ pub enum Contents {
     Mat,
     /// A C header of this program.
     Header,
+    /// A file of a controller's source text by this program.
+    FlightCode,
+    /// A module for Basilisk of this program.
+    Basilisk,
+    /// A functional mock-up unit of this program.
+    Unit,
     /// SDPA sparse text of this program.
     Sdpa,
     /// A part of a whole, called so, which alone is not recognised: no file is of this kind.
@@ -66,7 +73,7 @@ pub const COMPARISON_TABLE: Contents =
 pub const DESIGN_TABLE: Contents = Contents::Csv("design's table", &csv::COLUMNS);
 
 /// All that is recognised beside documents.
-const RECOGNISED: [Contents; 15] = [
+const RECOGNISED: [Contents; 18] = [
     COMPARISON,
     SWEEP,
     CAMPAIGN,
@@ -80,6 +87,9 @@ const RECOGNISED: [Contents; 15] = [
     DESIGN_TABLE,
     Contents::Parquet,
     Contents::Mat,
+    Contents::FlightCode,
+    Contents::Basilisk,
+    Contents::Unit,
     Contents::Header,
     Contents::Sdpa,
 ];
@@ -103,6 +113,9 @@ impl Contents {
             Contents::Parquet => "a Parquet table of this program".to_string(),
             Contents::Mat => "a MAT-file of this program".to_string(),
             Contents::Header => "a C header of this program".to_string(),
+            Contents::FlightCode => "flight code of this program".to_string(),
+            Contents::Basilisk => "a module for Basilisk of this program".to_string(),
+            Contents::Unit => "a functional mock-up unit of this program".to_string(),
             Contents::Sdpa => "an SDPA file of this program".to_string(),
             Contents::Part(name) => format!("a {name}"),
         }
@@ -146,7 +159,10 @@ impl Contents {
             }
             Contents::Parquet => head.starts_with(b"PAR1") && has(&tail, "steadfast"),
             Contents::Mat => head.starts_with(b"MATLAB 5.0") && has(line, "steadfast"),
-            Contents::Header => has(&head, "#ifndef STEADFAST_"),
+            Contents::Header => has(&head, "#ifndef STEADFAST_") && !has(&head, MARK),
+            Contents::FlightCode => has(&head, MARK) && !head.starts_with(b"PK"),
+            Contents::Basilisk => has(&head, basilisk::MARK),
+            Contents::Unit => head.starts_with(b"PK") && has(&head, MARK),
             Contents::Sdpa => has(line, "by steadfast "),
             Contents::Part(_) => false,
         }

@@ -2,7 +2,7 @@
 
 mod claims;
 pub mod design;
-mod designed;
+pub(crate) mod designed;
 pub mod files;
 mod flight;
 mod imperfections;

@@ -24,7 +24,7 @@ const NOT_RUN: [&str; 8] = [
 
 /// Programs that a command may start with.
 #[cfg(unix)]
-const RUN: [&str; 4] = ["steadfast ", "sed ", "head ", "cp "];
+const RUN: [&str; 6] = ["steadfast ", "sed ", "head ", "cp ", "cc ", "flight/"];
 
 fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -1,5 +1,9 @@
 //! `steadfast export` to CSV, Parquet, MAT and C: other programs read back the same doubles.
 
+mod basilisk;
+mod c_abi;
+mod flight;
+mod fmu;
 mod refused;
 
 mod book;

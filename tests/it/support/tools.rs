@@ -46,3 +46,12 @@ pub fn compiled(compiler: &str, options: &[&str], source: &Path) -> Option<Strin
     assert!(run.status.success());
     Some(String::from_utf8(run.stdout).expect("text"))
 }
+
+/// Whether a program is installed; says so loudly where it is not.
+pub fn installed(program: &str) -> bool {
+    let found = Command::new(program).arg("--version").output().is_ok();
+    if !found {
+        eprintln!("SKIPPED: {program} is not installed; nothing was tried with it");
+    }
+    found
+}

@@ -30,6 +30,12 @@ pub enum FormatArg {
     Mat,
     /// C header of static const tables, of a design
     C,
+    /// Folder with a controller that runs, in C99 with its test, of a design or of a scenario
+    C99,
+    /// Python file with a module for the Basilisk simulator, of a design or of a scenario
+    Basilisk,
+    /// Functional mock-up unit: FMI 2.0 for co-simulation, as sources, of a design or of a scenario
+    Fmu,
 }
 
 impl FormatArg {
@@ -50,6 +56,9 @@ impl FormatArg {
             FormatArg::Parquet => Contents::Parquet,
             FormatArg::Mat => Contents::Mat,
             FormatArg::C => Contents::Header,
+            FormatArg::C99 => Contents::FlightCode,
+            FormatArg::Basilisk => Contents::Basilisk,
+            FormatArg::Fmu => Contents::Unit,
         }
     }
 }
@@ -94,7 +103,11 @@ pub fn design(path: &Path, format: FormatArg) -> Result<Exported, CliError> {
         FormatArg::Csv => usable(path, csv::design(&data))?.into_bytes(),
         FormatArg::Mat => usable(path, mat::design(&data))?,
         FormatArg::C => c_header::design(&data).into_bytes(),
-        FormatArg::Parquet | FormatArg::Sdpa => {
+        FormatArg::Parquet
+        | FormatArg::Sdpa
+        | FormatArg::C99
+        | FormatArg::Basilisk
+        | FormatArg::Fmu => {
             let reason =
                 "this is a design, a few matrices; parquet is for trajectories, use csv, mat or c";
             return Err(CliError::unsuitable(path, reason));
@@ -113,8 +126,13 @@ pub fn trajectory(path: &Path, format: FormatArg) -> Result<Exported, CliError> 
     if !path.exists() && folder.is_dir() {
         return Err(CliError::unsuitable(folder, no_trajectory(folder)));
     }
-    if format == FormatArg::C {
-        let reason = "this is a trajectory; c is for design files, use csv, parquet or mat";
+    if matches!(
+        format,
+        FormatArg::C | FormatArg::C99 | FormatArg::Basilisk | FormatArg::Fmu
+    ) {
+        let name = format.name();
+        let reason =
+            format!("this is a trajectory; {name} is for design files, use csv, parquet or mat");
         return Err(CliError::unsuitable(path, reason));
     }
     let (text, table) = read_trajectory(path)?;
@@ -125,7 +143,7 @@ pub fn trajectory(path: &Path, format: FormatArg) -> Result<Exported, CliError> 
     let bytes = match format {
         FormatArg::Parquet => usable(path, data.to_parquet())?,
         FormatArg::Mat => usable(path, data.to_mat())?,
-        FormatArg::Csv | FormatArg::C | FormatArg::Sdpa => data.table.to_csv().into_bytes(),
+        _ => data.table.to_csv().into_bytes(),
     };
     Ok(Exported {
         bytes,
@@ -134,7 +152,7 @@ pub fn trajectory(path: &Path, format: FormatArg) -> Result<Exported, CliError> 
 }
 
 /// What was made of a file, or why it is not suitable.
-fn usable<T, E: std::fmt::Display>(path: &Path, made: Result<T, E>) -> Result<T, CliError> {
+pub fn usable<T, E: std::fmt::Display>(path: &Path, made: Result<T, E>) -> Result<T, CliError> {
     made.map_err(|fault| CliError::unsuitable(path, fault))
 }
 

@@ -1,6 +1,7 @@
 //! `steadfast export FILE --format FORMAT`
 
 mod data;
+mod flight;
 mod sdpa;
 
 use std::path::{Path, PathBuf};
@@ -21,7 +22,8 @@ use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 #[derive(clap::Args)]
 pub struct ExportArgs {
     /// Design file, trajectory.csv, or folder written by `simulate -o`; for sdpa a model, problem or
-    /// design file
+    /// design file, for c99, basilisk and fmu a design or
+    /// scenario file
     file: PathBuf,
     /// Format to write
     #[arg(long)]
@@ -29,9 +31,12 @@ pub struct ExportArgs {
     /// Form of the decrease condition, for sdpa; a design's own by default, chordal for a model
     #[arg(long)]
     form: Option<FormArg>,
-    /// File to write; standard output when left out, for text
+    /// File to write, for c99 the folder; standard output when left out, for text
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Samples of the reference vectors, for c99; 400 when left out
+    #[arg(long, value_parser = clap::value_parser!(u32).range(50..=100_000))]
+    samples: Option<u32>,
     /// Replace an output file even where it holds something of another kind
     #[arg(long)]
     force: bool,
@@ -51,17 +56,37 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
         inputs: &inputs,
         force: args.force,
     };
+    if args.format == FormatArg::C99 && source.is_none() {
+        form_is_for_sdpa(args)?;
+        return flight::export(&args.file, args.output.as_deref(), args.samples, &targets);
+    }
     let contents = args.format.contents(source.is_some());
     targets.check_file(args.output.as_deref(), contents)?;
-    let name = args.format.name();
-    let wrong = |argument, reason| Err(CliError::Argument { argument, reason });
-    if args.form.is_some() && args.format != FormatArg::Sdpa {
-        let reason = format!("has a meaning for --format sdpa only, not for {name}");
-        return wrong("--form", reason);
+    form_is_for_sdpa(args)?;
+    if args.samples.is_some() {
+        let reason = format!(
+            "has a meaning for --format c99 only, not for {}",
+            args.format.name()
+        );
+        return Err(CliError::Argument {
+            argument: "--samples",
+            reason,
+        });
     }
-    if args.output.is_none() && matches!(args.format, FormatArg::Parquet | FormatArg::Mat) {
-        let reason = format!("is needed with --format {name}, which is not text");
-        return wrong("--output", reason);
+    if args.output.is_none()
+        && matches!(
+            args.format,
+            FormatArg::Parquet | FormatArg::Mat | FormatArg::Fmu
+        )
+    {
+        let reason = format!(
+            "is needed with --format {}, which is not text",
+            args.format.name()
+        );
+        return Err(CliError::Argument {
+            argument: "--output",
+            reason,
+        });
     }
     let exported = match (&source, args.format) {
         (Some(_), FormatArg::Sdpa) => {
@@ -73,6 +98,8 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
             bytes: sdpa::export(&args.file, args.form.map(Form::from))?.into_bytes(),
             not_proved: None,
         },
+        (None, FormatArg::Basilisk) => flight::basilisk(&args.file)?,
+        (None, FormatArg::Fmu) => flight::unit(&args.file)?,
         (None, format) => data::design(&args.file, format)?,
     };
     let exit = Exit::of(exported.not_proved.is_none());
@@ -89,6 +116,18 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     Ok(match exported.not_proved {
         None => answer,
         Some(reason) => answer.remark(format!("{}: {reason}", args.file.display())),
+    })
+}
+
+/// Refuses --form where it has no meaning.
+fn form_is_for_sdpa(args: &ExportArgs) -> Result<(), CliError> {
+    if args.form.is_none() || args.format == FormatArg::Sdpa {
+        return Ok(());
+    }
+    let name = args.format.name();
+    Err(CliError::Argument {
+        argument: "--form",
+        reason: format!("has a meaning for --format sdpa only, not for {name}"),
     })
 }
 

@@ -1,0 +1,165 @@
+//! The files that an exported controller consists of.
+
+use std::fmt::Write;
+
+use super::source::{Measurement, Source};
+use super::vectors::{Sample, Vectors};
+use super::{frameworks as templates, matlab};
+use crate::export::c_text::comment;
+
+const TEST: &str = include_str!("templates/test.c");
+const EXAMPLE: &str = include_str!("templates/example_main.c");
+const CMAKE: &str = include_str!("templates/CMakeLists.txt");
+const CONFIG: &str = include_str!("templates/config.cmake.in");
+const PKG_CONFIG: &str = include_str!("templates/package.pc.in");
+const README: &str = include_str!("templates/README.txt");
+
+/// Largest difference of a command to the reference over its limit, where functions of the C library take part whose last
+/// bits are not prescribed.
+const LIBRARY_TOLERANCE: f64 = 1e-9;
+
+/// A file of a package.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PackageFile {
+    /// Its name.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// Files that make a controller with its test.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Package {
+    /// The files.
+    pub files: Vec<PackageFile>,
+    /// Whether everything is proved of the controller.
+    pub proved: bool,
+}
+
+impl Package {
+    /// A controller with its reference vectors.
+    pub fn new(source: &Source, vectors: &Vectors) -> Self {
+        let name = &source.name;
+        let marked = |text: &str| comment(&[source.about_file()]) + &source.filled(text);
+        let hashed = |text: &str| format!("# {}\n{}", source.about_file(), source.filled(text));
+        let files = [
+            (format!("{name}.h"), source.header()),
+            (format!("{name}.c"), source.source()),
+            (format!("{name}_vectors.h"), vectors_header(source, vectors)),
+            (format!("{name}_test.c"), marked(TEST)),
+            ("example_main.c".to_string(), marked(EXAMPLE)),
+            ("CMakeLists.txt".to_string(), hashed(CMAKE)),
+            (format!("{name}-config.cmake.in"), hashed(CONFIG)),
+            (format!("{name}.pc.in"), hashed(PKG_CONFIG)),
+            ("README.txt".to_string(), readme(source)),
+        ];
+        let files = files.into_iter().chain(matlab::files(source));
+        let files = files.chain(templates::files(source));
+        Package {
+            files: files
+                .map(|(name, text)| PackageFile { name, text })
+                .collect(),
+            proved: source.proved,
+        }
+    }
+}
+
+/// What the README says of the templates for frameworks.
+fn frameworks(source: &Source) -> &'static str {
+    match source.measurement {
+        Measurement::Attitude => {
+            "  *.fpp, *Controller.hpp/.cpp, @name@_cfs_app.c
+                           templates for F Prime and for the core Flight System
+"
+        }
+        Measurement::State => "",
+    }
+}
+
+fn readme(source: &Source) -> String {
+    let library = match source.library.as_slice() {
+        [] => "The controller calls no function of the C library but sqrt and fabs, whose results are prescribed to the last \
+               bit. The test compares every bit."
+            .to_string(),
+        names => format!(
+            "The controller calls {} of the C library, whose last bits are not prescribed. The test allows commands that \
+             differ by {LIBRARY_TOLERANCE:e} of their limit.",
+            names.join(", ")
+        ),
+    };
+    let about: Vec<&str> = source.about.iter().map(String::as_str).collect();
+    let text = README
+        .replace("@about@", &about.join("\n"))
+        .replace("@library@", &library)
+        .replace("@framework_files@", frameworks(source));
+    source.filled(&text)
+}
+
+/// The vectors as bits, so that no conversion of decimals takes part.
+fn vectors_header(source: &Source, Vectors(samples): &Vectors) -> String {
+    let given = samples.first().map_or(0, |sample| sample.given.len());
+    let tolerance = match source.library.is_empty() {
+        true => 0.0,
+        false => LIBRARY_TOLERANCE,
+    };
+    let mut out = comment(&[
+        source.about_file(),
+        "Samples and the answers of the reference, as the bits of doubles: time (s), measurement; command.".to_string(),
+    ]);
+    // Writing to a string cannot fail.
+    let _ = write!(
+        out,
+        "#ifndef STEADFAST_@NAME@_VECTORS_H\n#define STEADFAST_@NAME@_VECTORS_H\n\n#include \"@name@.h\"\n\n#include <stdint.h>\n\n\
+         #define @NAME@_SAMPLES {}\n#define @NAME@_GIVEN {given}\n#define @NAME@_TOLERANCE {tolerance:e}\n",
+        samples.len()
+    );
+    let numbers = |row: fn(&Sample) -> &[f64]| {
+        let rows = samples.iter().map(move |sample| bits(row(sample)));
+        rows.collect::<Vec<_>>().join(",\n    ")
+    };
+    let tables = [
+        ("given", "@NAME@_GIVEN", numbers(|sample| &sample.given)),
+        (
+            "commands",
+            "@NAME@_INPUTS",
+            numbers(|sample| &sample.command),
+        ),
+        (
+            "received",
+            "@NAME@_INPUTS",
+            numbers(|sample| &sample.received),
+        ),
+    ];
+    for (name, width, rows) in tables {
+        let _ = write!(
+            out,
+            "\nstatic const uint64_t @name@_{name}[@NAME@_SAMPLES][{width}] = {{\n    {rows}\n}};\n"
+        );
+    }
+    let flags: Vec<String> = samples
+        .iter()
+        .map(|one| {
+            let bit = |flag: bool| u8::from(flag);
+            format!(
+                "{{{}U, {}U, {}U}}",
+                bit(one.sent),
+                one.status,
+                bit(one.arrives)
+            )
+        })
+        .collect();
+    let _ = write!(
+        out,
+        "\n/* Whether it is sent; the status; whether a transmission at this sample arrives. */\n\
+         static const uint8_t @name@_flags[@NAME@_SAMPLES][3] = {{\n    {}\n}};\n\n#endif\n",
+        flags.join(",\n    ")
+    );
+    source.filled(&out)
+}
+
+fn bits(row: &[f64]) -> String {
+    let words = row
+        .iter()
+        .map(|value| format!("UINT64_C(0x{:016x})", value.to_bits()));
+    format!("{{{}}}", words.collect::<Vec<_>>().join(", "))
+}

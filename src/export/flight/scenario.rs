@@ -1,0 +1,80 @@
+//! The C text of a scenario's controller.
+
+use super::error::NoSource;
+use super::source::{Measurement, Source, MARK, TORQUE};
+use super::{lei2022, wu2018, yang2025};
+use crate::base::provenance::{sha256_of, GENERATOR};
+use crate::controllers::registry::ControllerChoice;
+use crate::export::c_text::prefix;
+use crate::plants::System;
+use crate::scenario::Scenario;
+use crate::sim::reference::Reference;
+
+/// The interval of the example and of the vectors where the scenario is sampled without a longest one (s).
+const USUAL_INTERVAL_S: f64 = 0.1;
+
+/// The C text of a scenario's controller. `text` is the file's.
+///
+/// # Errors
+/// A controller without C text; a reference that moves.
+pub fn source(scenario: &Scenario, text: &str) -> Result<Source, NoSource> {
+    let law = scenario.controller.law().ok_or(NoSource::OfDesign)?;
+    let own = match &scenario.controller {
+        ControllerChoice::Wu(parameters) => wu2018::text(parameters),
+        ControllerChoice::Lei(parameters) => lei2022::text(parameters),
+        ControllerChoice::Yang(choice) => yang2025::text(choice)?,
+        _ => return Err(NoSource::Law { law: law.name() }),
+    };
+    let System::RigidBody(system) = &scenario.system else {
+        return Err(NoSource::OfDesign);
+    };
+    if !matches!(system.reference, Reference::Fixed(_)) {
+        return Err(NoSource::MovingReference);
+    }
+    let mut about = vec![
+        format!(
+            "Controller of the scenario '{}', flight code in C99.",
+            scenario.name
+        ),
+        format!("{}.", law.name()),
+        "NOT PROVED: nothing is guaranteed for this controller.".to_string(),
+    ];
+    if scenario.link.is_some() {
+        about.push("The encoder of the scenario's link is not part of it: the command changes at every sample.".to_string());
+    }
+    about.extend([
+        String::new(),
+        format!("format: {MARK}"),
+        format!("exported_by: {GENERATOR}"),
+        format!("scenario_sha256: {}", sha256_of(text)),
+        format!("source: {}", scenario.source),
+    ]);
+    Ok(Source {
+        title: scenario.name.clone(),
+        name: prefix(&scenario.name),
+        proved: false,
+        about,
+        sizes: [6, 3],
+        repeats: 0,
+        interval_s: interval_s(scenario),
+        measurement: Measurement::Attitude,
+        command: TORQUE,
+        fields: own.fields,
+        further: own.further,
+        constants: own.constants,
+        counts: own.counts,
+        macros: Vec::new(),
+        parts: own.parts,
+        library: own.library,
+        words: own.words,
+        in_matlab: own.in_matlab,
+    })
+}
+
+/// The longest interval between samples (s).
+fn interval_s(scenario: &Scenario) -> f64 {
+    scenario
+        .instants
+        .longest_interval_s()
+        .unwrap_or(USUAL_INTERVAL_S)
+}

@@ -1,0 +1,9 @@
+/* The state as it is measured. */
+static @name@_status read_state(const double measured[STATES], double state[STATES])
+{
+    int index;
+    for (index = 0; index < STATES; ++index) {
+        state[index] = measured[index];
+    }
+    return (all_finite(measured, STATES) != 0) ? @NAME@_NOMINAL : @NAME@_HELD_MEASUREMENT_NOT_FINITE;
+}

@@ -1,0 +1,36 @@
+//! What is said of a design at the top of what is exported.
+
+use super::design::DesignData;
+
+/// Verdict, law, assumptions and provenance of a design that is exported as something, in lines.
+pub fn opening(data: &DesignData, what: &str) -> Vec<String> {
+    let mut out = vec![format!("Controller '{}', {what}.", data.name)];
+    match data.proved {
+        true => out.push(
+            "PROVED: every condition was proved from these very numbers when this was written."
+                .to_string(),
+        ),
+        false => {
+            out.push(format!(
+                "NOT PROVED: nothing is guaranteed for this controller. Conditions that are not \
+                 proved ({}): {}.",
+                data.failed.len(),
+                data.failed.join("; ")
+            ));
+        }
+    }
+    out.push(String::new());
+    out.extend(data.law.iter().cloned());
+    out.push(
+        "Matrices are stored row by row; of several, the first index is the rule's.".to_string(),
+    );
+    out.push(String::new());
+    if data.proved {
+        out.push("The proof assumes:".to_string());
+        out.extend(data.assumptions.iter().map(|text| format!("- {text}")));
+        out.push(String::new());
+    }
+    let provenance = data.provenance.iter();
+    out.extend(provenance.map(|(key, text)| format!("{key}: {text}")));
+    out
+}
