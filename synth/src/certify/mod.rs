@@ -6,6 +6,7 @@
 mod assumptions;
 mod certificate;
 mod certified_set;
+pub mod controller_rounding;
 mod exactly;
 pub mod held_command;
 pub mod infeasible;

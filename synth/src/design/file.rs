@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::certificate::{CertificateFile, ControllerFile};
 use super::hand_over::SetHandOverFile;
+use crate::certify::controller_rounding::{as_disturbance, holds_with_rounding, UNIT_ROUNDOFF};
 use crate::certify::exact::Exact;
 use crate::certify::interval::Interval;
 use crate::certify::matrix::Matrix;
@@ -317,6 +318,27 @@ pub fn prove(
         }
     }
     report
+        .not_covered
+        .push(arithmetic_assumed(model, certificate, outer));
+    report
+}
+
+/// How the controller may compute: in doubles where every level holds with what rounding adds.
+fn arithmetic_assumed(
+    model: &Model,
+    certificate: &Certificate,
+    outer: Option<&LargeSetCertificate>,
+) -> String {
+    let large = outer.map(|own| (&own.model, &own.certificate, own.hand_over.as_ref()));
+    let counted = as_disturbance(model, certificate, UNIT_ROUNDOFF);
+    match counted.filter(|_| holds_with_rounding((model, certificate), large, UNIT_ROUNDOFF)) {
+        Some(torque) => format!(
+            "commands and decisions computed in IEEE doubles, sums in any order, fused or not; in the gain this counts as a \
+             disturbance within {:e} N m",
+            10f64.powf(torque.log10().ceil())
+        ),
+        None => "commands and decisions computed without rounding".to_string(),
+    }
 }
 
 /// The conditions of a hand-over that is claimed.

@@ -26,7 +26,7 @@ pub(super) const BACK_OFFS: [f64; 2] = [1e-3, 1e-2];
 const GAMMA_ALLOWANCE: f64 = 1e-6;
 
 /// Up to this many vertices an inaccurate optimum is not accepted at once.
-pub(super) const FEW_VERTICES: usize = 8;
+const FEW_VERTICES: usize = 8;
 
 /// The margin in units that a point suggested, relative to the model's.
 const SHARE_OF_MARGIN: f64 = 1e-2;

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::attempts::{Attempt, Attempts, Synthesis};
-use super::gain::{best_objective, GainSynthesis, UnitAttempts, BACK_OFFS, FEW_VERTICES};
+use super::gain::{best_objective, GainSynthesis, UnitAttempts, BACK_OFFS};
 use super::weight_search;
 use crate::conditions::GainPlan;
 use crate::design::ProblemUnits;
@@ -25,6 +25,9 @@ const FIRST_STEP: f64 = 0.05;
 const LARGEST_STEP: f64 = 0.5;
 const MOST_STEPS: u32 = 24;
 const DESCENTS: u32 = 4;
+
+/// Up to this many vertices an attempt takes so little time that other units may be tried for one bound after the other.
+const CHEAP_VERTICES: usize = 2;
 
 /// How far below a bound that is asked for the design is made, relative, so that its claims meet it.
 const CLAIM_ROOM: f64 = 1e-5;
@@ -112,7 +115,7 @@ impl GainSynthesis<'_, '_, '_> {
         bound: f64,
         found: &mut UnitAttempts,
     ) -> Result<bool, SynthesisError> {
-        if self.request.task.system.vertices.len() > FEW_VERTICES {
+        if self.request.task.system.vertices.len() > CHEAP_VERTICES {
             return Ok(false);
         }
         let before = best_objective(found);

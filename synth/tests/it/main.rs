@@ -28,6 +28,7 @@ mod units;
 
 mod both;
 mod conditions;
+mod controller_rounding;
 mod corrections;
 mod feasibility_boundary;
 mod gains;

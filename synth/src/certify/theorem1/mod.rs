@@ -106,6 +106,22 @@ pub fn for_each_condition<S: Scalar>(
     assembly.final_bounds(model, &mut emit);
 }
 
+/// The conditions that depend on what feeds the functional: levels, sets and bounds. The decrease (18) does not.
+pub fn for_each_level_condition<S: Scalar>(
+    model: &Model,
+    certificate: &Certificate,
+    emit: &mut dyn FnMut(String, Matrix<S>),
+) {
+    let assembly = Assembly::new(model, certificate);
+    let mut emit = |name: String, matrix: Matrix<S>| emit(name, matrix);
+    assembly.first_torque(&mut emit);
+    assembly.anti_windup(&mut emit);
+    assembly.region(&mut emit);
+    assembly.must_contain(model, &mut emit);
+    assembly.certified_attitudes(model, &mut emit);
+    assembly.final_bounds(model, &mut emit);
+}
+
 /// Every inertia of the set is positive definite.
 fn inertia_positive<S: Scalar>(model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
     if let Plant::Spacecraft(craft) = &model.plant {
