@@ -1,5 +1,7 @@
 //! Spacecraft drawn at random, from facts to a design: proved, or answered with a change that is proved when it is made.
 
+use std::time::Instant;
+
 use serde_json::{json, Value};
 
 use crate::support::random::Random;
@@ -68,9 +70,13 @@ fn a_random_spacecraft_has_a_proved_design_or_a_change_with_which_it_has_one() {
             file["requirements"] =
                 json!({ "certified_angle_deg": angle, "pointing_deg": pointing });
             let path = write(folder.path(), "facts.json", file.to_string());
+            let begun = Instant::now();
             let run = synthesize(&path, &["--json"]);
             let answer = run.json();
-            if answer["verdict"] == "proved" {
+            let seconds = begun.elapsed().as_secs_f64();
+            let verdict = &answer["verdict"];
+            println!("spacecraft {index}, {angle} deg: {verdict}, {seconds:.1} s");
+            if *verdict == "proved" {
                 run.ends_with(0);
                 proved += 1;
                 continue;
