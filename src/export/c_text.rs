@@ -7,6 +7,30 @@ const WIDTH: usize = 96;
 /// Longest prefix of the names.
 const LONGEST_PREFIX: usize = 40;
 
+/// Names that a file of that name would hide from a compiler, and that build tools keep for themselves.
+const RESERVED: [&str; 20] = [
+    "assert",
+    "errno",
+    "float",
+    "limits",
+    "math",
+    "mex",
+    "stddef",
+    "stdint",
+    "stdio",
+    "stdlib",
+    "string",
+    "cfe",
+    "all",
+    "clean",
+    "edit_cache",
+    "help",
+    "install",
+    "package",
+    "rebuild_cache",
+    "test",
+];
+
 /// A comment of several lines.
 pub fn comment(lines: &[String]) -> String {
     let mut out = String::from("/*\n");
@@ -110,6 +134,7 @@ pub fn prefix(name: &str) -> String {
     out.truncate(LONGEST_PREFIX);
     let out = out.trim_end_matches('_');
     match out.chars().next() {
+        Some(_) if RESERVED.contains(&out) => format!("design_{out}"),
         Some(first) if first.is_ascii_alphabetic() => out.to_string(),
         Some(_) => format!("design_{out}"),
         None => "design".to_string(),
@@ -126,7 +151,8 @@ pub fn type_name(title: &str) -> String {
             Some(std::iter::once(first).chain(letters).collect::<String>())
         })
         .collect();
-    match name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+    let is_free = !["True", "False", "None"].contains(&name.as_str());
+    match is_free && name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         true => name,
         false => format!("Controller{name}"),
     }
@@ -144,6 +170,8 @@ mod tests {
             ("2 rules", "design_2_rules"),
             ("Größe__x", "gr_e_x"),
             ("- -", "design"),
+            ("Math", "design_math"),
+            ("test", "design_test"),
         ];
         for (name, expected) in cases {
             assert_eq!(prefix(name), expected, "{name}");
@@ -177,6 +205,7 @@ mod tests {
             ("xu2020", "Xu2020"),
             ("small spacecraft - 2", "SmallSpacecraft2"),
             ("2 rules", "Controller2Rules"),
+            ("true", "ControllerTrue"),
             ("- -", "Controller"),
         ] {
             assert_eq!(type_name(title), expected);
