@@ -8,7 +8,7 @@ const WIDTH: usize = 96;
 const LONGEST_PREFIX: usize = 40;
 
 /// Names that a file of that name would hide from a compiler, and that build tools keep for themselves.
-const RESERVED: [&str; 20] = [
+const RESERVED: [&str; 22] = [
     "assert",
     "errno",
     "float",
@@ -29,6 +29,8 @@ const RESERVED: [&str; 20] = [
     "package",
     "rebuild_cache",
     "test",
+    "m",
+    "example_main",
 ];
 
 /// A comment of several lines.

@@ -133,7 +133,7 @@ fn commands(source: &Source) -> String {
 /// The measurement as inputs.
 fn measurements(source: &Source) -> String {
     let [states, _] = source.sizes;
-    let quaternion = "attitude against the desired one, scalar part first, either sign, norm 1";
+    let quaternion = "attitude against the desired one, scalar part first, norm 1; the laws of Wu and Lei follow its sign";
     let groups = match source.measurement {
         Measurement::Attitude => vec![
             ("error_quaternion", 4, "", quaternion),

@@ -44,7 +44,7 @@ impl Measurement {
     fn meaning(self) -> &'static str {
         match self {
             Measurement::Attitude => {
-                " * error_quaternion: of the attitude against the desired one, scalar part first, either sign, norm 1.\n \
+                " * error_quaternion: of the attitude against the desired one, scalar part first, norm 1; the laws of Wu and Lei follow its sign.\n \
                  * rate_rad_s: the rate error about the body axes (rad/s)."
             }
             Measurement::State => " * state_measured: the state.",

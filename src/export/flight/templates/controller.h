@@ -74,7 +74,7 @@ void @name@_reset(@name@_controller *self);
 /* Takes the sample at a time (s). The first usable one is always sent, later ones when the trigger fires; in between the
  * command is constant.
 @measurement_meaning@
- * out: the command, always filled in. Returns its status. */
+ * out: the command, filled in unless a pointer is null. Returns its status. */
 @name@_status @name@_step(
     @name@_controller *self,
     double time_s,
