@@ -60,6 +60,23 @@ pub enum Status {
     Held(HoldReason),
 }
 
+impl Status {
+    /// Its number for languages without enums, as in the header of C: 0 nominal; 1 outside of the box, 2 late; 3 time not
+    /// finite, 4 time not increasing, 5 measurement not finite, 6 no unit quaternion, 7 overflow.
+    pub const fn number(&self) -> u8 {
+        match self {
+            Self::Nominal => 0,
+            Self::Uncertified(Departure::OutsideBox) => 1,
+            Self::Uncertified(Departure::LateSample { .. }) => 2,
+            Self::Held(HoldReason::NonFiniteTime) => 3,
+            Self::Held(HoldReason::TimeNotIncreasing { .. }) => 4,
+            Self::Held(HoldReason::NonFiniteMeasurement { .. }) => 5,
+            Self::Held(HoldReason::NotUnitQuaternion { .. }) => 6,
+            Self::Held(HoldReason::Overflow) => 7,
+        }
+    }
+}
+
 /// The assumption of a certificate that a sample broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Departure {

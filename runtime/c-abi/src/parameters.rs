@@ -1,7 +1,7 @@
 //! What C hands over, field by field as in the header, and what it gets back.
 
 use runtime::attitude::{AttitudeMeasurement, Quaternion};
-use runtime::command::{Command, Departure, HoldReason, Status};
+use runtime::command::Command;
 use runtime::error::ParameterError;
 use runtime::membership::RigidBodyBox;
 use runtime::nalgebra::{Matrix3x6, Matrix6, Vector3};
@@ -115,7 +115,7 @@ impl CommandOfC {
         CommandOfC {
             torque_nm: command.torque.into(),
             sent: u8::from(command.sent),
-            status: code(&command.status),
+            status: i32::from(command.status.number()),
         }
     }
 
@@ -129,18 +129,3 @@ impl CommandOfC {
 pub const NULL_POINTER: i32 = 8;
 /// `STEADFAST_BAD_PARAMETERS`.
 pub const BAD_PARAMETERS: i32 = 9;
-
-fn code(status: &Status) -> i32 {
-    match status {
-        Status::Nominal => 0,
-        Status::Uncertified(Departure::OutsideBox) => 1,
-        Status::Uncertified(Departure::LateSample { .. }) => 2,
-        Status::Held(reason) => match reason {
-            HoldReason::NonFiniteTime => 3,
-            HoldReason::TimeNotIncreasing { .. } => 4,
-            HoldReason::NonFiniteMeasurement { .. } => 5,
-            HoldReason::NotUnitQuaternion { .. } => 6,
-            HoldReason::Overflow => 7,
-        },
-    }
-}

@@ -3,6 +3,9 @@
 
 use core::mem::{align_of, size_of, MaybeUninit};
 
+use runtime::attitude::AttitudeMeasurement;
+use runtime::command::Command;
+use runtime::error::ParameterError;
 use runtime::wu2018;
 
 use crate::parameters::{
@@ -18,22 +21,47 @@ const _: () = assert!(size_of::<Xu2020Controller>() <= 8 * XU2020_WORDS);
 const _: () = assert!(size_of::<wu2018::Controller>() <= 8 * WU2018_WORDS);
 const _: () = assert!(align_of::<Xu2020Controller>() <= 8 && align_of::<wu2018::Controller>() <= 8);
 
-/// See the header.
-#[no_mangle]
-pub extern "C" fn steadfast_xu2020_init(
-    controller: Option<&mut MaybeUninit<Xu2020Controller>>,
-    parameters: Option<&Xu2020Parameters>,
+/// Makes a controller in the caller's place.
+fn init<C, P>(
+    place: Option<&mut MaybeUninit<C>>,
+    parameters: Option<&P>,
+    make: impl FnOnce(&P) -> Result<C, ParameterError>,
 ) -> i32 {
-    let (Some(place), Some(parameters)) = (controller, parameters) else {
+    let (Some(place), Some(parameters)) = (place, parameters) else {
         return NULL_POINTER;
     };
-    match parameters.controller() {
+    match make(parameters) {
         Ok(made) => {
             place.write(made);
             0
         }
         Err(_) => BAD_PARAMETERS,
     }
+}
+
+/// Takes a sample: quaternion and rate.
+fn step<C>(
+    controller: Option<&mut C>,
+    (error, rate_rad_s): (Option<&[f64; 4]>, Option<&[f64; 3]>),
+    out: Option<&mut CommandOfC>,
+    take: impl FnOnce(&mut C, &AttitudeMeasurement) -> Command<3>,
+) -> i32 {
+    let (Some(controller), Some(error), Some(rate), Some(out)) =
+        (controller, error, rate_rad_s, out)
+    else {
+        return NULL_POINTER;
+    };
+    *out = CommandOfC::of(&take(controller, &measurement(error, rate)));
+    out.status()
+}
+
+/// See the header.
+#[no_mangle]
+pub extern "C" fn steadfast_xu2020_init(
+    controller: Option<&mut MaybeUninit<Xu2020Controller>>,
+    parameters: Option<&Xu2020Parameters>,
+) -> i32 {
+    init(controller, parameters, Xu2020Parameters::controller)
 }
 
 /// See the header.
@@ -45,14 +73,10 @@ pub extern "C" fn steadfast_xu2020_step(
     rate_rad_s: Option<&[f64; 3]>,
     out: Option<&mut CommandOfC>,
 ) -> i32 {
-    let (Some(controller), Some(error), Some(rate), Some(out)) =
-        (controller, error_quaternion, rate_rad_s, out)
-    else {
-        return NULL_POINTER;
-    };
-    let state = measurement(error, rate).checked_state();
-    *out = CommandOfC::of(&controller.step_measured(time_s, state));
-    out.status()
+    let measured = (error_quaternion, rate_rad_s);
+    step(controller, measured, out, |controller, measured| {
+        controller.step_measured(time_s, measured.checked_state())
+    })
 }
 
 /// See the header.
@@ -70,16 +94,7 @@ pub extern "C" fn steadfast_wu2018_init(
     controller: Option<&mut MaybeUninit<wu2018::Controller>>,
     parameters: Option<&Wu2018Parameters>,
 ) -> i32 {
-    let (Some(place), Some(parameters)) = (controller, parameters) else {
-        return NULL_POINTER;
-    };
-    match parameters.controller() {
-        Ok(made) => {
-            place.write(made);
-            0
-        }
-        Err(_) => BAD_PARAMETERS,
-    }
+    init(controller, parameters, Wu2018Parameters::controller)
 }
 
 /// See the header.
@@ -91,13 +106,10 @@ pub extern "C" fn steadfast_wu2018_step(
     rate_rad_s: Option<&[f64; 3]>,
     out: Option<&mut CommandOfC>,
 ) -> i32 {
-    let (Some(controller), Some(error), Some(rate), Some(out)) =
-        (controller, error_quaternion, rate_rad_s, out)
-    else {
-        return NULL_POINTER;
-    };
-    *out = CommandOfC::of(&controller.step(time_s, &measurement(error, rate)));
-    out.status()
+    let measured = (error_quaternion, rate_rad_s);
+    step(controller, measured, out, |controller, measured| {
+        controller.step(time_s, measured)
+    })
 }
 
 /// See the header.

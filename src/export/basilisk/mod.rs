@@ -10,8 +10,7 @@ use self::constants::{flag, number, numbers, rows, Constant};
 use super::c_text::type_name;
 use super::design::DesignData;
 use super::flight::NoSource;
-use super::opening::opening;
-use crate::base::provenance::{sha256_of, GENERATOR};
+use super::opening::{opening, opening_of_scenario};
 use crate::run::design::{threshold_update, Design};
 use crate::scenario::Scenario;
 
@@ -59,17 +58,7 @@ pub fn of_scenario(scenario: &Scenario, text: &str) -> Result<String, NoSource> 
     let law = scenario.controller.law().ok_or(NoSource::OfDesign)?;
     let own = laws::of(&scenario.controller);
     let (constants, template) = own.ok_or_else(|| NoSource::Law { law: law.name() })?;
-    let about = vec![
-        format!(
-            "Controller of the scenario '{}', a module for Basilisk.",
-            scenario.name
-        ),
-        format!("{}.", law.name()),
-        "NOT PROVED: nothing is guaranteed for this controller.".to_string(),
-        String::new(),
-        format!("exported_by: {GENERATOR}"),
-        format!("scenario_sha256: {}", sha256_of(text)),
-    ];
+    let about = opening_of_scenario(scenario, law, text, "a module for Basilisk");
     Ok(file(&scenario.name, about, &constants, template))
 }
 

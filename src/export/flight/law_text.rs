@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::source::{constant, Constant};
+use super::source::Constant;
 use crate::export::quantity::{Numbers, Quantity};
 
 /// What each law's text has of its own.
@@ -52,10 +52,10 @@ pub(super) fn list<T: Numbers + ?Sized>(
     meaning: &str,
     values: &T,
 ) -> Constant {
-    constant(
+    Constant {
         variable,
-        Quantity::new(variable, unit, values).means(meaning),
-    )
+        numbers: Quantity::new(variable, unit, values).means(meaning),
+    }
 }
 
 /// The rows of a matrix.

@@ -3,7 +3,7 @@
 use runtime::lei2022::{CompositeTrigger, Parameters};
 
 use super::law_text::{list, number, rows, vector, LawText};
-use super::source::{Constant, ATTITUDE, CLOSING, COMMON, VECTORS};
+use super::source::{Constant, ATTITUDE, CLOSING, COMMON, STEP, VECTORS};
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
     double time_s;
@@ -15,7 +15,6 @@ const FIELDS: &str = "    double command[@NAME@_INPUTS];
     uint8_t is_on;";
 
 const LAW: &str = include_str!("templates/lei2022.c");
-const STEP: &str = include_str!("templates/step_attitude.c");
 
 /// Functions of the C library that it calls.
 const LIBRARY: [&str; 4] = ["tanh", "cosh", "exp", "log1p"];

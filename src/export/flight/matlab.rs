@@ -8,6 +8,8 @@ const BLOCK: &str = include_str!("templates/simulink.c");
 const BLOCK_HEADER: &str = include_str!("templates/simulink.h");
 const LEGACY_CODE: &str = include_str!("templates/legacy_code.m");
 const TEST: &str = include_str!("templates/test_vectors.m");
+/// The end of every law to read.
+const COMMON: &str = include_str!("templates/reference_common.m");
 
 /// What each measurement makes of the texts.
 struct Places {
@@ -43,8 +45,8 @@ pub fn files(source: &Source) -> Vec<(String, String)> {
         (format!("{name}_legacy_code.m"), filled(source, LEGACY_CODE)),
         (format!("{name}_test_vectors.m"), filled(source, TEST)),
     ];
-    let readable = source.in_matlab;
-    out.extend(readable.map(|text| (format!("{name}_reference.m"), filled(source, text))));
+    let readable = source.in_matlab.map(|law| format!("{law}\n{COMMON}"));
+    out.extend(readable.map(|text| (format!("{name}_reference.m"), filled(source, &text))));
     out
 }
 

@@ -32,8 +32,6 @@ pub struct PackageFile {
 pub struct Package {
     /// The files.
     pub files: Vec<PackageFile>,
-    /// Whether everything is proved of the controller.
-    pub proved: bool,
 }
 
 impl Package {
@@ -59,7 +57,6 @@ impl Package {
             files: files
                 .map(|(name, text)| PackageFile { name, text })
                 .collect(),
-            proved: source.proved,
         }
     }
 }

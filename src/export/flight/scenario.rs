@@ -3,9 +3,9 @@
 use super::error::NoSource;
 use super::source::{Measurement, Source, MARK, TORQUE};
 use super::{lei2022, wu2018, yang2025};
-use crate::base::provenance::{sha256_of, GENERATOR};
 use crate::controllers::registry::ControllerChoice;
 use crate::export::c_text::prefix;
+use crate::export::opening::opening_of_scenario;
 use crate::plants::System;
 use crate::scenario::Scenario;
 use crate::sim::reference::Reference;
@@ -31,24 +31,8 @@ pub fn source(scenario: &Scenario, text: &str) -> Result<Source, NoSource> {
     if !matches!(system.reference, Reference::Fixed(_)) {
         return Err(NoSource::MovingReference);
     }
-    let mut about = vec![
-        format!(
-            "Controller of the scenario '{}', flight code in C99.",
-            scenario.name
-        ),
-        format!("{}.", law.name()),
-        "NOT PROVED: nothing is guaranteed for this controller.".to_string(),
-    ];
-    if scenario.link.is_some() {
-        about.push("The encoder of the scenario's link is not part of it: the command changes at every sample.".to_string());
-    }
-    about.extend([
-        String::new(),
-        format!("format: {MARK}"),
-        format!("exported_by: {GENERATOR}"),
-        format!("scenario_sha256: {}", sha256_of(text)),
-        format!("source: {}", scenario.source),
-    ]);
+    let mut about = opening_of_scenario(scenario, law, text, "flight code in C99");
+    about.push(format!("format: {MARK}"));
     Ok(Source {
         title: scenario.name.clone(),
         name: prefix(&scenario.name),

@@ -157,6 +157,7 @@ const OPENING: &str = include_str!("templates/opening.c");
 pub(super) const COMMON: &str = include_str!("templates/common.c");
 pub(super) const ATTITUDE: &str = include_str!("templates/attitude.c");
 pub(super) const VECTORS: &str = include_str!("templates/vectors3.c");
+pub(super) const STEP: &str = include_str!("templates/step.c");
 pub(super) const CLOSING: &str = include_str!("templates/closing.c");
 
 impl Source {
@@ -231,9 +232,4 @@ impl Source {
         }
         out
     }
-}
-
-/// A constant of the source.
-pub(super) fn constant(variable: &'static str, numbers: Quantity) -> Constant {
-    Constant { variable, numbers }
 }

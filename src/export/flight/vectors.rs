@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use runtime::attitude::AttitudeMeasurement;
-use runtime::command::{Command, Departure, HoldReason, Status};
+use runtime::command::Command;
 use runtime::repeat::{Receiver, Sender};
 use synth::model::Plant;
 
@@ -173,7 +173,7 @@ impl<T, G: Fn(&T) -> Vec<f64>, const M: usize> Use<T, M> for Recorder<'_, T, G> 
                 given: [vec![*time_s], (self.given)(measured)].concat(),
                 command: kept(&command.torque),
                 sent: command.sent,
-                status: code(&command.status),
+                status: command.status.number(),
                 arrives,
                 received: kept(&received),
             }
@@ -193,20 +193,4 @@ fn received<const M: usize>(
         receiver.receive(&message);
     }
     receiver.value().copied().unwrap_or_else(SVector::zeros)
-}
-
-/// The number of a status in the header.
-fn code(status: &Status) -> u8 {
-    match status {
-        Status::Nominal => 0,
-        Status::Uncertified(Departure::OutsideBox) => 1,
-        Status::Uncertified(Departure::LateSample { .. }) => 2,
-        Status::Held(reason) => match reason {
-            HoldReason::NonFiniteTime => 3,
-            HoldReason::TimeNotIncreasing { .. } => 4,
-            HoldReason::NonFiniteMeasurement { .. } => 5,
-            HoldReason::NotUnitQuaternion { .. } => 6,
-            HoldReason::Overflow => 7,
-        },
-    }
 }

@@ -3,7 +3,7 @@
 use runtime::wu2018::{Parameters, TriggerRule, Unwinding};
 
 use super::law_text::{number, vector, LawText};
-use super::source::{Constant, ATTITUDE, CLOSING, COMMON};
+use super::source::{Constant, ATTITUDE, CLOSING, COMMON, STEP};
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
     double sent[@NAME@_INPUTS];
@@ -14,7 +14,6 @@ const FIELDS: &str = "    double command[@NAME@_INPUTS];
     uint8_t is_positive;";
 
 const LAW: &str = include_str!("templates/wu2018.c");
-const STEP: &str = include_str!("templates/step_attitude.c");
 
 /// What is its own of this controller's C text.
 pub fn text(parameters: &Parameters) -> LawText {

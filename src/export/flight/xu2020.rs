@@ -5,13 +5,14 @@ use runtime::trigger::ThresholdUpdate;
 use synth::fuzzy::{ExactSpacecraft, RuleModel};
 use synth::model::Plant;
 
+use super::law_text::list;
 use super::source::{
-    constant, Constant, Measurement, Source, ATTITUDE, CLOSING, COMMON, INPUT, MARK, TORQUE,
+    Constant, Measurement, Source, ATTITUDE, CLOSING, COMMON, INPUT, MARK, STEP, TORQUE,
 };
 use crate::export::c_text::prefix;
 use crate::export::design::DesignData;
 use crate::export::opening::opening;
-use crate::export::quantity::{Numbers, Quantity};
+use crate::export::quantity::Numbers;
 use crate::run::design::{threshold_update, Design, NoLaw};
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
@@ -75,14 +76,13 @@ pub fn source(design: &Design) -> Result<Source, NoLaw> {
     }
     memberships(design, gains, &mut out);
     threshold(&threshold_update(&design.model.file.specs), &mut out);
-    out.parts.extend([LAW, CLOSING]);
+    out.parts.extend([LAW, STEP, CLOSING]);
     Ok(out)
 }
 
 /// A number or a list of them in the source.
 fn listed<T: Numbers + ?Sized>(variable: &'static str, meaning: &str, numbers: &T) -> Constant {
-    let quantity = Quantity::new(variable, "SI units of the design", numbers).means(meaning);
-    constant(variable, quantity)
+    list(variable, "SI units of the design", meaning, numbers)
 }
 
 /// What every design has.

@@ -7,7 +7,7 @@ use runtime::yang2025::fault::FaultEstimation;
 use runtime::yang2025::performance::{Performance, PerformanceFunction};
 
 use super::law_text::{list, number, rows, vector, LawText};
-use super::source::{Constant, ATTITUDE, CLOSING, COMMON, VECTORS};
+use super::source::{Constant, ATTITUDE, CLOSING, COMMON, STEP, VECTORS};
 use crate::controllers::yang2025::YangChoice;
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
@@ -37,7 +37,6 @@ void @name@_set_fault(@name@_controller *self, const double fault_nm[3]);
 ";
 
 const LAW: &str = include_str!("templates/yang2025.c");
-const STEP: &str = include_str!("templates/step_attitude.c");
 
 /// Functions of the C library that it calls.
 const LIBRARY: [&str; 9] = [

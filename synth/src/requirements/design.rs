@@ -85,8 +85,8 @@ pub struct Standing {
     pub fraction: Option<f64>,
 }
 
-/// Is told how far the search has come.
-pub type Told<'a> = &'a (dyn Fn(Standing) + Sync);
+/// What is given how far the search has come.
+pub type Watch<'a> = &'a (dyn Fn(Standing) + Sync);
 
 /// The first proved design that meets every requirement; without one the proved design that meets the largest fraction.
 /// `text` is the file's. What was found is kept when the observer stops.
@@ -98,9 +98,9 @@ pub fn best(
     text: &str,
     solvers: &Solvers,
     observer: Option<Observer>,
-    told: Told,
+    watch: Watch,
 ) -> Result<Best, SynthesisError> {
-    among(facts, &Recipe::ways(facts), text, solvers, observer, told)
+    among(facts, &Recipe::ways(facts), text, solvers, observer, watch)
 }
 
 /// The best of some recipes.
@@ -110,7 +110,7 @@ pub(super) fn among(
     text: &str,
     solvers: &Solvers,
     observer: Option<Observer>,
-    told: Told,
+    watch: Watch,
 ) -> Result<Best, SynthesisError> {
     let mut best = Best::default();
     if facts.is_overwhelmed() {
@@ -128,7 +128,7 @@ pub(super) fn among(
         if leads && !recipe.has_two_sets() {
             break;
         }
-        told(Standing {
+        watch(Standing {
             tried,
             recipes: recipes.len(),
             fraction: best.candidate.as_ref().map(Candidate::fraction),

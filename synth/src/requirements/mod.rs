@@ -8,7 +8,7 @@ mod suggestions;
 mod tables;
 
 pub use answer::{Achieved, Answered};
-pub use design::{best, candidate, Best, Candidate, Standing, Told};
+pub use design::{best, candidate, Best, Candidate, Standing, Watch};
 pub use facts::{Facts, FactsFile, FactsPlant, FactsSpacecraft, FactsSpecs, Requirements};
 pub use recipe::{stated, Recipe, Stated};
 pub use suggestions::{suggestions, Suggestion};

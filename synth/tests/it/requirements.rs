@@ -26,10 +26,10 @@ fn a_disturbance_that_reaches_the_weakest_torque_leaves_no_design_and_is_not_sea
         let (facts, text) = facts(reaching);
         assert!(facts.is_overwhelmed());
         let tried = AtomicUsize::new(0);
-        let told = |_| {
+        let watch = |_| {
             tried.fetch_add(1, Ordering::Relaxed);
         };
-        let found = best(&facts, &text, &solvers, None, &told).expect("an answer");
+        let found = best(&facts, &text, &solvers, None, &watch).expect("an answer");
         assert!(found.candidate.is_none() && !found.stopped);
         assert_eq!(tried.into_inner(), 0, "{reaching}");
     }

@@ -1,4 +1,4 @@
-//! `steadfast export FILE --format c99 -o DIR`
+//! `steadfast export FILE --format c99|basilisk|fmu`
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::cli::show::facts::written;
 use crate::cli::target::Targets;
 use crate::export::basilisk;
 use crate::export::flight::inputs::SAMPLES;
-use crate::export::flight::{of_design, of_scenario, unit_of_design, unit_of_scenario};
+use crate::export::flight::{of_design, of_scenario, unit_of_design, unit_of_scenario, NoSource};
 use crate::run::design::Design;
 use crate::scenario::Scenario;
 
@@ -35,11 +35,12 @@ pub fn export(
         });
     };
     let samples = samples.map_or(SAMPLES, |count| count as usize);
-    let text = files::text(path)?;
-    let (package, is_design) = match Flown::read(path, &text, "c99")? {
-        Flown::Scenario(scenario) => (usable(path, of_scenario(&scenario, &text, samples))?, false),
-        Flown::Design(design) => (usable(path, of_design(&design, samples))?, true),
-    };
+    let (package, not_proved) = made(
+        path,
+        "c99",
+        |design| of_design(design, samples),
+        |scenario, text| of_scenario(scenario, text, samples),
+    )?;
     let names = package.files.iter();
     let names = names.map(|file| (file.name.as_str(), Contents::FlightCode));
     targets.check_folder(Some(folder), &names.collect::<Vec<_>>())?;
@@ -47,69 +48,50 @@ pub fn export(
     for file in &package.files {
         files::write(&folder.join(&file.name), &file.text)?;
     }
-    let fails = is_design && !package.proved;
-    let answer = Answer::silent(Exit::of(!fails)).remark(written(folder));
-    Ok(match fails {
-        false => answer,
-        true => answer.remark(format!("{}: {NOT_PROVED}", path.display())),
+    let answer = Answer::silent(Exit::of(not_proved.is_none())).remark(written(folder));
+    Ok(match not_proved {
+        None => answer,
+        Some(reason) => answer.remark(format!("{}: {reason}", path.display())),
     })
-}
-
-/// What has a controller.
-enum Flown {
-    Scenario(Box<Scenario>),
-    Design(Box<Design>),
-}
-
-impl Flown {
-    fn read(path: &Path, text: &str, format: &str) -> Result<Self, CliError> {
-        match kind_of(text) {
-            Some(Kind::Scenario) => {
-                let scenario = files::parse(path, text, Scenario::from_json)?;
-                Ok(Flown::Scenario(Box::new(scenario)))
-            }
-            Some(Kind::Design) | None => {
-                let design = files::parse(path, text, Design::from_json)?;
-                Ok(Flown::Design(Box::new(design)))
-            }
-            Some(other) => {
-                let kind = other.with_article();
-                let reason =
-                    format!("this is {kind} file; {format} is for design and scenario files");
-                Err(CliError::unsuitable(path, reason))
-            }
-        }
-    }
 }
 
 /// The module for Basilisk of a design or of a scenario.
 pub fn basilisk(path: &Path) -> Result<Exported, CliError> {
-    let text = files::text(path)?;
-    let (written, fails) = match Flown::read(path, &text, "basilisk")? {
-        Flown::Scenario(scenario) => (
-            usable(path, basilisk::of_scenario(&scenario, &text))?,
-            false,
-        ),
-        Flown::Design(design) => (
-            usable(path, basilisk::of_design(&design))?,
-            !design.proved(),
-        ),
-    };
+    let (text, not_proved) = made(path, "basilisk", basilisk::of_design, basilisk::of_scenario)?;
     Ok(Exported {
-        bytes: written.into_bytes(),
-        not_proved: fails.then(|| NOT_PROVED.to_string()),
+        bytes: text.into_bytes(),
+        not_proved,
     })
 }
 
 /// The functional mock-up unit of a design or of a scenario.
 pub fn unit(path: &Path) -> Result<Exported, CliError> {
+    let (bytes, not_proved) = made(path, "fmu", unit_of_design, unit_of_scenario)?;
+    Ok(Exported { bytes, not_proved })
+}
+
+/// What is made of a design or of a scenario, and what is to be said of a design that is not proved.
+fn made<T>(
+    path: &Path,
+    format: &str,
+    of_design: impl FnOnce(&Design) -> Result<T, NoSource>,
+    of_scenario: impl FnOnce(&Scenario, &str) -> Result<T, NoSource>,
+) -> Result<(T, Option<String>), CliError> {
     let text = files::text(path)?;
-    let (bytes, fails) = match Flown::read(path, &text, "fmu")? {
-        Flown::Scenario(scenario) => (usable(path, unit_of_scenario(&scenario, &text))?, false),
-        Flown::Design(design) => (usable(path, unit_of_design(&design))?, !design.proved()),
-    };
-    Ok(Exported {
-        bytes,
-        not_proved: fails.then(|| NOT_PROVED.to_string()),
-    })
+    match kind_of(&text) {
+        Some(Kind::Scenario) => {
+            let scenario = files::parse(path, &text, Scenario::from_json)?;
+            Ok((usable(path, of_scenario(&scenario, &text))?, None))
+        }
+        Some(Kind::Design) | None => {
+            let design = files::parse(path, &text, Design::from_json)?;
+            let not_proved = (!design.proved()).then(|| NOT_PROVED.to_string());
+            Ok((usable(path, of_design(&design))?, not_proved))
+        }
+        Some(other) => {
+            let kind = other.with_article();
+            let reason = format!("this is {kind} file; {format} is for design and scenario files");
+            Err(CliError::unsuitable(path, reason))
+        }
+    }
 }

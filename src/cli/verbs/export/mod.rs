@@ -22,8 +22,7 @@ use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 #[derive(clap::Args)]
 pub struct ExportArgs {
     /// Design file, trajectory.csv, or folder written by `simulate -o`; for sdpa a model, problem or
-    /// design file, for c99, basilisk and fmu a design or
-    /// scenario file
+    /// design file, for c99, basilisk and fmu a design or scenario file
     file: PathBuf,
     /// Format to write
     #[arg(long)]

@@ -35,8 +35,8 @@ pub fn synthesize(
     let solvers = solver.solvers([Solver::Structured, Solver::Clarabel], None);
     let started = Instant::now();
     let found = solve_in_parts(path, |observer, stands| {
-        let told = |standing| stands(in_words(standing, started.elapsed().as_secs_f64()));
-        best(&facts, text, &solvers, observer, &told)
+        let watch = |standing| stands(in_words(standing, started.elapsed().as_secs_f64()));
+        best(&facts, text, &solvers, observer, &watch)
     })?;
     let candidate = found.candidate.as_ref();
     if let Some(candidate) = candidate.filter(|found| found.meets_all()) {

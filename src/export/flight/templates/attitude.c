@@ -1,5 +1,5 @@
 /* Refuses a measurement that is not finite or whose quaternion is no attitude. */
-static @name@_status check_attitude(const double error[4], const double rate_rad_s[3])
+static @name@_status check_measurement(const double error[4], const double rate_rad_s[3])
 {
     double norm;
     if ((all_finite(error, 4) == 0) || (all_finite(rate_rad_s, 3) == 0)) {

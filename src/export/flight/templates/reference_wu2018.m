@@ -44,16 +44,6 @@ function [self, command, sent, status] = step(c, self, time_s, error_quaternion,
     command = self.command;
 end
 
-% Refuses a time that is not finite (3) or not later than that of the last sample used (4).
-function status = check_time(self, time_s)
-    status = 0;
-    if ~isfinite(time_s)
-        status = 3;
-    elseif ~isempty(self.time_s) && time_s <= self.time_s
-        status = 4;
-    end
-end
-
 % Refuses a measurement that is not finite (5) or whose quaternion is no attitude (6).
 function status = check_attitude(quaternion, rate_rad_s)
     status = 0;
@@ -111,26 +101,4 @@ function answer = fires(c, self, filtered)
     difference = self.sent - filtered;
     answer = sqrt(products(difference, difference)) >= ...
         c.RELATIVE * sqrt(products(filtered, filtered)) + c.ABSOLUTE_RAD_S;
-end
-
-% The sum of products, in the order of the index.
-function total = products(left, right)
-    total = left(1) * right(1);
-    for index = 2:numel(left)
-        total = total + left(index) * right(index);
-    end
-end
-
-function value = larger(left, right)
-    value = right;
-    if left > right
-        value = left;
-    end
-end
-
-function value = smaller(left, right)
-    value = right;
-    if left < right
-        value = left;
-    end
 end

@@ -45,16 +45,6 @@ function [self, command, sent, status] = step(c, self, time_s, varargin)
     command = self.command;
 end
 
-% Refuses a time that is not finite (3) or not later than that of the last sample used (4).
-function status = check_time(self, time_s)
-    status = 0;
-    if ~isfinite(time_s)
-        status = 3;
-    elseif ~isempty(self.time_s) && time_s <= self.time_s
-        status = 4;
-    end
-end
-
 % The state itself, or that of an error quaternion and a rate: the rate, then the vector part of the quaternion whose scalar
 % part is not negative. Refuses what is not finite (5) or not a unit quaternion (6).
 function [state, status] = read_state(measured, rate_rad_s)
@@ -262,26 +252,4 @@ function value = form(c, x)
         product(row) = products(c.WEIGHT(row, :), x);
     end
     value = products(product, x);
-end
-
-% The sum of products, in the order of the index.
-function total = products(left, right)
-    total = left(1) * right(1);
-    for index = 2:numel(left)
-        total = total + left(index) * right(index);
-    end
-end
-
-function value = larger(left, right)
-    value = right;
-    if left > right
-        value = left;
-    end
-end
-
-function value = smaller(left, right)
-    value = right;
-    if left < right
-        value = left;
-    end
 end

@@ -1,12 +1,10 @@
 /* The state: rate, then the vector part of the quaternion whose scalar part is not negative. */
-static @name@_status read_state(const double error[4], const double rate_rad_s[3], double state[STATES])
+static void read_state(const double error[4], const double rate_rad_s[3], double state[STATES])
 {
     const double sign = (error[0] < 0.0) ? -1.0 : 1.0;
-    const @name@_status status = check_attitude(error, rate_rad_s);
     int axis;
     for (axis = 0; axis < 3; ++axis) {
         state[axis] = rate_rad_s[axis];
         state[3 + axis] = sign * error[1 + axis];
     }
-    return status;
 }

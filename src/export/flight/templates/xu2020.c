@@ -88,10 +88,16 @@ static @name@_status covered(const @name@_controller *self, double time_s, const
     return @NAME@_NOMINAL;
 }
 
-static @name@_status advance(@name@_controller *self, double time_s, const double state[STATES], uint8_t *sent)
+static @name@_status advance(
+    @name@_controller *self,
+    double time_s,
+    @measurement@,
+    uint8_t *sent)
 {
     @name@_status status;
+    double state[STATES];
     int fires = 0;
+    read_state(@arguments@, state);
     if (decide(self, state, &fires) == 0) {
         return @NAME@_HELD_OVERFLOW;
     }
@@ -125,29 +131,4 @@ void @name@_init(@name@_controller *self)
     self->time_s = 0.0;
     self->has_time = 0U;
     self->has_sent = 0U;
-}
-
-@name@_status @name@_step(
-    @name@_controller *self,
-    double time_s,
-    @measurement@,
-    @name@_command *out)
-{
-    double state[STATES];
-    int input;
-    if ((self == NULL) || @null_check@ || (out == NULL)) {
-        return @NAME@_NULL_POINTER;
-    }
-    out->sent = 0U;
-    out->status = check_time(self, time_s);
-    if (out->status == @NAME@_NOMINAL) {
-        out->status = read_state(@arguments@, state);
-    }
-    if (out->status == @NAME@_NOMINAL) {
-        out->status = advance(self, time_s, state, &out->sent);
-    }
-    for (input = 0; input < INPUTS; ++input) {
-        out->@input@[input] = self->command[input];
-    }
-    return out->status;
 }

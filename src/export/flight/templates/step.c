@@ -11,7 +11,7 @@
     out->sent = 0U;
     out->status = check_time(self, time_s);
     if (out->status == @NAME@_NOMINAL) {
-        out->status = check_attitude(@arguments@);
+        out->status = check_measurement(@arguments@);
     }
     if (out->status == @NAME@_NOMINAL) {
         out->status = advance(self, time_s, @arguments@, &out->sent);
