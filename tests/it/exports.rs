@@ -3,6 +3,7 @@
 mod basilisk;
 mod c_abi;
 mod flight;
+mod flight_again;
 mod fmu;
 mod refused;
 

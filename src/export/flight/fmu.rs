@@ -74,11 +74,6 @@ fn guid(text: &str) -> String {
 fn of_source(source: &Source, text: &str) -> String {
     let [states, inputs] = source.sizes;
     let is_attitude = source.measurement == Measurement::Attitude;
-    let proved = if source.proved {
-        "PROVED"
-    } else {
-        "NOT PROVED"
-    };
     let unknowns =
         (0..inputs).map(|index| format!("      <Unknown index=\"{}\"/>\n", FIRST_INDEX + index));
     let text = text
@@ -89,7 +84,7 @@ fn of_source(source: &Source, text: &str) -> String {
         .replace("@measurement_variables@", &measurements(source))
         .replace("@command_unknowns@", &unknowns.collect::<String>())
         .replace("@title@", &escaped(&source.title))
-        .replace("@description@", proved)
+        .replace("@description@", source.proved_text())
         .replace("@generator@", GENERATOR)
         // Two hyphens end a comment of XML.
         .replace(

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::source::Constant;
+use super::source::{Constant, Sending};
 use crate::export::quantity::{Numbers, Quantity};
 
 /// What each law's text has of its own.
@@ -17,10 +17,14 @@ pub struct LawText {
     pub counts: Vec<(&'static str, usize)>,
     /// The parts of its text, in order.
     pub parts: Vec<&'static str>,
+    /// When its command is sent.
+    pub sending: Sending,
     /// Functions of the C library whose last bits are not prescribed.
     pub library: Vec<&'static str>,
     /// Doubles that the controller's structure fits into.
     pub words: usize,
+    /// Whether it is given the fault that acts, which it does not estimate.
+    pub given_fault: bool,
     /// The same law in the language of MATLAB, to read.
     pub in_matlab: Option<&'static str>,
 }

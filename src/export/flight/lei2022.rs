@@ -3,7 +3,7 @@
 use runtime::lei2022::{CompositeTrigger, Parameters};
 
 use super::law_text::{list, number, rows, vector, LawText};
-use super::source::{Constant, ATTITUDE, CLOSING, COMMON, STEP, VECTORS};
+use super::source::{Constant, Sending, ATTITUDE, CLOSING, COMMON, STEP, VECTORS};
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
     double time_s;
@@ -35,8 +35,10 @@ pub fn text(parameters: &Parameters) -> LawText {
         constants,
         counts: vec![("EVERY_SAMPLE", usize::from(trigger.is_none()))],
         parts: vec![COMMON, ATTITUDE, VECTORS, LAW, STEP, CLOSING],
+        sending: Sending::AtSwitches,
         library: LIBRARY.to_vec(),
         words: 16,
+        given_fault: false,
         in_matlab: None,
     }
 }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::source::{Measurement, Source};
 use super::vectors::{Sample, Vectors};
 use super::{frameworks as templates, matlab};
+use crate::base::provenance::sha256_of;
 use crate::export::c_text::comment;
 
 const TEST: &str = include_str!("templates/test.c");
@@ -17,6 +18,16 @@ const README: &str = include_str!("templates/README.txt");
 /// Largest difference of a command to the reference over its limit, where functions of the C library take part whose last
 /// bits are not prescribed.
 const LIBRARY_TOLERANCE: f64 = 1e-9;
+
+/// Name of the list of digests.
+pub const DIGESTS: &str = "SHA256SUMS";
+
+/// What the README says of a fault that the controller is given.
+const FAULT: &str = "
+Fault
+  This controller does not estimate the lumped fault. @name@_set_fault gives it the value to use (N m), zero until then. The
+  templates for F Prime, cFS and Simulink, the MEX function and the functional mock-up unit do not call it.
+";
 
 /// A file of a package.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,11 +64,29 @@ impl Package {
         ];
         let files = files.into_iter().chain(matlab::files(source));
         let files = files.chain(templates::files(source));
-        Package {
-            files: files
-                .map(|(name, text)| PackageFile { name, text })
-                .collect(),
-        }
+        let mut files: Vec<_> = files
+            .map(|(name, text)| PackageFile { name, text })
+            .collect();
+        files.push(digests(source, &files));
+        Package { files }
+    }
+}
+
+impl Package {
+    /// The text of a file of this name.
+    pub fn text_of(&self, name: &str) -> Option<&str> {
+        let file = self.files.iter().find(|file| file.name == name);
+        file.map(|file| file.text.as_str())
+    }
+}
+
+/// The list of digests, as sha256sum reads it.
+fn digests(source: &Source, files: &[PackageFile]) -> PackageFile {
+    let line = |file: &PackageFile| format!("{}  {}\n", sha256_of(&file.text), file.name);
+    let lines: String = files.iter().map(line).collect();
+    PackageFile {
+        name: DIGESTS.to_string(),
+        text: format!("# {}\n{lines}", source.about_file()),
     }
 }
 
@@ -85,7 +114,18 @@ fn readme(source: &Source) -> String {
         ),
     };
     let about: Vec<&str> = source.about.iter().map(String::as_str).collect();
+    let contraction = match source.library.is_empty() {
+        true => "the test then fails, and says why.",
+        false => "the test says so only where they differ by more than it allows.",
+    };
+    let fault = match source.given_fault {
+        true => FAULT,
+        false => "",
+    };
     let text = README
+        .replace("@contraction@", contraction)
+        .replace("@sampling@", &source.sampling)
+        .replace("@fault@", fault)
         .replace("@about@", &about.join("\n"))
         .replace("@library@", &library)
         .replace("@framework_files@", frameworks(source));

@@ -41,6 +41,8 @@ pub fn source(scenario: &Scenario, text: &str) -> Result<Source, NoSource> {
         sizes: [6, 3],
         repeats: 0,
         interval_s: interval_s(scenario),
+        sampling: sampling(scenario),
+        sending: own.sending,
         measurement: Measurement::Attitude,
         command: TORQUE,
         fields: own.fields,
@@ -51,8 +53,22 @@ pub fn source(scenario: &Scenario, text: &str) -> Result<Source, NoSource> {
         parts: own.parts,
         library: own.library,
         words: own.words,
+        given_fault: own.given_fault,
         in_matlab: own.in_matlab,
     })
+}
+
+/// What is to be known of the sampling interval.
+fn sampling(scenario: &Scenario) -> String {
+    match scenario.instants.longest_interval_s() {
+        Some(interval_s) => format!(
+            "The scenario takes a sample at least every {interval_s} s. Nothing is proved for this interval, or for another one."
+        ),
+        None => format!(
+            "The scenario has no sampling interval: its trigger is watched at every instant. A controller on a processor takes \
+             samples; example and vectors are made for {USUAL_INTERVAL_S} s. Simulate the interval that you will use."
+        ),
+    }
 }
 
 /// The longest interval between samples (s).

@@ -102,6 +102,45 @@ pub const INPUT: CommandField = CommandField {
     meaning: "input of the plant",
 };
 
+/// When a controller sends its command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sending {
+    /// The first one that can be used, then when the trigger fires.
+    AtTriggers,
+    /// When the trigger switches the actuators on or off.
+    AtSwitches,
+    /// At every sample.
+    AtEverySample,
+}
+
+impl Sending {
+    /// Lines of the comment on `step`.
+    fn as_comment(self) -> &'static str {
+        match self {
+            Sending::AtTriggers => {
+                "The first usable one is always sent, later ones when the trigger fires; in between the\n * \
+                 command is constant."
+            }
+            Sending::AtSwitches => {
+                "A command is sent when the trigger switches the actuators on or off, off with a command\n * \
+                 of zero; in between it is constant, and zero before the first switch."
+            }
+            Sending::AtEverySample => {
+                "The command of every sample that is used is sent."
+            }
+        }
+    }
+
+    /// What `sent` means.
+    fn of_flag(self) -> &'static str {
+        match self {
+            Sending::AtTriggers => "1 where the trigger fired: a message is due",
+            Sending::AtSwitches => "1 where the actuators are switched on or off: a message is due",
+            Sending::AtEverySample => "1 where the sample is used: a message is due",
+        }
+    }
+}
+
 /// A table of constants under its name in the source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
@@ -128,6 +167,10 @@ pub struct Source {
     pub repeats: u32,
     /// The longest sampling interval (s).
     pub interval_s: f64,
+    /// What is to be known of the sampling interval.
+    pub sampling: String,
+    /// When a command is sent.
+    pub sending: Sending,
     /// What a step takes.
     pub measurement: Measurement,
     /// What it commands.
@@ -148,6 +191,8 @@ pub struct Source {
     pub library: Vec<&'static str>,
     /// Doubles that the controller's structure fits into.
     pub words: usize,
+    /// Whether it is given the fault that acts, which it does not estimate.
+    pub given_fault: bool,
     /// The same law in the language of MATLAB, to read.
     pub in_matlab: Option<&'static str>,
 }
@@ -169,6 +214,8 @@ impl Source {
         let pairs = [
             ("@sizes@", sizes.as_str()),
             ("@interval_s@", &number(self.interval_s)),
+            ("@sending@", self.sending.as_comment()),
+            ("@sent_meaning@", self.sending.of_flag()),
             ("@types@", self.further[0]),
             ("@functions@", self.further[1]),
             ("@fields@", self.fields),
@@ -186,6 +233,7 @@ impl Source {
             ("@words@", &self.words.to_string()),
             ("STATES_", "@NAME@_STATES"),
             ("@proved@", if self.proved { "1" } else { "0" }),
+            ("@proved_text@", self.proved_text()),
             ("@repeats@", &self.repeats.to_string()),
             ("@name@", &self.name),
             ("@NAME@", &upper),
@@ -199,7 +247,16 @@ impl Source {
     pub fn about_file(&self) -> String {
         let title = self.title.chars().filter(char::is_ascii_graphic);
         let title: String = title.collect();
-        format!("Part of the flight code of the controller '{title}'. format: {MARK}, exported_by: {GENERATOR}")
+        let proved = self.proved_text();
+        format!("Part of the flight code of the controller '{title}', {proved}. format: {MARK}, exported_by: {GENERATOR}")
+    }
+
+    /// In words, whether everything is proved.
+    pub(super) fn proved_text(&self) -> &'static str {
+        match self.proved {
+            true => "PROVED",
+            false => "NOT PROVED",
+        }
     }
 
     /// The largest magnitude of each input.

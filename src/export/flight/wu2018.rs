@@ -3,7 +3,7 @@
 use runtime::wu2018::{Parameters, TriggerRule, Unwinding};
 
 use super::law_text::{number, vector, LawText};
-use super::source::{Constant, ATTITUDE, CLOSING, COMMON, STEP};
+use super::source::{Constant, Sending, ATTITUDE, CLOSING, COMMON, STEP};
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
     double sent[@NAME@_INPUTS];
@@ -48,8 +48,10 @@ pub fn text(parameters: &Parameters) -> LawText {
         constants,
         counts: vec![("EVERY_SAMPLE", every), ("SHORTEST", shortest)],
         parts: vec![COMMON, ATTITUDE, LAW, STEP, CLOSING],
+        sending: Sending::AtTriggers,
         library: Vec::new(),
         words: 16,
+        given_fault: false,
         in_matlab: Some(include_str!("templates/reference_wu2018.m")),
     }
 }

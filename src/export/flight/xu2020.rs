@@ -7,7 +7,7 @@ use synth::model::Plant;
 
 use super::law_text::list;
 use super::source::{
-    Constant, Measurement, Source, ATTITUDE, CLOSING, COMMON, INPUT, MARK, STEP, TORQUE,
+    Constant, Measurement, Sending, Source, ATTITUDE, CLOSING, COMMON, INPUT, MARK, STEP, TORQUE,
 };
 use crate::export::c_text::prefix;
 use crate::export::design::DesignData;
@@ -55,6 +55,12 @@ pub fn source(design: &Design) -> Result<Source, NoLaw> {
         sizes: [states, inputs],
         repeats: design.repeats(),
         interval_s: design.model.file.specs.hbar_s,
+        sampling: format!(
+            "At least one sample every {} s, lost ones included: what is proved holds for such samples, and later ones are \
+             reported as late.",
+            design.model.file.specs.hbar_s
+        ),
+        sending: Sending::AtTriggers,
         measurement: match attitude {
             true => Measurement::Attitude,
             false => Measurement::State,
@@ -68,6 +74,7 @@ pub fn source(design: &Design) -> Result<Source, NoLaw> {
         parts: vec![COMMON],
         library: Vec::new(),
         words: states + inputs + 4,
+        given_fault: false,
         in_matlab: Some(IN_MATLAB),
     };
     match attitude {

@@ -7,7 +7,7 @@ use runtime::yang2025::fault::FaultEstimation;
 use runtime::yang2025::performance::{Performance, PerformanceFunction};
 
 use super::law_text::{list, number, rows, vector, LawText};
-use super::source::{Constant, ATTITUDE, CLOSING, COMMON, STEP, VECTORS};
+use super::source::{Constant, Sending, ATTITUDE, CLOSING, COMMON, STEP, VECTORS};
 use crate::controllers::yang2025::YangChoice;
 
 const FIELDS: &str = "    double command[@NAME@_INPUTS];
@@ -76,8 +76,10 @@ pub fn text(choice: &YangChoice) -> Result<LawText, ParameterError> {
             ("RESILIENT", flag(first.resilience.is_some())),
         ],
         parts: vec![COMMON, ATTITUDE, VECTORS, LAW, STEP, CLOSING],
+        sending: Sending::AtEverySample,
         library: LIBRARY.to_vec(),
         words: 48,
+        given_fault: kind == 0,
         in_matlab: None,
     })
 }

@@ -21,7 +21,7 @@ const WIDENED_UNITS: usize = 2;
 
 /// How far below a bound that a solver was not sure of a design is tried first, relative; at most at once; how often; and in
 /// how many units.
-const FIRST_STEP: f64 = 0.05;
+const FIRST_STEP: f64 = 0.01;
 const LARGEST_STEP: f64 = 0.5;
 const MOST_STEPS: u32 = 24;
 const DESCENTS: u32 = 4;

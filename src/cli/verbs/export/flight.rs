@@ -5,6 +5,7 @@ use std::path::Path;
 use synth::model::{kind_of, Kind};
 
 use super::data::{usable, Exported};
+use super::former::Former;
 use crate::base::files::create_folder;
 use crate::cli::answer::{Answer, Exit};
 use crate::cli::contents::Contents;
@@ -44,10 +45,15 @@ pub fn export(
     let names = package.files.iter();
     let names = names.map(|file| (file.name.as_str(), Contents::FlightCode));
     targets.check_folder(Some(folder), &names.collect::<Vec<_>>())?;
+    let former = Former::in_folder(folder);
+    if !targets.force {
+        former.check(folder, &package)?;
+    }
     create_folder(folder)?;
     for file in &package.files {
         files::write(&folder.join(&file.name), &file.text)?;
     }
+    former.remove_others(folder, &package)?;
     let answer = Answer::silent(Exit::of(not_proved.is_none())).remark(written(folder));
     Ok(match not_proved {
         None => answer,

@@ -2,6 +2,7 @@
 
 mod data;
 mod flight;
+mod former;
 mod sdpa;
 
 use std::path::{Path, PathBuf};
@@ -33,7 +34,7 @@ pub struct ExportArgs {
     /// File to write, for c99 the folder; standard output when left out, for text
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Samples of the reference vectors, for c99; 400 when left out
+    /// Samples of the reference vectors, for c99: 50 to 100000, 400 when left out
     #[arg(long, value_parser = clap::value_parser!(u32).range(50..=100_000))]
     samples: Option<u32>,
     /// Replace an output file even where it holds something of another kind

@@ -23,7 +23,7 @@ typedef enum {
     @NAME@_HELD_MEASUREMENT_NOT_FINITE = 5,
     @NAME@_HELD_NOT_UNIT_QUATERNION = 6,   /* the norm of the quaternion is more than 0.01 from 1 */
     @NAME@_HELD_OVERFLOW = 7,              /* too large to compute with */
-    @NAME@_NULL_POINTER = 8                /* nothing was done */
+    @NAME@_NULL_POINTER = 8                /* not used */
 } @name@_status;
 
 @types@/* The controller between samples. The caller owns it; its fields are not for the caller. */
@@ -34,7 +34,7 @@ typedef struct {
 /* The result of a step. */
 typedef struct {
     double @input@[@NAME@_INPUTS];         /* @input_meaning@; finite and within the limits, zero before the first sample used */
-    uint8_t sent;                          /* 1 where the trigger fired: a message is due */
+    uint8_t sent;                          /* @sent_meaning@ */
     @name@_status status;
 } @name@_command;
 
@@ -71,10 +71,10 @@ void @name@_init(@name@_controller *self);
 /* The same, later: the way on after a time stamp that was finite but wrong and far in the future. */
 void @name@_reset(@name@_controller *self);
 
-/* Takes the sample at a time (s). The first usable one is always sent, later ones when the trigger fires; in between the
- * command is constant.
+/* Takes the sample at a time (s). @sending@
 @measurement_meaning@
- * out: the command, filled in unless a pointer is null. Returns its status. */
+ * out: the command, filled in unless it is null itself: of a null controller zero, of a null measurement the command in
+ * force. Returns its status. */
 @name@_status @name@_step(
     @name@_controller *self,
     double time_s,

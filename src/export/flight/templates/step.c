@@ -5,11 +5,15 @@
     @name@_command *out)
 {
     int input;
-    if ((self == NULL) || @null_check@ || (out == NULL)) {
+    if (out == NULL) {
         return @NAME@_NULL_POINTER;
     }
     out->sent = 0U;
-    out->status = check_time(self, time_s);
+    if ((self == NULL) || @null_check@) {
+        out->status = @NAME@_NULL_POINTER;
+    } else {
+        out->status = check_time(self, time_s);
+    }
     if (out->status == @NAME@_NOMINAL) {
         out->status = check_measurement(@arguments@);
     }
@@ -17,7 +21,7 @@
         out->status = advance(self, time_s, @arguments@, &out->sent);
     }
     for (input = 0; input < INPUTS; ++input) {
-        out->@input@[input] = self->command[input];
+        out->@input@[input] = (self != NULL) ? self->command[input] : 0.0;
     }
     return out->status;
 }
