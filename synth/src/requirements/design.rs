@@ -71,8 +71,7 @@ impl Best {
 
 /// After so many proved designs with two sets no other recipe is tried, where the best of them meets less than this fraction
 /// of the hardest requirement.
-const ENOUGH_TRIED: u32 = 2;
-const OUT_OF_REACH: f64 = 0.6;
+const OUT_OF_REACH: [(u32, f64); 2] = [(1, 0.3), (2, 0.6)];
 
 /// How far the search has come, before a recipe is tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,7 +118,8 @@ pub(super) fn among(
     let mut proved = 0;
     for (tried, &recipe) in recipes.iter().enumerate() {
         // The small sets of two designs differ by less than what is missing.
-        if proved >= ENOUGH_TRIED && best.fraction() < OUT_OF_REACH {
+        let mut limits = OUT_OF_REACH.iter();
+        if limits.any(|&(enough, limit)| proved >= enough && best.fraction() < limit) {
             break;
         }
         // One set, or another search of it, does no better than what leads to the bound in the end already.

@@ -17,6 +17,9 @@ const THRESHOLD: f64 = 0.2;
 /// The same where the measurement has errors: its conditions take up to twice the threshold.
 const THRESHOLD_WITH_ERRORS: f64 = 0.05;
 
+/// The shortest and the longest sampling interval that is taken (s).
+const INTERVALS_S: [f64; 2] = [1e-6, 1e4];
+
 /// A box [rad/s] and a decay rate [1/s] with which the rest of a file is checked.
 const USUAL_RATE: [f64; 3] = [0.1; 3];
 const USUAL_SCALAR_PART: f64 = 0.5;
@@ -141,6 +144,35 @@ pub struct Requirements {
     pub messages_per_s: Option<f64>,
 }
 
+/// Refuses sampling intervals that no spacecraft has, by the key of the file that gives them.
+fn check_intervals(file: &FactsFile) -> Result<(), ModelError> {
+    let [shortest, longest] = INTERVALS_S;
+    let given = [
+        ("specs.hbar_s", file.specs.hbar_s, [shortest, longest]),
+        (
+            "specs.sample_hz",
+            file.specs.sample_hz,
+            [1.0 / longest, 1.0 / shortest],
+        ),
+        (
+            "requirements.messages_per_s",
+            file.requirements.messages_per_s,
+            [1.0 / longest, f64::MAX],
+        ),
+    ];
+    for (field, value, [low, high]) in given {
+        let Some(value) = value.filter(|value| !(low..=high).contains(value)) else {
+            continue;
+        };
+        let allowed = match high == f64::MAX {
+            true => format!("at least {low}"),
+            false => format!("in [{low}, {high}]"),
+        };
+        return Err(ModelError::range(field, value, allowed));
+    }
+    Ok(())
+}
+
 /// Checked facts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
@@ -176,6 +208,7 @@ impl Facts {
             let reason = "needs pointing_deg: the time counts until the error stays within it";
             return Err(ModelError::choice("requirements.settle_s", reason));
         }
+        check_intervals(&file)?;
         let facts = Facts { file };
         // What else a model checks does not depend on what is found.
         let craft = facts.craft();

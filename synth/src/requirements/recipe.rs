@@ -35,6 +35,8 @@ pub enum Recipe {
         inner: f64,
         /// Decay rate over the fastest one.
         decay: f64,
+        /// Ratio of the sizes of the two certificates; searched without one.
+        ratio: Option<f64>,
     },
     /// One set, searched: the decay rate begins at `decay` times the fastest, and xi where the disturbance alone reaches
     /// `level` times delta.
@@ -67,9 +69,11 @@ impl Recipe {
             None => TWO_SETS.as_slice(),
             Some(_) => &FAST_TWO_SETS,
         };
-        let two = two
-            .iter()
-            .map(|&[inner, decay]| Recipe::TwoSets { inner, decay });
+        let two = two.iter().map(|&[inner, decay]| Recipe::TwoSets {
+            inner,
+            decay,
+            ratio: None,
+        });
         let one = ONE_SET
             .iter()
             .map(|&[decay, level]| Recipe::OneSet { decay, level });
@@ -77,6 +81,18 @@ impl Recipe {
             true => two.chain(one).collect(),
             // The disturbance alone reaches too far for the large set to lead to the small one.
             false => one.chain(two.take(1)).collect(),
+        }
+    }
+
+    /// The same with a ratio of the sizes of two certificates that is known; a recipe of one set as it is.
+    pub fn at_ratio(self, ratio: Option<f64>) -> Self {
+        match self {
+            Recipe::TwoSets { inner, decay, .. } => Recipe::TwoSets {
+                inner,
+                decay,
+                ratio,
+            },
+            one => one,
         }
     }
 
@@ -115,7 +131,11 @@ pub fn stated(facts: &Facts, recipe: Recipe) -> Stated {
     let time = turn(facts, angle);
     let units = NaturalUnits::of_turn(time, &facts.craft().inertia_kg_m2);
     let si = match recipe {
-        Recipe::TwoSets { inner, decay } => two_sets(facts, angle, inner, decay),
+        Recipe::TwoSets {
+            inner,
+            decay,
+            ratio,
+        } => two_sets(facts, angle, [inner, decay], ratio),
         Recipe::OneSet { decay, level } => one_set(facts, angle, decay, level),
     };
     // The weights of the multiplier are stated in natural units.
@@ -164,7 +184,7 @@ fn least_level(facts: &Facts) -> f64 {
 }
 
 /// Two sets for an angle (rad).
-fn two_sets(facts: &Facts, angle: f64, inner: f64, decay: f64) -> ModelFile {
+fn two_sets(facts: &Facts, angle: f64, [inner, decay]: [f64; 2], ratio: Option<f64>) -> ModelFile {
     let craft = facts.craft();
     let time = turn(facts, angle);
     let small = inner * angle;
@@ -194,7 +214,7 @@ fn two_sets(facts: &Facts, angle: f64, inner: f64, decay: f64) -> ModelFile {
         q0_min: scalar_part(facts, angle),
         xi_max: phi * (level.min(1.0) / craft.disturbance_bound_nm).powi(2),
         must_contain: (0..3).map(start).collect(),
-        inner_scale: None,
+        inner_scale: ratio,
         containment_weight: Some(0.5),
     });
     model

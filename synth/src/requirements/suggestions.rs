@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::answer::Answered;
-use super::design::{among, Best, Candidate};
+use super::design::{among, candidate, Best, Candidate};
 use super::facts::{Facts, FactsFile, FactsPlant};
 use super::recipe::{wanted_angle, Recipe};
 use crate::programs::{Solvers, SynthesisError};
@@ -24,6 +24,11 @@ const AUTHORITY_OF_POINTING: f64 = 3.0;
 
 /// A fraction of a requirement below which a design is far from it.
 const FAR: f64 = 0.02;
+
+/// The fraction of the hardest requirement that a trial of a change must show: for a search of the ratio to be worth its time,
+/// and for the larger change, which is less than twice the smaller one, to help.
+const NEARLY: f64 = 0.9;
+const WITHIN_A_STEP: f64 = 0.5;
 
 /// A change of a quantity with which every requirement was proved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -96,6 +101,7 @@ pub fn suggestions(
     let search = ChangeSearch {
         facts,
         ways: candidate.map_or_else(|| Recipe::ways(facts), |found| vec![found.recipe]),
+        trial: candidate.and_then(trial),
         fraction: hardest.map(Answered::fraction),
         solvers,
         observer,
@@ -113,6 +119,8 @@ struct ChangeSearch<'a> {
     facts: &'a Facts,
     /// The recipes that are tried.
     ways: Vec<Recipe>,
+    /// The same with the ratio of two sets that the best design has: a solve or two, to see whether a change helps.
+    trial: Option<Recipe>,
     /// What is met of the hardest requirement.
     fraction: Option<f64>,
     solvers: &'a Solvers,
@@ -132,28 +140,72 @@ impl ChangeSearch<'_> {
         kept.collect()
     }
 
-    /// The smallest change of a quantity that suffices; the largest is tried first, and where it does not suffice none does.
+    /// The smallest change of a quantity that suffices.
     fn smallest(
         &self,
         (change, power): (Change, f64),
     ) -> Result<Option<Suggestion>, SynthesisError> {
-        let mut suffices = None;
-        for factor in self.factors(power).into_iter().rev() {
-            let mut file = self.facts.file.clone();
-            let Some(suggestion) = change(&mut file, short(factor)) else {
-                break;
-            };
-            let Ok(changed) = Facts::new(file) else {
-                break;
-            };
-            let (ways, observer) = (&self.ways, self.observer.clone());
-            let found = among(&changed, ways, "", self.solvers, observer, &|_| {})?;
-            if !found.meets_all() {
-                break;
-            }
-            suffices = Some(suggestion);
+        let [small, large] = self.factors(power);
+        if let Some(trial) = self.trial {
+            return self.after_trials((change, [small, large]), trial);
         }
-        Ok(suffices)
+        // The larger one first: where it does not suffice none does.
+        let Some(suffices) = self.sufficient(change, large, &self.ways)? else {
+            return Ok(None);
+        };
+        Ok(self
+            .sufficient(change, small, &self.ways)?
+            .or(Some(suffices)))
+    }
+
+    /// The first of two changes of a quantity that suffices, by a trial first: what it shows is then proved as the user's own
+    /// call would prove it.
+    fn after_trials(
+        &self,
+        (change, factors): (Change, [f64; 2]),
+        trial: Recipe,
+    ) -> Result<Option<Suggestion>, SynthesisError> {
+        for factor in factors {
+            let Some((_, changed)) = self.changed(change, factor) else {
+                return Ok(None);
+            };
+            let observer = self.observer.clone();
+            let shown = candidate(&changed, trial, "", self.solvers, observer)?;
+            // Without a design the ratio may be another one.
+            let fraction = shown.map(|shown| shown.fraction());
+            if fraction.is_none_or(|fraction| fraction >= NEARLY) {
+                let found = self.sufficient(change, factor, &self.ways)?;
+                if found.is_some() {
+                    return Ok(found);
+                }
+            }
+            if fraction.is_none_or(|fraction| fraction < WITHIN_A_STEP) {
+                return Ok(None);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The change of a quantity by a factor, where every requirement is proved with it.
+    fn sufficient(
+        &self,
+        change: Change,
+        factor: f64,
+        ways: &[Recipe],
+    ) -> Result<Option<Suggestion>, SynthesisError> {
+        let Some((suggestion, changed)) = self.changed(change, factor) else {
+            return Ok(None);
+        };
+        let observer = self.observer.clone();
+        let found = among(&changed, ways, "", self.solvers, observer, &|_| {})?;
+        Ok(found.meets_all().then_some(suggestion))
+    }
+
+    /// The file with a quantity changed; `None` where it has none such, or may not hold the number.
+    fn changed(&self, change: Change, factor: f64) -> Option<(Suggestion, Facts)> {
+        let mut file = self.facts.file.clone();
+        let suggestion = change(&mut file, short(factor))?;
+        Some((suggestion, Facts::new(file).ok()?))
     }
 
     /// What a quantity is changed by, the smallest first: by what is missing of the hardest requirement, where a design comes
@@ -164,6 +216,12 @@ impl ChangeSearch<'_> {
             None => FACTORS_FROM_AFAR.map(|factor| factor * missing_authority(self.facts)),
         }
     }
+}
+
+/// The recipe of a design with two sets, with their ratio.
+fn trial(found: &Candidate) -> Option<Recipe> {
+    let coupling = found.design.file.provenance.coupling?;
+    Some(found.recipe.at_ratio(Some(coupling.inner_scale)))
 }
 
 /// By how much the torque over the disturbance is too small for designs to be found; at least 1.

@@ -37,6 +37,9 @@ const FIRST_SCALE: f64 = 0.25;
 /// large-set certificate no longer holds.
 const SCALE_STEP: f64 = 0.7;
 
+/// Ratios that differ by less than this, relative, are one.
+const SAME_RATIO: f64 = 1e-9;
+
 /// Ratios are tried down to this one.
 const SMALLEST_SCALE: f64 = 1e-3;
 
@@ -63,6 +66,12 @@ impl CouplingChoice {
                 trigger_multiple: inner_scale * inner_scale,
             },
         }
+    }
+
+    /// Whether another choice is the same but for the rounding of its ratio.
+    fn is_about(&self, other: &Self) -> bool {
+        let ratio = self.coupling.inner_scale / other.coupling.inner_scale;
+        self.containment_weight == other.containment_weight && (ratio - 1.0).abs() < SAME_RATIO
     }
 
     /// What is tried first for a model.
@@ -131,6 +140,7 @@ pub fn synthesize(
             outer: &outer,
             session,
             gains: Vec::new(),
+            tried: Vec::new(),
             couplings: 0,
             blocking: Vec::new(),
         };
@@ -163,6 +173,8 @@ struct CoupledSynthesis<'a, 'b, 'c> {
     session: &'b mut Session<'c>,
     /// Guaranteed gain of the inner certificate in every point of a smallest gain, in their order.
     gains: Vec<f64>,
+    /// The choices of the search of a ratio, in their order.
+    tried: Vec<CouplingChoice>,
     /// How many choices were tried.
     couplings: usize,
     /// The conditions with the largest fractions of the last dual solution that refutes a choice.
@@ -323,8 +335,10 @@ impl CoupledSynthesis<'_, '_, '_> {
         ratio: f64,
         found: &mut CouplingAttempts,
     ) -> Result<bool, SynthesisError> {
+        let choice = CouplingChoice::new(weight, ratio);
         let allowed = (SMALLEST_SCALE..=1.0).contains(&ratio);
-        Ok(allowed && self.is_better(CouplingChoice::new(weight, ratio), found)?)
+        let is_new = self.tried.iter().all(|other| !other.is_about(&choice));
+        Ok(allowed && is_new && self.is_better(choice, found)?)
     }
 
     /// Whether a choice has a point with a smaller gain than all before it.
@@ -334,6 +348,7 @@ impl CoupledSynthesis<'_, '_, '_> {
         found: &mut CouplingAttempts,
     ) -> Result<bool, SynthesisError> {
         let least = self.gains.iter().copied().fold(f64::INFINITY, f64::min);
+        self.tried.push(choice);
         found.smallest(self, &choice)?;
         Ok(self.gains.iter().any(|gain| *gain < least))
     }
