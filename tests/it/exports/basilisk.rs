@@ -4,6 +4,7 @@ use super::flight::Flight;
 use super::*;
 
 const SCRIPT: &str = include_str!("basilisk.py");
+const WHEELS: &str = include_str!("basilisk_wheels.py");
 
 /// A scenario with a constant disturbance, sampled evenly, from an attitude that is far off.
 fn scenario(name: &str, interval_s: f64) -> Value {
@@ -116,6 +117,96 @@ fn in_basilisk_the_controllers_send_at_the_same_instants_and_command_the_same() 
         if !found["vectors"].is_null() {
             assert!(number(&found, "/vectors") < 1e-12, "{class}: {found}");
         }
+    }
+}
+
+/// A design of a spacecraft with sensors that err and wheels that turn.
+fn with_wheels_and_noise(folder: &Path) -> PathBuf {
+    let mut model = json(&shipped("xu2020.json"));
+    let object = model.as_object_mut().expect("an object");
+    object.insert(
+        "imperfections".to_string(),
+        json!({
+            "measurement": { "rate_rad_s": 1e-5, "attitude_deg": 0.0028 },
+            "wheel_momentum_nms": 5.0
+        }),
+    );
+    set(&mut model, "/specs/trigger_floor", json!("auto"));
+    let model = write(folder, "wheels.json", model.to_string());
+    let design = folder.join("design.json");
+    let run = command()
+        .arg("synthesize")
+        .arg(model)
+        .arg("-o")
+        .arg(&design)
+        .output();
+    Run::new(run.expect("the command runs")).ends_with(0);
+    design
+}
+
+#[test]
+fn in_basilisk_with_wheels_friction_and_noise_the_proved_bound_is_kept() {
+    let modules = ["Basilisk", "numba"];
+    if python(&modules, "pass", &[]).is_none() {
+        return;
+    }
+    let folder = folder();
+    let design = with_wheels_and_noise(folder.path());
+    let module = folder.path().join("controller.py");
+    export(&design, "basilisk", Some(&module)).ends_with(0);
+    let proved = json(&design);
+    let pointing = 2.0
+        * number(&proved, "/certificate/final_bounds/vector_part")
+            .asin()
+            .to_degrees();
+    // At rest, near the edge of the certified set; and near the target.
+    for angle_deg in [9.6, 3.0] {
+        let mut file = scenario("xu2020-closed-loop.json", 0.1);
+        let attitude =
+            json!({ "axis_angle": { "axis": [-0.3802, 0.2124, 0.5013], "angle_deg": angle_deg } });
+        set(&mut file, "/system/rigid_body/initial_attitude", attitude);
+        set(
+            &mut file,
+            "/system/rigid_body/initial_rate_rad_s",
+            json!([0, 0, 0]),
+        );
+        set(&mut file, "/duration_s", json!(200.0));
+        let file = write(folder.path(), "scenario.json", file.to_string());
+        let run = folder.path().join("run");
+        let mut simulate = command();
+        simulate
+            .arg("simulate")
+            .arg(&file)
+            .arg("-o")
+            .arg(&run)
+            .arg("--design")
+            .arg(&design);
+        let done = Run::new(simulate.output().expect("the command runs"));
+        assert!(matches!(done.status, Some(0 | 2)), "{done:?}");
+        let flown = |multiple: &str| -> Value {
+            let trajectory = run.join("trajectory.csv");
+            let arguments = [&module, &design, &trajectory].map(PathBuf::as_path);
+            let arguments = arguments
+                .into_iter()
+                .chain(["Xu2020", multiple].map(Path::new));
+            let said =
+                python(&modules, WHEELS, &arguments.collect::<Vec<_>>()).expect("Python is there");
+            println!("{angle_deg} deg, disturbance times {multiple}: {said}");
+            serde_json::from_str(said.lines().last().expect("a line")).expect("JSON")
+        };
+        let found = flown("1");
+        assert!(
+            number(&found, "/disturbance") < 0.01 && number(&found, "/momentum") < 5.0,
+            "{found}"
+        );
+        assert!(number(&found, "/ratio") <= 1.0, "{found}");
+        assert!(number(&found, "/pointing_deg") <= pointing, "{found}");
+        assert!(
+            number(&found, "/messages") < 0.08 * number(&found, "/samples"),
+            "{found}"
+        );
+        // A disturbance far beyond the proof breaks the bound: it can be broken.
+        assert!(number(&flown("40"), "/ratio") > 1.0);
     }
 }
 
