@@ -25,10 +25,9 @@ const AUTHORITY_OF_POINTING: f64 = 3.0;
 /// A fraction of a requirement below which a design is far from it.
 const FAR: f64 = 0.02;
 
-/// The fraction of the hardest requirement that a trial of a change must show: for a search of the ratio to be worth its time,
-/// and for the larger change, which is less than twice the smaller one, to help.
+/// The fraction of the hardest requirement that a trial of a change must show for a search of the ratio to be worth its time;
+/// and that the larger change must reach by the power law through what the smaller one does, for it to be tried.
 const NEARLY: f64 = 0.9;
-const WITHIN_A_STEP: f64 = 0.5;
 
 /// A change of a quantity with which every requirement was proved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,16 +61,26 @@ impl Suggestion {
 /// quantity.
 type Change = fn(&mut FactsFile, f64) -> Option<Suggestion>;
 
-/// The quantities, in the order in which they are printed, with the power of the missing fraction that is needed of each: a
+/// So many quantities are tried at once; the others where none of them suffices.
+const AT_ONCE: usize = 2;
+
+/// The quantities, the likeliest first, with the power of the missing fraction that is needed of each: a
 /// pointing error goes with torque, disturbance and error of the sensors; a time to turn with the root of the torque.
-fn changes(hardest: Option<&str>) -> Vec<(Change, f64)> {
+fn changes(facts: &Facts, hardest: Option<&str>) -> Vec<(Change, f64)> {
+    let has_errors = facts.file.imperfections.measurement.is_some();
     match hardest {
         Some("settle_s") => vec![(more_torque, 2.0)],
         Some("certified_angle_deg") => vec![(more_torque, 1.0), (more_samples, 1.0)],
+        // Errors of sensors are what keeps a fine pointing away, where there are any.
+        _ if has_errors => vec![
+            (less_error, 1.0),
+            (less_disturbance, 1.0),
+            (more_torque, 1.0),
+            (more_samples, 1.0),
+        ],
         _ => vec![
             (more_torque, 1.0),
             (less_disturbance, 1.0),
-            (less_error, 1.0),
             (more_samples, 1.0),
         ],
     }
@@ -107,11 +116,14 @@ pub fn suggestions(
         observer,
     };
     let name = hardest.map(|hardest| hardest.requirement);
-    let out = search.among(&changes(name))?;
-    match out.is_empty() {
-        true => search.among(&changes_of_two(name)),
-        false => Ok(out),
+    let (single, two) = (changes(facts, name), changes_of_two(name));
+    for changes in single.chunks(AT_ONCE).chain([two.as_slice()]) {
+        let out = search.among(changes)?;
+        if !out.is_empty() {
+            return Ok(out);
+        }
     }
+    Ok(Vec::new())
 }
 
 /// The search for a change that suffices.
@@ -146,59 +158,70 @@ impl ChangeSearch<'_> {
         (change, power): (Change, f64),
     ) -> Result<Option<Suggestion>, SynthesisError> {
         let [small, large] = self.factors(power);
-        if let Some(trial) = self.trial {
-            return self.after_trials((change, [small, large]), trial);
+        if self.ways.len() == 1 {
+            return self.first_of(change, [small, large]);
         }
-        // The larger one first: where it does not suffice none does.
-        let Some(suffices) = self.sufficient(change, large, &self.ways)? else {
+        // From afar the larger one first: where it does not suffice none does.
+        let (Some(suffices), _) = self.with_change(change, large)? else {
             return Ok(None);
         };
-        Ok(self
-            .sufficient(change, small, &self.ways)?
-            .or(Some(suffices)))
+        Ok(self.with_change(change, small)?.0.or(Some(suffices)))
     }
 
-    /// The first of two changes of a quantity that suffices, by a trial first: what it shows is then proved as the user's own
-    /// call would prove it.
-    fn after_trials(
+    /// The first of two changes of a quantity that suffices. A trial shows first whether a search of the ratio of two sets is
+    /// worth its time; what suffices is proved as the user's own call would prove it.
+    fn first_of(
         &self,
-        (change, factors): (Change, [f64; 2]),
-        trial: Recipe,
+        change: Change,
+        factors: [f64; 2],
     ) -> Result<Option<Suggestion>, SynthesisError> {
         for factor in factors {
-            let Some((_, changed)) = self.changed(change, factor) else {
-                return Ok(None);
-            };
-            let observer = self.observer.clone();
-            let shown = candidate(&changed, trial, "", self.solvers, observer)?;
             // Without a design the ratio may be another one.
-            let fraction = shown.map(|shown| shown.fraction());
+            let mut fraction = self.shown(change, factor)?;
             if fraction.is_none_or(|fraction| fraction >= NEARLY) {
-                let found = self.sufficient(change, factor, &self.ways)?;
-                if found.is_some() {
-                    return Ok(found);
+                let (suffices, found) = self.with_change(change, factor)?;
+                if suffices.is_some() {
+                    return Ok(suffices);
                 }
+                fraction = found;
             }
-            if fraction.is_none_or(|fraction| fraction < WITHIN_A_STEP) {
+            let before = self.fraction.unwrap_or(0.0);
+            let may_suffice = |with: f64| {
+                let power = (with / before).ln() / factor.ln();
+                before * factors[1].powf(power) >= NEARLY
+            };
+            if !fraction.is_some_and(may_suffice) {
                 return Ok(None);
             }
         }
         Ok(None)
     }
 
-    /// The change of a quantity by a factor, where every requirement is proved with it.
-    fn sufficient(
-        &self,
-        change: Change,
-        factor: f64,
-        ways: &[Recipe],
-    ) -> Result<Option<Suggestion>, SynthesisError> {
-        let Some((suggestion, changed)) = self.changed(change, factor) else {
+    /// The fraction of the hardest requirement that a trial of a change shows, where there is a way to try it.
+    fn shown(&self, change: Change, factor: f64) -> Result<Option<f64>, SynthesisError> {
+        let changed = self.changed(change, factor);
+        let (Some(trial), Some((_, changed))) = (self.trial, changed) else {
             return Ok(None);
         };
         let observer = self.observer.clone();
-        let found = among(&changed, ways, "", self.solvers, observer, &|_| {})?;
-        Ok(found.meets_all().then_some(suggestion))
+        let shown = candidate(&changed, trial, "", self.solvers, observer)?;
+        Ok(shown.map(|shown| shown.fraction()))
+    }
+
+    /// The change of a quantity by a factor, where every requirement is proved with it; and the fraction of the hardest one
+    /// that is.
+    fn with_change(
+        &self,
+        change: Change,
+        factor: f64,
+    ) -> Result<(Option<Suggestion>, Option<f64>), SynthesisError> {
+        let Some((suggestion, changed)) = self.changed(change, factor) else {
+            return Ok((None, None));
+        };
+        let observer = self.observer.clone();
+        let found = among(&changed, &self.ways, "", self.solvers, observer, &|_| {})?;
+        let fraction = found.candidate.as_ref().map(Candidate::fraction);
+        Ok((found.meets_all().then_some(suggestion), fraction))
     }
 
     /// The file with a quantity changed; `None` where it has none such, or may not hold the number.
