@@ -32,6 +32,18 @@ pub enum NoSource {
     /// Not the exact model of a spacecraft.
     #[error("the design is not for the exact model of a spacecraft (plant.exact), which this format needs")]
     NotASpacecraft,
+    /// A law that needs more than single precision.
+    #[error(
+        "there is no text in single precision of this controller: --float is for designs with a fixed threshold and for the law \
+         of Wu et al. 2018"
+    )]
+    SinglePrecision,
+    /// A number that is none in single precision.
+    #[error("the number {value:e} is too large to compute with in single precision (--float)")]
+    BeyondSingle {
+        /// The number.
+        value: f64,
+    },
     /// No zip file.
     #[error("the unit cannot be put together: {0}")]
     NotPacked(#[from] zip::result::ZipError),

@@ -12,6 +12,7 @@ mod lei2022;
 mod matlab;
 pub mod package;
 mod scenario;
+mod single;
 pub mod source;
 pub mod vectors;
 mod wu2018;
@@ -20,6 +21,7 @@ mod yang2025;
 
 pub use self::error::NoSource;
 use self::package::Package;
+use self::source::Precision;
 use self::vectors::Vectors;
 use crate::run::design::Design;
 use crate::scenario::Scenario;
@@ -28,8 +30,16 @@ use crate::scenario::Scenario;
 ///
 /// # Errors
 /// Gains that are no law; numbers that the flight code refuses.
-pub fn of_design(design: &Design, samples: usize) -> Result<Package, NoSource> {
+pub fn of_design(
+    design: &Design,
+    samples: usize,
+    precision: Precision,
+) -> Result<Package, NoSource> {
     let source = xu2020::source(design)?;
+    let source = match precision {
+        Precision::Double => source,
+        Precision::Single => single::in_single(source, Some(design))?,
+    };
     let vectors = Vectors::of_design(design, samples)?;
     Ok(Package::new(&source, &vectors))
 }
@@ -38,8 +48,17 @@ pub fn of_design(design: &Design, samples: usize) -> Result<Package, NoSource> {
 ///
 /// # Errors
 /// A controller without C text; numbers that the flight code refuses.
-pub fn of_scenario(scenario: &Scenario, text: &str, samples: usize) -> Result<Package, NoSource> {
+pub fn of_scenario(
+    scenario: &Scenario,
+    text: &str,
+    samples: usize,
+    precision: Precision,
+) -> Result<Package, NoSource> {
     let source = scenario::source(scenario, text)?;
+    let source = match precision {
+        Precision::Double => source,
+        Precision::Single => single::in_single(source, None)?,
+    };
     let vectors = Vectors::of_scenario(scenario, source.interval_s, samples)?;
     Ok(Package::new(&source, &vectors))
 }

@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
-use super::source::{Measurement, Source};
+use super::source::{Measurement, Precision, Source};
 use super::vectors::{Sample, Vectors};
 use super::{frameworks as templates, matlab};
 use crate::base::provenance::sha256_of;
 use crate::export::c_text::comment;
 
 const TEST: &str = include_str!("templates/test.c");
+const TEST_SINGLE: &str = include_str!("templates/test_single.c");
 const EXAMPLE: &str = include_str!("templates/example_main.c");
 const CMAKE: &str = include_str!("templates/CMakeLists.txt");
 const CONFIG: &str = include_str!("templates/config.cmake.in");
@@ -21,6 +22,11 @@ const LIBRARY_TOLERANCE: f64 = 1e-9;
 
 /// Name of the list of digests.
 pub const DIGESTS: &str = "SHA256SUMS";
+
+/// What the README says of single precision.
+const SINGLE: &str = "The controller computes in float, but for the time, in the order in which the reference computes in doubles. The
+  test prints the largest difference of a command and how many decisions of the trigger are other ones. It fails where a
+  command is off by more than a thousandth of its limit, or two decisions in a hundred differ.";
 
 /// What the README says of a fault that the controller is given.
 const FAULT: &str = "
@@ -51,20 +57,28 @@ impl Package {
         let name = &source.name;
         let marked = |text: &str| comment(&[source.about_file()]) + &source.filled(text);
         let hashed = |text: &str| format!("# {}\n{}", source.about_file(), source.filled(text));
+        let is_double = source.precision == Precision::Double;
+        let test = marked(if is_double { TEST } else { TEST_SINGLE });
         let files = [
             (format!("{name}.h"), source.header()),
             (format!("{name}.c"), source.source()),
             (format!("{name}_vectors.h"), vectors_header(source, vectors)),
-            (format!("{name}_test.c"), marked(TEST)),
-            ("example_main.c".to_string(), marked(EXAMPLE)),
+            (format!("{name}_test.c"), test),
+            (
+                "example_main.c".to_string(),
+                source.in_precision(&marked(EXAMPLE)),
+            ),
             ("CMakeLists.txt".to_string(), hashed(CMAKE)),
             (format!("{name}-config.cmake.in"), hashed(CONFIG)),
             (format!("{name}.pc.in"), hashed(PKG_CONFIG)),
             ("README.txt".to_string(), readme(source)),
         ];
-        let files = files.into_iter().chain(matlab::files(source));
-        let files = files.chain(templates::files(source));
+        // What other programs call takes doubles.
+        let around = is_double.then(|| [matlab::files(source), templates::files(source)]);
+        let around = around.into_iter().flatten().flatten();
         let mut files: Vec<_> = files
+            .into_iter()
+            .chain(around)
             .map(|(name, text)| PackageFile { name, text })
             .collect();
         files.push(digests(source, &files));
@@ -102,8 +116,47 @@ fn frameworks(source: &Source) -> &'static str {
     }
 }
 
+/// What the README says of the other programs.
+fn other_programs(source: &Source) -> String {
+    match source.precision {
+        Precision::Double => {
+            "  @name@_mex.c, @name@_simulink.c, @name@_simulink.h, *.m
+                           for MATLAB, Octave and Simulink: begin with @name@_test_vectors.m
+"
+            .to_string()
+                + frameworks(source)
+        }
+        Precision::Single => String::new(),
+    }
+}
+
 fn readme(source: &Source) -> String {
-    let library = match source.library.as_slice() {
+    let library = match source.precision {
+        Precision::Single => SINGLE.to_string(),
+        Precision::Double => library(source),
+    };
+    let contraction = match (source.precision, source.library.is_empty()) {
+        (Precision::Double, true) => "the test then fails, and says why.",
+        _ => "the test says so only where they differ by more than it allows.",
+    };
+    let fault = match source.given_fault {
+        true => FAULT,
+        false => "",
+    };
+    let about: Vec<&str> = source.about.iter().map(String::as_str).collect();
+    let text = README
+        .replace("@contraction@", contraction)
+        .replace("@sampling@", &source.sampling)
+        .replace("@fault@", fault)
+        .replace("@about@", &about.join("\n"))
+        .replace("@library@", &library)
+        .replace("@other_programs@", &other_programs(source));
+    source.filled(&text)
+}
+
+/// What the README says of the bits of the commands.
+fn library(source: &Source) -> String {
+    match source.library.as_slice() {
         [] => "The controller calls no function of the C library but sqrt and fabs, whose results are prescribed to the last \
                bit. The test compares every bit."
             .to_string(),
@@ -112,24 +165,7 @@ fn readme(source: &Source) -> String {
              differ by {LIBRARY_TOLERANCE:e} of their limit.",
             names.join(", ")
         ),
-    };
-    let about: Vec<&str> = source.about.iter().map(String::as_str).collect();
-    let contraction = match source.library.is_empty() {
-        true => "the test then fails, and says why.",
-        false => "the test says so only where they differ by more than it allows.",
-    };
-    let fault = match source.given_fault {
-        true => FAULT,
-        false => "",
-    };
-    let text = README
-        .replace("@contraction@", contraction)
-        .replace("@sampling@", &source.sampling)
-        .replace("@fault@", fault)
-        .replace("@about@", &about.join("\n"))
-        .replace("@library@", &library)
-        .replace("@framework_files@", frameworks(source));
-    source.filled(&text)
+    }
 }
 
 /// The vectors as bits, so that no conversion of decimals takes part.

@@ -1,7 +1,7 @@
 //! The C text of a scenario's controller.
 
 use super::error::NoSource;
-use super::source::{Measurement, Source, MARK, TORQUE};
+use super::source::{Measurement, Precision, Source, MARK, TORQUE};
 use super::{lei2022, wu2018, yang2025};
 use crate::controllers::registry::ControllerChoice;
 use crate::export::c_text::prefix;
@@ -41,6 +41,7 @@ pub fn source(scenario: &Scenario, text: &str) -> Result<Source, NoSource> {
         sizes: [6, 3],
         repeats: 0,
         interval_s: interval_s(scenario),
+        precision: Precision::Double,
         sampling: sampling(scenario),
         sending: own.sending,
         measurement: Measurement::Attitude,

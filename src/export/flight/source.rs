@@ -1,5 +1,6 @@
 //! A controller as C99 text: its numbers as tables, its law from templates.
 
+use super::single;
 use crate::base::provenance::GENERATOR;
 use crate::export::c_text::{comment, constant as number, table};
 use crate::export::quantity::Quantity;
@@ -102,6 +103,25 @@ pub const INPUT: CommandField = CommandField {
     meaning: "input of the plant",
 };
 
+/// The numbers that a controller computes in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// Doubles, as the reference.
+    Double,
+    /// Single precision, but for the time.
+    Single,
+}
+
+impl Precision {
+    /// Binary digits of its numbers.
+    fn mantissa(self) -> &'static str {
+        match self {
+            Precision::Double => "53",
+            Precision::Single => "24",
+        }
+    }
+}
+
 /// When a controller sends its command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sending {
@@ -167,6 +187,8 @@ pub struct Source {
     pub repeats: u32,
     /// The longest sampling interval (s).
     pub interval_s: f64,
+    /// The numbers that it computes in.
+    pub precision: Precision,
     /// What is to be known of the sampling interval.
     pub sampling: String,
     /// When a command is sent.
@@ -233,6 +255,7 @@ impl Source {
             ("@words@", &self.words.to_string()),
             ("STATES_", "@NAME@_STATES"),
             ("@proved@", if self.proved { "1" } else { "0" }),
+            ("@mantissa@", self.precision.mantissa()),
             ("@proved_text@", self.proved_text()),
             ("@repeats@", &self.repeats.to_string()),
             ("@name@", &self.name),
@@ -265,9 +288,17 @@ impl Source {
         limits.map_or(&[], |limits| &limits.numbers.values)
     }
 
+    /// A C text in the controller's precision.
+    pub(super) fn in_precision(&self, text: &str) -> String {
+        match self.precision {
+            Precision::Double => text.to_string(),
+            Precision::Single => single::text(text),
+        }
+    }
+
     /// The header.
     pub fn header(&self) -> String {
-        comment(&self.about) + &self.filled(HEADER)
+        self.in_precision(&(comment(&self.about) + &self.filled(HEADER)))
     }
 
     /// The source.
@@ -287,6 +318,6 @@ impl Source {
             out.push('\n');
             out += &self.filled(part);
         }
-        out
+        self.in_precision(&out)
     }
 }

@@ -7,7 +7,8 @@ use synth::model::Plant;
 
 use super::law_text::list;
 use super::source::{
-    Constant, Measurement, Sending, Source, ATTITUDE, CLOSING, COMMON, INPUT, MARK, STEP, TORQUE,
+    Constant, Measurement, Precision, Sending, Source, ATTITUDE, CLOSING, COMMON, INPUT, MARK,
+    STEP, TORQUE,
 };
 use crate::export::c_text::prefix;
 use crate::export::design::DesignData;
@@ -55,6 +56,7 @@ pub fn source(design: &Design) -> Result<Source, NoLaw> {
         sizes: [states, inputs],
         repeats: design.repeats(),
         interval_s: design.model.file.specs.hbar_s,
+        precision: Precision::Double,
         sampling: format!(
             "At least one sample every {} s, lost ones included: what is proved holds for such samples, and later ones are \
              reported as late.",

@@ -63,7 +63,7 @@ impl Flight {
     }
 
     /// Whether the self-test passes, and what it prints.
-    fn test(&self, compiler: &str, options: &[&str]) -> (bool, String) {
+    pub fn test(&self, compiler: &str, options: &[&str]) -> (bool, String) {
         let run = Command::new(self.build(compiler, options)).output();
         let run = run.expect("the test runs");
         let said = String::from_utf8_lossy(&run.stdout).into_owned();
@@ -238,7 +238,13 @@ fn emulated_processors_answer_with_the_same_bits() {
     if !installed("arm-none-eabi-gcc") || !installed("qemu-system-arm") {
         return;
     }
-    let flight = Flight::of(xu2020_design(), &["--samples", "20000"]);
+    on_emulated_processors(&Flight::of(xu2020_design(), &["--samples", "20000"]));
+    let single = ["--samples", "20000", "--float"];
+    on_emulated_processors(&Flight::of(xu2020_design(), &single));
+}
+
+/// Runs the self-test on a Cortex-M4F, whose unit of floating point has single precision only, and on a Cortex-M7.
+fn on_emulated_processors(flight: &Flight) {
     let startup = write(flight.folder.path(), "startup.c", STARTUP);
     let script = write(flight.folder.path(), "board.ld", LINKER);
     for (board, options) in [
@@ -285,7 +291,7 @@ fn emulated_processors_answer_with_the_same_bits() {
         let said = String::from_utf8_lossy(&run.stdout);
         assert!(said.contains("PASSED: 20000 samples"), "{board}: {run:?}");
         println!("{board}: {}", said.trim());
-        sizes(&flight, options);
+        sizes(flight, options);
     }
 }
 

@@ -170,3 +170,82 @@ int main(void)
     let run = Command::new(binary).status().expect("the program runs");
     assert_eq!(run.code(), Some(0));
 }
+
+#[test]
+fn single_precision_is_measured_against_the_reference_and_is_not_called_proved() {
+    for file in [
+        xu2020_design().to_path_buf(),
+        double_integrator_design().to_path_buf(),
+        scheduled_design().to_path_buf(),
+        shipped("wu2018.json"),
+    ] {
+        let flight = Flight::of(&file, &["--float", "--samples", "2000"]);
+        let header = text(&flight.path(".h"));
+        assert!(header.contains("SINGLE PRECISION: NOT PROVED"), "{header}");
+        assert!(
+            header.contains("_PROVED 0") && header.contains("const float"),
+            "{header}"
+        );
+        assert!(header.contains("double time_s") && !header.contains("double torque_nm"));
+        let names = names_in(flight.folder.path());
+        assert!(names
+            .iter()
+            .all(|name| !name.ends_with(".m") && !name.contains("_mex")));
+        for (compiler, language) in [
+            ("gcc", &["-std=c99"][..]),
+            ("clang", &["-std=c99"]),
+            ("g++", &["-x", "c++", "-std=c++17"]),
+        ] {
+            if !installed(compiler) {
+                continue;
+            }
+            let options = [language, &super::flight::STRICT].concat();
+            let (passes, said) = flight.test(compiler, &options);
+            println!("{} {compiler}: {said}", flight.name);
+            assert!(passes, "{} {compiler}: {said}", flight.name);
+        }
+        // A wrong digit far beyond single precision is found.
+        let source = flight.path(".c");
+        let right = text(&source);
+        let wrong = right.replacen(
+            "LIMITS[input]), -LIMITS",
+            "LIMITS[input]), -0.9F * LIMITS",
+            1,
+        );
+        assert_ne!(right, wrong);
+        std::fs::write(&source, wrong).expect("a file");
+        if installed("gcc") {
+            let (passes, said) = flight.test("gcc", &["-std=c99", "-O1"]);
+            assert!(!passes, "{said}");
+        }
+    }
+}
+
+#[test]
+fn what_needs_doubles_is_refused_in_single_precision() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let (_kept, adaptive) = super::flight::scheduled_by_the_box();
+    for file in [adaptive, shipped("lei2022.json"), shipped("yang2025.json")] {
+        let message = again(&file, &out, &["--float"]).refusal();
+        assert!(
+            message.contains("--float is for designs with a fixed threshold"),
+            "{message}"
+        );
+        assert!(!out.exists());
+    }
+    let run = command()
+        .args([
+            "export",
+            word(xu2020_design()),
+            "--format",
+            "csv",
+            "--float",
+        ])
+        .output();
+    let message = Run::new(run.expect("the command runs")).refusal();
+    assert!(
+        message.contains("--float") && message.contains("c99"),
+        "{message}"
+    );
+}

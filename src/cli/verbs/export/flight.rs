@@ -15,6 +15,7 @@ use crate::cli::show::facts::written;
 use crate::cli::target::Targets;
 use crate::export::basilisk;
 use crate::export::flight::inputs::SAMPLES;
+use crate::export::flight::source::Precision;
 use crate::export::flight::{of_design, of_scenario, unit_of_design, unit_of_scenario, NoSource};
 use crate::run::design::Design;
 use crate::scenario::Scenario;
@@ -22,11 +23,15 @@ use crate::scenario::Scenario;
 /// What is said where a design is not proved.
 const NOT_PROVED: &str = "NOT PROVED; the export says so";
 
+/// What is said of single precision.
+const IN_SINGLE: &str =
+    "in single precision: what is proved is of the controller in doubles; the export says so";
+
 /// Writes a folder with the controller of a design or of a scenario. 2: of a design that is not proved.
 pub fn export(
     path: &Path,
     folder: Option<&Path>,
-    samples: Option<u32>,
+    (samples, precision): (Option<u32>, Precision),
     targets: &Targets,
 ) -> Result<Answer, CliError> {
     let Some(folder) = folder else {
@@ -39,8 +44,8 @@ pub fn export(
     let (package, not_proved) = made(
         path,
         "c99",
-        |design| of_design(design, samples),
-        |scenario, text| of_scenario(scenario, text, samples),
+        |design| of_design(design, samples, precision),
+        |scenario, text| of_scenario(scenario, text, samples, precision),
     )?;
     let names = package.files.iter();
     let names = names.map(|file| (file.name.as_str(), Contents::FlightCode));
@@ -55,6 +60,10 @@ pub fn export(
     }
     former.remove_others(folder, &package)?;
     let answer = Answer::silent(Exit::of(not_proved.is_none())).remark(written(folder));
+    let answer = match precision {
+        Precision::Double => answer,
+        Precision::Single => answer.remark(IN_SINGLE),
+    };
     Ok(match not_proved {
         None => answer,
         Some(reason) => answer.remark(format!("{}: {reason}", path.display())),

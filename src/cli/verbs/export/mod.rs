@@ -17,6 +17,7 @@ use crate::cli::files;
 use crate::cli::show::facts::written;
 use crate::cli::solver::FormArg;
 use crate::cli::target::Targets;
+use crate::export::flight::source::Precision;
 use crate::run::files::{SUMMARY_FILE, TRAJECTORY_FILE};
 
 /// Arguments of `export`.
@@ -37,6 +38,10 @@ pub struct ExportArgs {
     /// Samples of the reference vectors, for c99: 50 to 100000, 400 when left out
     #[arg(long, value_parser = clap::value_parser!(u32).range(50..=100_000))]
     samples: Option<u32>,
+    /// Compute in single precision, for c99: of designs with a fixed threshold and of the law of Wu
+    /// 2018. The proof is of the controller in doubles
+    #[arg(long)]
+    float: bool,
     /// Replace an output file even where it holds something of another kind
     #[arg(long)]
     force: bool,
@@ -58,20 +63,26 @@ pub fn run(args: &ExportArgs) -> Result<Answer, CliError> {
     };
     if args.format == FormatArg::C99 && source.is_none() {
         form_is_for_sdpa(args)?;
-        return flight::export(&args.file, args.output.as_deref(), args.samples, &targets);
+        let precision = match args.float {
+            true => Precision::Single,
+            false => Precision::Double,
+        };
+        let form = (args.samples, precision);
+        return flight::export(&args.file, args.output.as_deref(), form, &targets);
     }
     let contents = args.format.contents(source.is_some());
     targets.check_file(args.output.as_deref(), contents)?;
     form_is_for_sdpa(args)?;
-    if args.samples.is_some() {
+    let for_c99 = [
+        ("--samples", args.samples.is_some()),
+        ("--float", args.float),
+    ];
+    if let Some((argument, _)) = for_c99.into_iter().find(|(_, given)| *given) {
         let reason = format!(
             "has a meaning for --format c99 only, not for {}",
             args.format.name()
         );
-        return Err(CliError::Argument {
-            argument: "--samples",
-            reason,
-        });
+        return Err(CliError::Argument { argument, reason });
     }
     if args.output.is_none()
         && matches!(

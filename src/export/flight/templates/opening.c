@@ -7,8 +7,8 @@
 #if defined(__FAST_MATH__)
 #error "compile without -ffast-math: numbers that are not finite must be recognised, and sums keep their order"
 #endif
-#if DBL_MANT_DIG != 53
-#error "the controller needs doubles of 64 bits (IEEE 754)"
+#if DBL_MANT_DIG != @mantissa@
+#error "the controller needs numbers with @mantissa@ binary digits (IEEE 754)"
 #endif
 
 #define STATES @NAME@_STATES
