@@ -6,6 +6,7 @@
 //! as the same double.
 
 pub mod basilisk;
+mod c_float;
 pub mod c_header;
 pub mod c_text;
 pub mod csv;

@@ -1,7 +1,7 @@
 //! A controller as C99 text: its numbers as tables, its law from templates.
 
-use super::single;
 use crate::base::provenance::GENERATOR;
+use crate::export::c_float::in_float;
 use crate::export::c_text::{comment, constant as number, table};
 use crate::export::quantity::Quantity;
 
@@ -292,7 +292,7 @@ impl Source {
     pub(super) fn in_precision(&self, text: &str) -> String {
         match self.precision {
             Precision::Double => text.to_string(),
-            Precision::Single => single::text(text),
+            Precision::Single => in_float(text),
         }
     }
 
