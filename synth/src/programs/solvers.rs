@@ -1,5 +1,7 @@
 //! Which solvers may be asked, and in which order.
 
+use std::sync::Arc;
+
 use super::assemble::Form;
 use crate::conditions::Task;
 use crate::model::{Model, Objective};
@@ -13,14 +15,14 @@ pub(crate) type Asked<'a> = (&'a (dyn Backend + Send + Sync), Form);
 
 /// The solvers that may be asked, in order: each further one only where those before it prove nothing. At least one.
 pub struct Solvers {
-    asked: Vec<(Box<dyn Backend + Send + Sync>, Form)>,
+    asked: Vec<(Arc<dyn Backend + Send + Sync>, Form)>,
 }
 
 impl Solvers {
     /// One solver.
     pub fn only(backend: impl Backend + Send + Sync + 'static, form: Form) -> Self {
         Solvers {
-            asked: vec![(Box::new(backend), form)],
+            asked: vec![(Arc::new(backend), form)],
         }
     }
 
@@ -55,9 +57,17 @@ impl Solvers {
         Solvers::both(solver_order(model))
     }
 
+    /// Each solver alone, in order.
+    pub fn one_by_one(&self) -> Vec<Self> {
+        let alone = |(backend, form): &(Arc<dyn Backend + Send + Sync>, Form)| Solvers {
+            asked: vec![(Arc::clone(backend), *form)],
+        };
+        self.asked.iter().map(alone).collect()
+    }
+
     /// Puts another solver in the place of the first.
     pub fn begin_with(&mut self, backend: impl Backend + Send + Sync + 'static, form: Form) {
-        self.asked[0] = (Box::new(backend), form);
+        self.asked[0] = (Arc::new(backend), form);
     }
 
     /// Names and versions with the forms of their problems, in order.
@@ -97,14 +107,14 @@ impl Solvers {
 }
 
 /// A solver with the settings that suit a form.
-fn suited_to(solver: Solver, form: Form) -> Box<dyn Backend + Send + Sync> {
+fn suited_to(solver: Solver, form: Form) -> Arc<dyn Backend + Send + Sync> {
     match (solver, form) {
-        (Solver::Structured, _) => Box::new(Structured::default()),
+        (Solver::Structured, _) => Arc::new(Structured::default()),
         // Densified columns make the full form faster but cost it digits, and it is there for comparison.
-        (Solver::Clarabel, Form::Full) => Box::new(Clarabel {
+        (Solver::Clarabel, Form::Full) => Arc::new(Clarabel {
             dense_columns: DenseColumns::None,
         }),
-        (Solver::Clarabel, _) => Box::new(Clarabel::default()),
+        (Solver::Clarabel, _) => Arc::new(Clarabel::default()),
     }
 }
 

@@ -73,6 +73,9 @@ impl Best {
 /// of the hardest requirement.
 const OUT_OF_REACH: [(u32, f64); 2] = [(1, 0.3), (2, 0.6)];
 
+/// After so many recipes of two sets without a design only the last of them is tried, which decays the slowest.
+const ENOUGH_FAILED: u32 = 2;
+
 /// How far the search has come, before a recipe is tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
@@ -99,10 +102,25 @@ pub fn best(
     observer: Option<Observer>,
     watch: Watch,
 ) -> Result<Best, SynthesisError> {
-    among(facts, &Recipe::ways(facts), text, solvers, observer, watch)
+    let recipes = Recipe::ways(facts);
+    let best = among(facts, &recipes, text, solvers, observer.clone(), watch)?;
+    let others = solvers.one_by_one().into_iter().skip(1);
+    for other in others.filter(|_| best.candidate.is_none() && !facts.is_overwhelmed()) {
+        // Nothing at all was proved: the other solver is asked for two sets too.
+        let two: Vec<_> = recipes
+            .iter()
+            .copied()
+            .filter(|recipe| recipe.has_two_sets())
+            .collect();
+        let found = among(facts, &two, text, &other, observer.clone(), watch)?;
+        if found.candidate.is_some() {
+            return Ok(found);
+        }
+    }
+    Ok(best)
 }
 
-/// The best of some recipes.
+/// The best of some recipes. For two sets the first solver alone is asked: another recipe is the better second way.
 pub(super) fn among(
     facts: &Facts,
     recipes: &[Recipe],
@@ -115,7 +133,8 @@ pub(super) fn among(
     if facts.is_overwhelmed() {
         return Ok(best);
     }
-    let mut proved = 0;
+    let alone = solvers.one_by_one();
+    let (mut proved, mut failed) = (0, 0);
     for (tried, &recipe) in recipes.iter().enumerate() {
         // The small sets of two designs differ by less than what is missing.
         let mut limits = OUT_OF_REACH.iter();
@@ -128,6 +147,17 @@ pub(super) fn among(
         if leads && !recipe.has_two_sets() {
             break;
         }
+        // What differs little from two ways that led to nothing is left out.
+        let is_last = recipes
+            .get(tried + 1)
+            .is_none_or(|next| !next.has_two_sets());
+        if recipe.has_two_sets() && proved == 0 && failed >= ENOUGH_FAILED && !is_last {
+            continue;
+        }
+        let solvers = match recipe.has_two_sets() {
+            true => alone.first().unwrap_or(solvers),
+            false => solvers,
+        };
         watch(Standing {
             tried,
             recipes: recipes.len(),
@@ -138,7 +168,7 @@ pub(super) fn among(
                 proved += u32::from(found.recipe.has_two_sets());
                 best.keep(found);
             }
-            Ok(None) => {}
+            Ok(None) => failed += u32::from(recipe.has_two_sets()),
             Err(SynthesisError::Cancelled(_)) if best.candidate.is_some() => {
                 best.stopped = true;
                 break;
