@@ -4,7 +4,7 @@ use std::iter::Peekable;
 use std::str::Chars;
 
 /// What keeps the precision of doubles.
-const TIMES: [&str; 2] = ["time_s", "LONGEST_INTERVAL_S"];
+const TIMES: [&str; 3] = ["time_s", "LONGEST_INTERVAL_S", "TIME_ROUNDING"];
 
 /// What has another name in single precision.
 const RENAMED: [(&str, &str); 5] = [
@@ -29,7 +29,8 @@ pub fn in_float(text: &str) -> String {
                 let word = word(c, &mut rest);
                 let next = following(&rest);
                 let stays = TIMES.contains(&next.as_str());
-                exact |= word == "double" && stays;
+                let is_time = TIMES.contains(&word.as_str());
+                exact |= word == "double" && stays || is_time && is_assigned(&rest);
                 let renamed = RENAMED.iter().find(|(from, _)| *from == word);
                 match renamed.filter(|_| !stays) {
                     Some((_, to)) => out += to,
@@ -93,6 +94,12 @@ fn following(rest: &Peekable<Chars>) -> String {
         .collect()
 }
 
+/// Whether a value is assigned next.
+fn is_assigned(rest: &Peekable<Chars>) -> bool {
+    let mut after = rest.clone().skip_while(|c| *c == ' ');
+    after.next() == Some('=') && after.next() != Some('=')
+}
+
 /// A number that begins so, marked as float where it is one that is not exact.
 fn number(first: char, rest: &mut Peekable<Chars>, exact: bool) -> String {
     let mut out = word(first, rest);
@@ -148,6 +155,10 @@ mod tests {
                 "/* a double 1.0 */ \"double 1.0\" 0x80000000U 12 1U",
             ),
             ("1e-2) x1.0", "1e-2f) x1.0f"),
+            (
+                "self->time_s = 0.0; x = 0.0;",
+                "self->time_s = 0.0; x = 0.0f;",
+            ),
             ("if (DBL_MANT_DIG != 53)", "if (FLT_MANT_DIG != 53)"),
         ];
         for (from, to) in pairs {

@@ -27,13 +27,19 @@ pub fn in_single(mut source: Source, design: Option<&Design>) -> Result<Source, 
     {
         return Err(NoSource::BeyondSingle { value });
     }
+    for constant in &mut source.constants {
+        let toward_zero = constant.variable == "LIMITS";
+        for value in &mut constant.numbers.values {
+            *value = representable(*value, toward_zero);
+        }
+    }
     let bound = design.and_then(|design| {
         let certificate = design.file.certificate(&design.model).ok()?;
         let bound = controller_rounding::<Interval>(&design.model, &certificate, UNIT)?;
         Some(bound.torque.hi())
     });
     let bound = bound.map_or(String::new(), |bound| {
-        format!(" A torque is off by at most {bound:.1e} N m in norm, where both decide alike.")
+        format!(" A torque is off by at most {bound:.1e} N m in norm for states in the box of the proof, where both decide alike.")
     });
     source.proved = false;
     source.precision = Precision::Single;
@@ -41,9 +47,23 @@ pub fn in_single(mut source: Source, design: Option<&Design>) -> Result<Source, 
     source.about.insert(
         1,
         format!(
-            "SINGLE PRECISION: NOT PROVED. What is said below is of the controller in doubles, and this code computes in float, \
+            "SINGLE PRECISION: NOT PROVED. What is said to be proved below is of the controller in doubles, and this code computes in float, \
              but for the time.{bound} The test measures how far it is off, and how often the trigger decides otherwise."
         ),
     );
     Ok(source)
+}
+
+/// A number that float holds about as it is: zero for what is below its range, and a limit is never exceeded.
+fn representable(value: f64, toward_zero: bool) -> f64 {
+    if value.abs() < f64::from(f32::MIN_POSITIVE) {
+        return 0.0;
+    }
+    let nearest = value as f32;
+    let beyond = f64::from(nearest).abs() > value.abs();
+    let kept = match toward_zero && beyond {
+        true => f32::from_bits(nearest.to_bits() - 1),
+        false => nearest,
+    };
+    f64::from(kept)
 }

@@ -143,7 +143,7 @@ impl Sending {
             }
             Sending::AtSwitches => {
                 "A command is sent when the trigger switches the actuators on or off, off with a command\n * \
-                 of zero; in between it is constant, and zero before the first switch."
+                 of zero, unless it switches them on again at the same sample; in between it is constant, and zero before the first switch."
             }
             Sending::AtEverySample => {
                 "The command of every sample that is used is sent."

@@ -60,6 +60,84 @@ fn flight_code_of_another_controller_does_not_mix_with_what_is_there() {
 }
 
 #[test]
+fn an_edited_file_that_an_export_leaves_out_is_not_overwritten_by_the_next_one() {
+    let flight = Flight::of(xu2020_design(), &[]);
+    let folder = flight.folder.path();
+    let law = flight.path("_reference.m");
+    let mine = text(&law) + "% mine\n";
+    std::fs::write(&law, &mine).expect("a file");
+    let run = again(xu2020_design(), folder, &["--float"]).ends_with(0);
+    assert!(run.stderr.contains("xu2020_reference.m"), "{run:?}");
+    assert_eq!(text(&law), mine);
+    assert!(!flight.path("_mex.c").exists());
+    let message = again(xu2020_design(), folder, &[]).refusal();
+    assert!(message.contains("xu2020_reference.m"), "{message}");
+    assert_eq!(text(&law), mine);
+}
+
+#[test]
+fn a_list_of_digests_that_was_tampered_with_makes_nothing_of_the_users_disappear() {
+    let flight = Flight::of(xu2020_design(), &[]);
+    let folder = flight.folder.path();
+    let list = folder.join("SHA256SUMS");
+    let notes = folder.join("notes.txt");
+    std::fs::write(&notes, "mine\n").expect("a file");
+    // The digest of that text.
+    let digest = "fcbc800db3f1867000b852f1ce0044b8f1584f76ade1ed6e65189824f95c3cda";
+    let line = format!("{digest}  notes.txt\n");
+    std::fs::write(&list, text(&list) + &line).expect("a file");
+    again(xu2020_design(), folder, &["--force"]).ends_with(0);
+    assert_eq!(text(&notes), "mine\n");
+
+    let example = folder.join("example_main.c");
+    let mine = text(&example) + "/* mine */\n";
+    std::fs::write(&example, &mine).expect("a file");
+    std::fs::remove_file(&list).expect("removed");
+    let message = again(xu2020_design(), folder, &[]).refusal();
+    assert!(message.contains("example_main.c"), "{message}");
+    assert_eq!(text(&example), mine);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_in_the_place_of_flight_code_is_refused_before_anything_is_written() {
+    let flight = Flight::of(xu2020_design(), &[]);
+    let folder = flight.folder.path();
+    let test = flight.path("_test.c");
+    let elsewhere = folder.join("elsewhere.c");
+    for target in ["elsewhere.c", "../nowhere/x", "/dev/null"] {
+        std::fs::remove_file(&test).expect("removed");
+        std::fs::write(&elsewhere, "mine").expect("a file");
+        std::os::unix::fs::symlink(target, &test).expect("a link");
+        for more in [&["--float"][..], &["--float", "--force"]] {
+            let message = again(xu2020_design(), folder, more).refusal();
+            assert!(
+                message.contains("_test.c") && message.contains("link"),
+                "{message}"
+            );
+            assert!(text(&flight.path(".h")).contains("double torque_nm"));
+        }
+        assert_eq!(text(&elsewhere), "mine");
+    }
+}
+
+#[test]
+fn two_designs_whose_names_make_one_identifier_are_two_controllers() {
+    let named = |name: &str| {
+        let folder = folder();
+        let mut file = json(xu2020_design());
+        set(&mut file, "/name", json!(name));
+        set(&mut file, "/model/name", json!(name));
+        let path = write(folder.path(), "design.json", file.to_string());
+        (folder, path)
+    };
+    let ((_one, first), (_two, second)) = (named("a-b"), named("a_b"));
+    let flight = Flight::of(&first, &[]);
+    let message = again(&second, flight.folder.path(), &[]).refusal();
+    assert!(message.contains("another controller, a-b"), "{message}");
+}
+
+#[test]
 fn the_digests_of_the_flight_code_are_those_of_its_files() {
     let flight = Flight::of(&shipped("yang2025.json"), &[]);
     let folder = flight.folder.path();
@@ -203,6 +281,22 @@ fn single_precision_is_measured_against_the_reference_and_is_not_called_proved()
             let (passes, said) = flight.test(compiler, &options);
             println!("{} {compiler}: {said}", flight.name);
             assert!(passes, "{} {compiler}: {said}", flight.name);
+        }
+        // No product of the controller is one of doubles.
+        if installed("gcc") {
+            let run = Command::new("gcc")
+                .args([
+                    "-std=c99",
+                    "-Wdouble-promotion",
+                    "-Werror",
+                    "-c",
+                    "-o",
+                    "/dev/null",
+                ])
+                .arg(flight.path(".c"))
+                .output();
+            let run = run.expect("gcc runs");
+            assert!(run.status.success(), "{run:?}");
         }
         // A wrong digit far beyond single precision is found.
         let source = flight.path(".c");

@@ -47,19 +47,22 @@ pub fn export(
         |design| of_design(design, samples, precision),
         |scenario, text| of_scenario(scenario, text, samples, precision),
     )?;
+    let former = Former::in_folder(folder);
+    former.check(folder, &package, targets.force)?;
     let names = package.files.iter();
     let names = names.map(|file| (file.name.as_str(), Contents::FlightCode));
     targets.check_folder(Some(folder), &names.collect::<Vec<_>>())?;
-    let former = Former::in_folder(folder);
-    if !targets.force {
-        former.check(folder, &package)?;
-    }
     create_folder(folder)?;
     for file in &package.files {
         files::write(&folder.join(&file.name), &file.text)?;
     }
-    former.remove_others(folder, &package)?;
+    let edited = former.remove_others(folder, &package)?;
     let answer = Answer::silent(Exit::of(not_proved.is_none())).remark(written(folder));
+    let left = edited.join(", ");
+    let answer = match edited.is_empty() {
+        true => answer,
+        false => answer.remark(format!("left as edited, of the former export: {left}")),
+    };
     let answer = match precision {
         Precision::Double => answer,
         Precision::Single => answer.remark(IN_SINGLE),

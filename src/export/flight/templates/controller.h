@@ -7,7 +7,7 @@
 extern "C" {
 #endif
 
-/* 1 when the check proved every condition when this was written, else 0. */
+/* 1 where the check proved every condition of this controller when it was written, else 0. */
 #define @NAME@_PROVED @proved@
 @sizes@
 /* How often each message is sent again, at the samples that follow. */

@@ -76,13 +76,16 @@ static void record(@name@_controller *self, const double state[STATES])
     self->has_sent = 1U;
 }
 
+/* How much longer an interval may be by rounding, over the time. */
+static const double TIME_ROUNDING = 4.0 * DBL_EPSILON;
+
 /* Whether the proof is about this sample. */
 static @name@_status covered(const @name@_controller *self, double time_s, const double state[STATES])
 {
     if (is_inside(state) == 0) {
         return @NAME@_OUTSIDE_BOX;
     }
-    if ((self->has_time != 0U) && (((time_s - self->time_s) - LONGEST_INTERVAL_S) > (4.0 * DBL_EPSILON * fabs(time_s)))) {
+    if ((self->has_time != 0U) && (((time_s - self->time_s) - LONGEST_INTERVAL_S) > (TIME_ROUNDING * fabs(time_s)))) {
         return @NAME@_LATE_SAMPLE;
     }
     return @NAME@_NOMINAL;
