@@ -39,7 +39,7 @@ pub fn in_single(mut source: Source, design: Option<&Design>) -> Result<Source, 
         Some(bound.torque.hi())
     });
     let bound = bound.map_or(String::new(), |bound| {
-        format!(" A torque is off by at most {bound:.1e} N m in norm for states in the box of the proof, where both decide alike.")
+        format!(" A command is off by at most {bound:.1e} in norm for states that the proof is about, where both decide alike.")
     });
     source.proved = false;
     source.precision = Precision::Single;

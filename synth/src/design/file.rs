@@ -332,10 +332,14 @@ fn arithmetic_assumed(
     let large = outer.map(|own| (&own.model, &own.certificate, own.hand_over.as_ref()));
     let counted = as_disturbance(model, certificate, UNIT_ROUNDOFF);
     match counted.filter(|_| holds_with_rounding((model, certificate), large, UNIT_ROUNDOFF)) {
-        Some(torque) => format!(
+        Some(more) => format!(
             "commands and decisions computed in IEEE doubles, sums in any order, fused or not; in the gain this counts as a \
-             disturbance within {:e} N m",
-            10f64.powf(torque.log10().ceil())
+             disturbance within {:e}{}",
+            10f64.powf(more.log10().ceil()),
+            match model.plant.inertia() {
+                Some(_) => " N m",
+                None => "",
+            }
         ),
         None => "commands and decisions computed without rounding".to_string(),
     }

@@ -10,8 +10,9 @@ use synth::certify::controller_rounding::{
 use synth::certify::exact::Exact;
 use synth::certify::interval::Interval;
 use synth::certify::scalar::Scalar;
+use synth::certify::theorem1::for_each_state_bound;
 use synth::design::{prove, DesignFile};
-use synth::model::Model;
+use synth::model::{Model, Plant};
 
 fn design(name: &str) -> (DesignFile, Model) {
     let path = format!("{}/../tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
@@ -159,6 +160,79 @@ fn a_coarser_arithmetic_is_refused_and_a_plant_of_which_nothing_is_known_too() {
         report.not_covered.last().expect("an assumption").clone()
     };
     assert!(said(&file, &model).contains("IEEE doubles"));
+    // Where the disturbance does not act on the inputs, what rounding adds is none.
     let (file, model) = design("double-integrator-design.json");
-    assert!(said(&file, &model).contains("without rounding"));
+    assert!(said(&file, &model).contains("IEEE doubles"));
+    let mut elsewhere = model.clone();
+    let Plant::Vertices(system) = &mut elsewhere.plant else {
+        panic!("vertices")
+    };
+    system.disturbance_matrix *= 2.0;
+    let certificate = file.certificate(&model).expect("a certificate");
+    let bound = controller_rounding::<Interval>(&elsewhere, &certificate, UNIT_ROUNDOFF);
+    assert!(bound.is_none());
+}
+
+#[test]
+fn for_a_plant_of_vertices_no_order_of_sums_adds_more_and_its_states_stay_within_what_is_assumed() {
+    let (file, model) = design("double-integrator-design.json");
+    let certificate = file.certificate(&model).expect("a certificate");
+    let bound: ControllerRounding<Interval> =
+        controller_rounding(&model, &certificate, UNIT_ROUNDOFF).expect("a bound");
+    assert!(holds_with_rounding(
+        (&model, &certificate),
+        None,
+        UNIT_ROUNDOFF
+    ));
+    assert!(!holds_with_rounding((&model, &certificate), None, 1e-2));
+    let gain = certificate.gains().next().expect("a gain").clone();
+    let row: Vec<f64> = gain.row(0).iter().copied().collect();
+    // The farthest states of x'Ux <= 1, the level of this design.
+    let level = synth::certify::theorem1::reached_from_rest(&model, &certificate).max(1.0);
+    let factor = certificate
+        .lyapunov
+        .clone()
+        .cholesky()
+        .expect("positive")
+        .l();
+    let mut stream = Stream(11);
+    let mut worst = BigRational::zero();
+    for _ in 0..2000 {
+        let angle = std::f64::consts::PI * stream.signed_unit();
+        let direction = nalgebra::DVector::from_vec(vec![angle.cos(), angle.sin()]);
+        let transposed = factor.transpose();
+        let state = transposed
+            .solve_upper_triangular(&direction)
+            .expect("regular")
+            * level.sqrt();
+        let state: Vec<f64> = state.iter().copied().collect();
+        let exactly = |values: &[f64]| values.iter().map(|&v| exact(v)).collect::<Vec<_>>();
+        let computed = summed(&row, &state, &mut stream);
+        let error = (exact(computed) - dot(&exactly(&row), &exactly(&state))).abs();
+        worst = worst.max(error);
+    }
+    assert!(worst > BigRational::zero() && worst <= exact(bound.torque.hi()));
+}
+
+#[test]
+fn a_bound_on_a_state_that_the_level_set_exceeds_is_refused() {
+    let (file, model) = design("double-integrator-design.json");
+    let certificate = file.certificate(&model).expect("a certificate");
+    let level = synth::certify::theorem1::reached_from_rest(&model, &certificate).max(1.0);
+    let inverse = certificate
+        .lyapunov
+        .clone()
+        .cholesky()
+        .expect("positive")
+        .inverse();
+    let holds = |factor: f64| {
+        let bounds = inverse.diagonal().map(|own| factor * (level * own).sqrt());
+        let bounds: Vec<f64> = bounds.iter().copied().collect();
+        let mut all = true;
+        for_each_state_bound::<Exact>(&model, &certificate, &bounds, &mut |_, matrix| {
+            all &= synth::certify::exact::holds(&matrix);
+        });
+        all
+    };
+    assert!(holds(1.0 + 1e-6) && !holds(1.0 - 1e-6));
 }

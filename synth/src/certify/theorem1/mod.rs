@@ -122,6 +122,16 @@ pub fn for_each_level_condition<S: Scalar>(
     assembly.final_bounds(model, &mut emit);
 }
 
+/// |x_j| is within a bound for every state of x'Ux <= k2.
+pub fn for_each_state_bound<S: Scalar>(
+    model: &Model,
+    certificate: &Certificate,
+    bounds: &[f64],
+    emit: &mut dyn FnMut(String, Matrix<S>),
+) {
+    Assembly::new(model, certificate).state_bounds(bounds, emit);
+}
+
 /// Every inertia of the set is positive definite.
 fn inertia_positive<S: Scalar>(model: &Model, emit: &mut impl FnMut(String, Matrix<S>)) {
     if let Plant::Spacecraft(craft) = &model.plant {

@@ -72,6 +72,22 @@ impl<S: Scalar> Assembly<'_, S> {
         certified_set::inside(&self.lyapunov, &factor, rows, unit)
     }
 
+    /// |x_j| <= X_j on x'Ux <= k2, for each state.
+    pub(super) fn state_bounds(&self, bounds: &[f64], emit: &mut dyn FnMut(String, Matrix<S>)) {
+        for (state, &bound) in bounds.iter().enumerate() {
+            let row = Matrix::from_fn(1, bounds.len(), |_, column| match column == state {
+                true => S::one(),
+                false => S::zero(),
+            });
+            let squared = S::from_f64(bound) * S::from_f64(bound);
+            let factor = squared / self.level.clone();
+            emit(
+                format!("bound of state {}", state + 1),
+                self.inside(factor, &row, S::one()),
+            );
+        }
+    }
+
     /// The set x'Ux <= k2 lies in the region of the model.
     pub(super) fn region(&self, emit: &mut impl FnMut(String, Matrix<S>)) {
         for bound in &self.plant.region {
