@@ -154,7 +154,7 @@ mod tests {
                 "/* a double 1.0 */ \"double 1.0\" 0x80000000U 12 1U",
                 "/* a double 1.0 */ \"double 1.0\" 0x80000000U 12 1U",
             ),
-            ("1e-2) x1.0", "1e-2f) x1.0f"),
+            ("1e-2) + 1.0", "1e-2f) + 1.0f"),
             (
                 "self->time_s = 0.0; x = 0.0;",
                 "self->time_s = 0.0; x = 0.0f;",
