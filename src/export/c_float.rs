@@ -73,15 +73,16 @@ fn quoted(rest: &mut Peekable<Chars>, out: &mut String) {
     }
 }
 
+/// Whether a character stands inside of a word or of a number.
+fn is_part(c: &char) -> bool {
+    c.is_ascii_alphanumeric() || *c == '_'
+}
+
 /// A word that begins so.
 fn word(first: char, rest: &mut Peekable<Chars>) -> String {
     let mut out = String::from(first);
-    while let Some(&c) = rest
-        .peek()
-        .filter(|c| c.is_ascii_alphanumeric() || **c == '_')
-    {
+    while let Some(c) = rest.next_if(is_part) {
         out.push(c);
-        rest.next();
     }
     out
 }
@@ -89,9 +90,7 @@ fn word(first: char, rest: &mut Peekable<Chars>) -> String {
 /// The word after spaces and an opening parenthesis.
 fn following(rest: &Peekable<Chars>) -> String {
     let after = rest.clone().skip_while(|c| matches!(c, ' ' | '('));
-    after
-        .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
-        .collect()
+    after.take_while(is_part).collect()
 }
 
 /// Whether a value is assigned next.
@@ -103,26 +102,16 @@ fn is_assigned(rest: &Peekable<Chars>) -> bool {
 /// A number that begins so, marked as float where it is one that is not exact.
 fn number(first: char, rest: &mut Peekable<Chars>, exact: bool) -> String {
     let mut out = word(first, rest);
-    if rest.peek() == Some(&'.') {
-        out.push('.');
-        rest.next();
-        out += &word_of_digits(rest);
+    if let Some(point) = rest.next_if_eq(&'.') {
+        out += &word(point, rest);
     }
     let is_real = !out.starts_with("0x") && out.contains(['.', 'e']);
     if is_real && out.ends_with('e') {
-        out.extend(rest.next_if(|c| matches!(c, '-' | '+')));
-        out += &word_of_digits(rest);
+        let sign = rest.next_if(|c| matches!(c, '-' | '+'));
+        out += &sign.map_or(String::new(), |sign| word(sign, rest));
     }
     if is_real && !exact {
         out.push('f');
-    }
-    out
-}
-
-fn word_of_digits(rest: &mut Peekable<Chars>) -> String {
-    let mut out = String::new();
-    while let Some(c) = rest.next_if(|c| c.is_ascii_alphanumeric()) {
-        out.push(c);
     }
     out
 }

@@ -29,17 +29,13 @@ use crate::scenario::Scenario;
 /// The files of a design's controller, with so many samples in the reference vectors.
 ///
 /// # Errors
-/// Gains that are no law; numbers that the flight code refuses.
+/// Gains that are no law; numbers that the flight code refuses; what needs doubles, in single precision.
 pub fn of_design(
     design: &Design,
     samples: usize,
     precision: Precision,
 ) -> Result<Package, NoSource> {
-    let source = xu2020::source(design)?;
-    let source = match precision {
-        Precision::Double => source,
-        Precision::Single => single::in_single(source, Some(design))?,
-    };
+    let source = single::in_precision(precision, xu2020::source(design)?, Some(design))?;
     let vectors = Vectors::of_design(design, samples)?;
     Ok(Package::new(&source, &vectors))
 }
@@ -47,18 +43,14 @@ pub fn of_design(
 /// The files of a scenario's controller. `text` is the file's.
 ///
 /// # Errors
-/// A controller without C text; numbers that the flight code refuses.
+/// A controller without C text; numbers that the flight code refuses; what needs doubles, in single precision.
 pub fn of_scenario(
     scenario: &Scenario,
     text: &str,
     samples: usize,
     precision: Precision,
 ) -> Result<Package, NoSource> {
-    let source = scenario::source(scenario, text)?;
-    let source = match precision {
-        Precision::Double => source,
-        Precision::Single => single::in_single(source, None)?,
-    };
+    let source = single::in_precision(precision, scenario::source(scenario, text)?, None)?;
     let vectors = Vectors::of_scenario(scenario, source.interval_s, samples)?;
     Ok(Package::new(&source, &vectors))
 }

@@ -84,9 +84,7 @@ impl Package {
         files.push(digests(source, &files));
         Package { files }
     }
-}
 
-impl Package {
     /// The text of a file of this name.
     pub fn text_of(&self, name: &str) -> Option<&str> {
         let file = self.files.iter().find(|file| file.name == name);

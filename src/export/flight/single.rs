@@ -7,15 +7,30 @@ use super::error::NoSource;
 use super::source::{Precision, Source};
 use crate::run::design::Design;
 
-/// Half the distance of 1 from the next number of single precision; a quarter more, for the rounding of the numbers of the file
-/// and of the measurement: two roundings more behind a term of a command, of which the bound counts eight.
+/// Half the distance of 1 from the next number of single precision, and a quarter more. The numbers of the file and the
+/// measurement are rounded too, so that n + 2 roundings are behind a term of a command of n states: as many as the bound counts.
 const UNIT: f64 = 1.25 / 16_777_216.0;
+
+/// A controller in the precision that is asked for, of a design where it is one's.
+///
+/// # Errors
+/// In single precision, those of it.
+pub fn in_precision(
+    precision: Precision,
+    source: Source,
+    design: Option<&Design>,
+) -> Result<Source, NoSource> {
+    match precision {
+        Precision::Double => Ok(source),
+        Precision::Single => in_single(source, design),
+    }
+}
 
 /// A controller in single precision.
 ///
 /// # Errors
 /// A law in which time takes part, or whose threshold moves; numbers beyond the range.
-pub fn in_single(mut source: Source, design: Option<&Design>) -> Result<Source, NoSource> {
+fn in_single(mut source: Source, design: Option<&Design>) -> Result<Source, NoSource> {
     let has = |variable: &str| source.constants.iter().any(|one| one.variable == variable);
     if source.library.iter().any(|name| *name != "exp") || has("AMPLITUDE") {
         return Err(NoSource::SinglePrecision);

@@ -181,18 +181,15 @@ fn with_rounding(
 /// The states stay within the bounds that rounding was computed from, with what it adds. The box of a spacecraft is among its
 /// levels.
 fn states_within_bounds(
-    nominal: Option<(&Model, &Certificate)>,
-    rounded: Option<&(Model, Certificate)>,
+    (model, certificate): (&Model, &Certificate),
+    (more, floor): (&Model, &Certificate),
     emit: &mut dyn FnMut(String, Matrix<Interval>),
 ) {
-    let (Some((model, certificate)), Some(rounded)) = (nominal, rounded) else {
-        return;
-    };
     if matches!(model.plant, Plant::Spacecraft(_)) {
         return;
     }
     match state_bounds(model, certificate) {
-        Some(bounds) => for_each_state_bound(&rounded.0, &rounded.1, &bounds, emit),
+        Some(bounds) => for_each_state_bound(more, floor, &bounds, emit),
         // Nothing is known: a condition that fails.
         None => emit(
             "bounds of the states".into(),
@@ -204,32 +201,28 @@ fn states_within_bounds(
 /// Whether every level of a proved design holds with what rounding with this unit adds; `large` is the certificate of a large
 /// set with how its states come under the small one.
 pub fn holds_with_rounding(
-    (model, certificate): (&Model, &Certificate),
+    small: (&Model, &Certificate),
     large: Option<(&Model, &Certificate, Option<&HandOver>)>,
     unit: f64,
 ) -> bool {
-    let Some(small) = with_rounding(model, certificate, unit) else {
+    let sets = [Some(small), large.map(|own| (own.0, own.1))];
+    let sets: Vec<_> = sets.into_iter().flatten().collect();
+    let rounded = sets.iter();
+    let rounded: Option<Vec<_>> = rounded
+        .map(|(model, certificate)| with_rounding(model, certificate, unit))
+        .collect();
+    let Some(rounded) = rounded else {
         return false;
     };
-    let outer = large.map(|(model, certificate, _)| with_rounding(model, certificate, unit));
-    let outer = match outer {
-        Some(None) => return false,
-        Some(Some(outer)) => Some(outer),
-        None => None,
-    };
     let report = judge_all(Vec::new(), |emit| {
-        for (model, certificate) in [Some(&small), outer.as_ref()].into_iter().flatten() {
+        for (&set, (model, certificate)) in sets.iter().zip(&rounded) {
             for_each_level_condition::<Interval>(model, certificate, emit);
-        }
-        let nominal = [Some((model, certificate)), large.map(|own| (own.0, own.1))];
-        let rounded = [Some(&small), outer.as_ref()];
-        for (nominal, rounded) in nominal.into_iter().zip(rounded) {
-            states_within_bounds(nominal, rounded, emit);
+            states_within_bounds(set, (model, certificate), emit);
         }
         let hand_over = large.and_then(|(_, _, hand_over)| hand_over);
-        if let (Some((model, certificate)), Some(hand_over)) = (&outer, hand_over) {
-            let small = (&small.0, &small.1);
-            for_each_hand_over_condition((model, certificate), small, hand_over, emit);
+        if let ([small, large], Some(hand_over)) = (rounded.as_slice(), hand_over) {
+            let (small, large) = ((&small.0, &small.1), (&large.0, &large.1));
+            for_each_hand_over_condition(large, small, hand_over, emit);
         }
     });
     report.verdict == Verdict::Proved

@@ -104,14 +104,13 @@ pub fn best(
 ) -> Result<Best, SynthesisError> {
     let recipes = Recipe::ways(facts);
     let best = among(facts, &recipes, text, solvers, observer.clone(), watch)?;
-    let others = solvers.one_by_one().into_iter().skip(1);
-    for other in others.filter(|_| best.candidate.is_none() && !facts.is_overwhelmed()) {
-        // Nothing at all was proved: the other solver is asked for two sets too.
-        let two: Vec<_> = recipes
-            .iter()
-            .copied()
-            .filter(|recipe| recipe.has_two_sets())
-            .collect();
+    if best.candidate.is_some() {
+        return Ok(best);
+    }
+    // Nothing at all was proved: the other solver is asked for two sets too.
+    let two = recipes.into_iter().filter(|recipe| recipe.has_two_sets());
+    let two: Vec<_> = two.collect();
+    for other in solvers.one_by_one().into_iter().skip(1) {
         let found = among(facts, &two, text, &other, observer.clone(), watch)?;
         if found.candidate.is_some() {
             return Ok(found);

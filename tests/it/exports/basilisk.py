@@ -4,27 +4,8 @@ Arguments: the controller's file, the scenario, the run's trajectory, the header
 Prints the number of events, the largest difference of torque (N m) and of attitude (rad), and of the vectors' commands.
 """
 
-import csv
-import importlib.util
-import json
 import re
 import struct
-import sys
-
-import numpy as np
-from Basilisk.simulation import extForceTorque, spacecraft
-from Basilisk.utilities import SimulationBaseClass, macros
-
-SUBSTEPS = 10
-
-
-def load(path):
-    """The controller's module."""
-    spec = importlib.util.spec_from_file_location("controller", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["controller"] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 def vectors(path):
@@ -73,12 +54,6 @@ def against_vectors(module, path, follows):
         largest = max(largest, np.abs(np.array(memory["torque"]) - command).max())
     assert sent > 10
     return largest
-
-
-def mrp(q):
-    """Modified Rodrigues parameters of a quaternion, scalar part first."""
-    q = np.array(q) / np.linalg.norm(q) * (1.0 if q[0] >= 0.0 else -1.0)
-    return q[1:] / (1.0 + q[0])
 
 
 def trajectory(path):

@@ -3,8 +3,14 @@
 use super::flight::Flight;
 use super::*;
 
-const SCRIPT: &str = include_str!("basilisk.py");
-const WHEELS: &str = include_str!("basilisk_wheels.py");
+const SCRIPT: &str = concat!(
+    include_str!("basilisk_common.py"),
+    include_str!("basilisk.py")
+);
+const WHEELS: &str = concat!(
+    include_str!("basilisk_common.py"),
+    include_str!("basilisk_wheels.py")
+);
 
 /// A scenario with a constant disturbance, sampled evenly, from an attitude that is far off.
 fn scenario(name: &str, interval_s: f64) -> Value {

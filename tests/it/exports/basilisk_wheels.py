@@ -6,35 +6,14 @@ Prints the largest x'Ux over its proved bound, the largest |h| (N m s), disturba
 pointing error in the end, messages and samples.
 """
 
-import csv
-import importlib.util
-import json
-import sys
 
-import numpy as np
 from Basilisk.architecture import messaging, sysModel
-from Basilisk.simulation import extForceTorque, reactionWheelStateEffector, spacecraft
-from Basilisk.utilities import SimulationBaseClass, macros, simIncludeRW
+from Basilisk.simulation import reactionWheelStateEffector
+from Basilisk.utilities import simIncludeRW
 
-SUBSTEPS = 10
 WHEEL_INERTIA = 0.1  # kg m^2 about the spin axis
 FRICTION_NM = 5e-4
 AXES = np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]]).T / np.sqrt(3.0)
-
-
-def load(path):
-    """The controller's module."""
-    spec = importlib.util.spec_from_file_location("controller", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["controller"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def mrp(q):
-    """Modified Rodrigues parameters of a quaternion, scalar part first."""
-    q = np.array(q) / np.linalg.norm(q) * (1.0 if q[0] >= 0.0 else -1.0)
-    return q[1:] / (1.0 + q[0])
 
 
 def quaternion(sigma):

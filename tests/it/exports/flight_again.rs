@@ -269,19 +269,7 @@ fn single_precision_is_measured_against_the_reference_and_is_not_called_proved()
         assert!(names
             .iter()
             .all(|name| !name.ends_with(".m") && !name.contains("_mex")));
-        for (compiler, language) in [
-            ("gcc", &["-std=c99"][..]),
-            ("clang", &["-std=c99"]),
-            ("g++", &["-x", "c++", "-std=c++17"]),
-        ] {
-            if !installed(compiler) {
-                continue;
-            }
-            let options = [language, &super::flight::STRICT].concat();
-            let (passes, said) = flight.test(compiler, &options);
-            println!("{} {compiler}: {said}", flight.name);
-            assert!(passes, "{} {compiler}: {said}", flight.name);
-        }
+        flight.passes_strictly();
         // No product of the controller is one of doubles.
         if installed("gcc") {
             let run = Command::new("gcc")

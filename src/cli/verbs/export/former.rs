@@ -102,9 +102,7 @@ impl Former {
 
     /// What the list belongs to, where that is another controller.
     fn other_controller(&self, package: &Package) -> Option<String> {
-        let own = package
-            .text_of(DIGESTS)
-            .and_then(|text| controller_in(text));
+        let own = package.text_of(DIGESTS).and_then(controller_in);
         let listed = controller_in(&self.title)?;
         (own != Some(listed)).then(|| listed.to_string())
     }
